@@ -49,7 +49,7 @@ void declare_reading(CLI::App& app, Arguments& arguments) {
                  "named as after FILE# (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many faces of a STEP or IGES file that get no triangles "
+                 "accept up to this many faces of a STEP or IGES file that are lost "
                  "(default 0); the guarantee does not cover them")
       ->check(CLI::Range(0, 1'000'000));
 }

@@ -99,7 +99,7 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "named as after FILE#, or as a part of the manifest (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many faces of each STEP or IGES file that get no triangles "
+                 "accept up to this many faces of each STEP or IGES file that are lost "
                  "(default 0); the guarantee does not cover them")
       ->check(CLI::Range(0, 1'000'000));
   app.add_option("--roi", arguments.roi,

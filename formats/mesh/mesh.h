@@ -60,11 +60,12 @@ struct AssemblyNode {
   std::uint32_t instance_count = 0;
 };
 
-// A face of an exact surface (STEP, IGES) that has no triangles: a hole that the user accepted.
+// A face of an exact surface (STEP, IGES) that has no triangles, or another piece of such a file
+// that could not be read: a hole that the user accepted.
 struct MissingFace {
-  std::string node;  // name of the instance that it belongs to
-  Vec3d center{};    // of the box around its edges; file units, assembly frame
-  double size = 0;   // diagonal of that box, file units
+  std::string node;  // name of the node that it belongs to; empty where unknown
+  Vec3d center{};   // of the box around its edges, else around its node; file units, assembly frame
+  double size = 0;  // diagonal of that box, file units; 0 where the place is unknown
 };
 
 // The content of one mesh file: meshes, and the places where they stand.

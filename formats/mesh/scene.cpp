@@ -177,7 +177,8 @@ Status SceneReader::place(const Placing& placing) {
   for (const std::string& warning : warnings) warnings_.add(placing.named.path, warning);
   const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
   for (MissingFace face : assembly.missing_faces) {
-    if (!placing.named.nodes.empty() && !chosen->paths.contains(face.node)) continue;
+    const bool may_be_elsewhere = !placing.named.nodes.empty() && !face.node.empty();
+    if (may_be_elsewhere && !chosen->paths.contains(face.node)) continue;
     if (!placing.name.empty()) face.node = placing.name + "/" + face.node;
     face.center = mesh::apply(world_from_assembly, face.center);
     face.size *= largest_stretch(world_from_assembly);

@@ -37,6 +37,8 @@ OptionParser::OptionParser(CLI::App& study) {
       .add_option("--without", options_.without,
                   "other nodes that are left out of the scene; repeatable")
       ->allow_extra_args(false);
+  study.add_option("--missing-faces", options_.missing_faces,
+                   "accept up to this many lost faces of a STEP or IGES file, as voxelize does");
   study.add_option("--units", options_.units, "unit of meshes whose format defines none");
   study.add_flag("--files-alone", options_.files_alone,
                  "check without the meshes: what the baked files leave open stays open");

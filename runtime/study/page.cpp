@@ -110,6 +110,10 @@ std::string facts_table(const Page& page) {
     table += row("in its seat",
                  text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()));
   }
+  if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
+    table += row("faces missing from scene and part",
+                 std::to_string(missing) + "; the verdict does not cover them");
+  }
   table += row("voxel", mm(page.scene["voxel_size_m"]));
   table += row("points of the shell", std::to_string(page.shell["points"].get<std::uint64_t>()));
   table += row("poses", std::to_string(v["poses"].get<std::uint64_t>()));

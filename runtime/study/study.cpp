@@ -65,6 +65,7 @@ class Study {
 
   std::vector<std::string> left_out() const;
   void add_reading(Step& step) const;
+  void add_missing_faces(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
@@ -121,6 +122,11 @@ void Study::add_reading(Step& step) const {
   step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
 
+void Study::add_missing_faces(Step& step) const {
+  if (options_.missing_faces.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--missing-faces", options_.missing_faces});
+}
+
 Step Study::scene_step() const {
   Step step{"voxelize",
             {options_.assembly},
@@ -134,6 +140,7 @@ Step Study::scene_step() const {
   if (!options_.range.empty())
     step.arguments.insert(step.arguments.end(), {"--range", options_.range});
   add_reading(step);
+  add_missing_faces(step);
   return step;
 }
 
@@ -145,6 +152,7 @@ Step Study::part_step() const {
             {in("part.pshell"), in("part.json")},
             "forcelayer-tools"};
   add_reading(step);
+  add_missing_faces(step);
   return step;
 }
 

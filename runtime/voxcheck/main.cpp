@@ -15,6 +15,7 @@
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/exact.h"
+#include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/options.h"
 #include "runtime/voxcheck/path_source.h"
@@ -73,6 +74,9 @@ Status check(const Options& options) {
   if (!scene) return scene.error();
   const auto part = open_part(options.part);
   if (!part) return part.error();
+  if (!options.quiet) {
+    warn_of_missing_faces("voxcheck", options.scene, *scene, options.part, *part);
+  }
   const auto allowed = named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
   const auto rows = read_part_path(options.path, options.scene, options.part);

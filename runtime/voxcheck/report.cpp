@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/text.h"
+#include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 
 namespace forcelayer::voxcheck {
@@ -315,6 +316,7 @@ Json report_json(const Report& report) {
     json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
                      {"moments_measured", report.exact->moments}};
   }
+  json["missing_faces"] = missing_faces(report.scene, report.part);
   json["poses"] = r.poses;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;

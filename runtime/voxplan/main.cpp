@@ -12,6 +12,7 @@
 #include "formats/command/text.h"
 #include "formats/command/version.h"
 #include "runtime/run/baked_files.h"
+#include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxplan/options.h"
 #include "runtime/voxplan/plan.h"
@@ -34,6 +35,9 @@ Status plan_for(const Options& options) {
   if (!scene) return scene.error();
   const auto part = open_part(options.part);
   if (!part) return part.error();
+  if (!options.quiet) {
+    voxcheck::warn_of_missing_faces("voxplan", options.scene, *scene, options.part, *part);
+  }
   const auto allowed = voxcheck::named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
   const Problem problem{*scene, *part, options.clearance_m,

@@ -1,4 +1,5 @@
 #include "runtime/voxplan/report.h"
+#include "runtime/voxcheck/missing_faces.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -69,6 +70,7 @@ Json report_json(const Report& report) {
   json["schema_version"] = 1;
   json["found"] = result.found;
   json["required_clearance_m"] = report.options.clearance_m;
+  json["missing_faces"] = voxcheck::missing_faces(report.problem.scene, report.problem.part);
   if (result.found) {
     json["path"] = report.options.path;
     json["rows"] = report.plan.rows.size();

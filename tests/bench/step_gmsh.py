@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Boxes and volumes of the parts of STEP assemblies, as voxelize and pointshell read them and as gmsh does.
+"""Names, boxes and volumes of the parts of STEP assemblies, as voxelize and pointshell read them and as gmsh does.
 
     step_gmsh.py --csv TABLE.csv [FILE.step...]
 
 Without files: the assembly of make_step_assembly in millimeter, inch and meter. Needs gmsh (Debian: gmsh), and voxelize,
-pointshell and make_step_assembly in FORCELAYER_BIN_DIR. gmsh has no names: each part is matched with the solid whose box is
-nearest to its own, and no solid is matched twice. gmsh's boxes are exact for parts of planes and circles, as the assembly has;
+pointshell and make_step_assembly in FORCELAYER_BIN_DIR. Each part is matched with the solid whose box is nearest to its own, and no
+solid is matched twice. gmsh's name of it, by the C interface of its library, is the path of products and their instances: a label
+of ours must be one of the two at its level ("[2]" of a second one apart). gmsh's boxes are exact for parts of planes and circles, as the assembly has;
 around spline curves they are loose, so boxes of FILEs are those of gmsh's own triangles.
 """
 import argparse
+import ctypes.util
 import csv
 import json
 import os
@@ -42,6 +44,40 @@ def gmsh_solids(path, is_of_triangles, folder):
     return [(row[:6], row[6]) for row in numbers]
 
 
+NAMES = """
+import ctypes, json, sys
+library, error = ctypes.CDLL(sys.argv[1]), ctypes.c_int()
+def call(function, *arguments):
+    getattr(library, function)(*arguments, ctypes.byref(error))
+    assert error.value == 0, function
+call("gmshInitialize", 0, None, 1)
+call("gmshOptionSetNumber", b"General.Terminal", ctypes.c_double(0))
+call("gmshOptionSetNumber", b"Geometry.OCCImportLabels", ctypes.c_double(1))
+call("gmshOpen", sys.argv[2].encode())
+tags, count, names = ctypes.POINTER(ctypes.c_int)(), ctypes.c_size_t(), []
+call("gmshModelGetEntities", ctypes.byref(tags), ctypes.byref(count), 3)
+for n in range(1, count.value, 2):
+    name = ctypes.c_char_p()
+    call("gmshModelGetEntityName", 3, tags[n], ctypes.byref(name))
+    names.append(name.value.decode())
+print(json.dumps(names))
+"""
+
+
+def gmsh_names(path):
+    """The names of all solids, in the order of gmsh_solids()."""
+    library = ctypes.util.find_library("gmsh") or "libgmsh.so.4.8"
+    return json.loads(run(sys.executable, "-c", NAMES, library, path).stdout)
+
+
+def is_same_name(ours, theirs):
+    """'clamp/rod_1' and 'Shapes/clamp/rod_1/rod'."""
+    labels, names = ours.split("/"), theirs.split("/")[1:]
+    pairs = [names[:1]] + [names[n:n + 2] for n in range(1, len(names), 2)]
+    return len(labels) == len(pairs) and all(
+        re.sub(r"\[\d+\]$", "", label) in pair for label, pair in zip(labels, pairs))
+
+
 def our_parts(path, folder):
     """Boxes by node, mm, of the nodes that are one part."""
     report = folder / "list.json"
@@ -63,7 +99,7 @@ def our_volume_mm3(path, node, size_mm, folder):
 
 
 def rows_of(name, path, is_of_triangles, folder):
-    solids = gmsh_solids(path, is_of_triangles, folder)
+    solids = [(*solid, theirs) for solid, theirs in zip(gmsh_solids(path, is_of_triangles, folder), gmsh_names(path))]
     parts = our_parts(path, folder)
     if len(solids) != len(parts):
         sys.exit(f"{name}: {len(parts)} parts, {len(solids)} solids of gmsh")
@@ -73,7 +109,7 @@ def rows_of(name, path, is_of_triangles, folder):
         solids.remove(nearest)
         size = max(box[n + 3] - box[n] for n in range(3))
         volume = our_volume_mm3(path, node, size, folder)
-        yield {"file": name, "node": node, "size_mm": f"{size:.6g}", "box_difference_mm": f"{distance(nearest):.3g}",
+        yield {"file": name, "node": node, "same_name": int(is_same_name(node, nearest[2])), "size_mm": f"{size:.6g}", "box_difference_mm": f"{distance(nearest):.3g}",
                "volume_mm3": f"{volume:.7g}", "gmsh_volume_mm3": f"{nearest[1]:.7g}",
                "volume_difference": f"{volume / nearest[1] - 1:.2g}"}
 
@@ -97,7 +133,8 @@ def main():
         writer.writerows(rows)
     worst_box = max(float(r["box_difference_mm"]) / float(r["size_mm"]) for r in rows)
     worst_volume = max(abs(float(r["volume_difference"])) for r in rows)
-    print(f"{len(rows)} parts: boxes differ by at most {worst_box:.2g} of their size, volumes by {worst_volume:.2g}")
+    same = sum(row["same_name"] for row in rows)
+    print(f"{len(rows)} parts: {same} names are the same, boxes differ by at most {worst_box:.2g} of their size, volumes by {worst_volume:.2g}")
 
 
 if __name__ == "__main__":

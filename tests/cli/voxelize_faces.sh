@@ -61,6 +61,39 @@ printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,2,0,0,1,0,0,0\n1,2,0,0,1,0,0,0\n' >still.
 expect 0 "scene.vox: 1 face is missing from it" voxrun scene.vox part.pshell --device sim --motion still.csv \
   --duration 0.1s --as-fast-as-possible --json run.json
 grep -q "part.pshell: 1 face is missing from it" err || fail "voxrun on the part: $(cat err)"
+# So do a check, which is clear of what is there, a plan, and a study with its page.
+expect 0 "part.pshell: 1 face is missing from it" voxcheck scene.vox part.pshell still.csv --clearance 1mm --json check.json
+grep -q "scene.vox: 1 face is missing from it" err || fail "voxcheck on the scene: $(cat err)"
+expect 0 "" voxcheck scene.vox part.pshell still.csv --clearance 1mm --quiet
+[ ! -s err ] || fail "voxcheck --quiet is not: $(cat err)"
+grep -q '"missing_faces": 2,' check.json || fail "the report of voxcheck: $(cat check.json)"
+if [ -x "$bin/voxplan" ]; then
+  "$bin/voxplan" scene.vox part.pshell --time 0.1s -o plan.csv >out 2>err
+  grep -q "voxplan: warning: scene.vox: 1 face is missing from it" err || fail "voxplan: $(cat err)"
+fi
+study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clearance 1mm --no-pictures -o study)
+"$bin/${study[0]}" "${study[@]:1}" >out 2>err && fail "a study of a scene that cannot be read"
+expect 0 "" "${study[@]}" --missing-faces 1
+grep -q "faces missing from scene and part</th><td>1; the verdict does not cover them" study/report.html || fail "the page does not say what is missing"
+
+# A face that OpenCASCADE cannot read (the cube's first boundary is not there): the same ways out of one file.
+python3 - <<'EOF' || exit 1
+import re
+text = open("tray.step").read()
+first = text.index("ADVANCED_FACE")
+open("torn.step", "w").write(text[:first] + re.sub(r"\(#\d+", "(#99999", text[first:], count=1))
+EOF
+vox=(voxelize torn.step --voxel-size 2mm -o out.vox --without bad)
+part=(pointshell "torn.step#cube" --voxel-size 2mm --effort fast -o out.pshell)
+for bake in vox part; do
+  declare -n call=$bake
+  expect 3 "tray/cube: OpenCASCADE could not read 1 of" "${call[@]}"
+  grep -q -- "--without, or accept the holes with --missing-faces 1" err || fail "$bake: no way out: $(cat err)"
+  expect 0 "ADVANCED_FACE is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
+done
+expect 0 "" "${vox[@]}" --without cube
+expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --effort fast -o out.pshell
+vox=(voxelize tray.step --voxel-size 2mm -o out.vox)
 
 # A cache does not forget what was not accepted.
 expect 0 "no guarantee covers it" "${vox[@]}" --missing-faces 1 --cache cache

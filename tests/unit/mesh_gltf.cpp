@@ -292,6 +292,21 @@ Handmade morphing_points(const std::string& more_of_mesh) {
   return made;
 }
 
+TEST(GltfReader, TellsNodesThatTheDefaultSceneDoesNotHold) {
+  const mesh::Mesh mesh = test::cube();
+  const auto read = [&](const std::string& nodes) {
+    const std::string bytes = as_glb(gltf_json(mesh, nodes), gltf_binary(mesh));
+    return mesh::read_source({"mesh.glb", bytes, {}});
+  };
+  const auto elsewhere = read(R"([{"mesh":0},{"mesh":0},{"name":"camera"}])");
+  ASSERT_TRUE(elsewhere) << to_line(elsewhere.error());
+  EXPECT_EQ(elsewhere->instances.size(), 1u);
+  EXPECT_EQ(elsewhere->warnings,
+            (std::vector<std::string>{
+                "1 node with a mesh left out: the default scene does not hold it"}));
+  EXPECT_TRUE(read(R"([{"mesh":0}])")->warnings.empty());
+}
+
 TEST(GltfReader, AppliesTheDefaultWeightsOfMorphTargets) {
   EXPECT_EQ(corners_in(morphing_points("")), (Corners{{kO, kX, kY}, {kO, kY, kXY}, {kO, kXY, kZ}}));
   const Handmade morphed = morphing_points(R"(,"weights":[0.5,0.25])");

@@ -4,15 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/random_numbers.h"
 
 #ifdef FORCELAYER_STEP
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Poly_Triangulation.hxx>
 #include <TopExp_Explorer.hxx>
 
 #include "formats/mesh/step/edge_cover.h"
@@ -167,6 +172,56 @@ TEST(StepTessellator, MendsAFaceWhoseOutlineCrossesItself) {
   EXPECT_EQ(made.healed, 1u);
   EXPECT_NEAR(mesh::mesh_facts(made.mesh).area, 50, 1e-6);  // two lobes of 10 x 5 / 2
   EXPECT_GE(made.deviation_mm, 0.1);
+}
+
+// Waves over n x n control points that are 160 apart: a surface along which its parameter does not
+// run evenly, so that OpenCASCADE takes its triangles for 80 mm off.
+Handle(Geom_Surface) wavy_surface(int n) {
+  TColgp_Array2OfPnt poles(1, n, 1, n);
+  for (int i = 1; i <= n; ++i) {
+    for (int j = 1; j <= n; ++j) {
+      poles.SetValue(
+          i, j, {160.0 * i, 160.0 * j, 100 * std::sin(1.5 * (i - 1)) * std::sin(1.2 * (j - 1))});
+    }
+  }
+  TColStd_Array1OfReal knots(1, n - 2);
+  TColStd_Array1OfInteger counts(1, n - 2);
+  for (int k = 1; k <= n - 2; ++k) {
+    knots.SetValue(k, k);
+    counts.SetValue(k, k == 1 || k == n - 2 ? 4 : 1);
+  }
+  return new Geom_BSplineSurface(poles, knots, knots, counts, counts, 3, 3);
+}
+
+double distance_to(const mesh::Mesh& mesh, const gp_XYZ& place) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const mesh::Corners& triangle : mesh::triangles_of(mesh)) {
+    nearest = std::min(nearest, mesh::distance_to_triangle(place, triangle));
+  }
+  return nearest;
+}
+
+TEST(StepTessellator, ProvesHowFarTheTrianglesOfAFreeFormSurfaceLie) {
+  constexpr int kPoles = 12, kSeed = 71;
+  const Handle(Geom_Surface) surface = wavy_surface(kPoles);
+  const TopoDS_Face face = BRepBuilderAPI_MakeFace(surface, 1e-6).Face();
+  for (const double deflection : {0.5, 2.0, 8.0}) {
+    BRepTools::Clean(face);
+    const auto made = tessellated(face, deflection);
+    TopLoc_Location ignored;
+    ASSERT_GT(BRep_Tool::Triangulation(face, ignored)->Deflection(), 70);
+    EXPECT_EQ(made.edge_gap_mm, 0);
+    EXPECT_LT(made.deviation_mm, 10 * deflection);
+    Random random(kSeed);
+    double farthest = 0;
+    for (int n = 0; n < 300; ++n) {
+      const gp_Pnt place =
+          surface->Value(uniform(random, 1, kPoles - 2), uniform(random, 1, kPoles - 2));
+      farthest = std::max(farthest, distance_to(made.mesh, place.XYZ()));
+    }
+    EXPECT_LE(farthest, made.deviation_mm) << "seed " << kSeed;
+    EXPECT_GT(farthest, 0.05 * made.deviation_mm) << "a bound without worth at " << deflection;
+  }
 }
 
 // From the file to the assembly.

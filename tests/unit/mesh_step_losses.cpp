@@ -62,7 +62,7 @@ TEST(StepLosses, AConstructiveSolidThatIsNotUnderstood) {
           "#9001=BLOCK('',#9002,5.,5.,5.);\n#9005=PLANE('',#9002);\n"
           "#9007=HALF_SPACE_SOLID('',#9005,.T.);\n"
           "#9006=BOOLEAN_RESULT('',.UNION.,#9001,#9007);\n#9004=CSG_SOLID('lid',#9006);\n");
-  expect_in("1 solid: #9004 CSG_SOLID 'lid';", step_error(tree));
+  expect_in("1 solid: #9004 CSG_SOLID 'lid' (", step_error(tree));
   // A solid that no shape lists.
   const std::string alone =
       with_entities(step_box(), std::string(kFrame) + "#9001=BLOCK('block',#9002,5.,5.,5.);\n");
@@ -121,6 +121,135 @@ TEST(StepLosses, DamagedFacesShellsAndSolids) {
             step_error(replaced(box, "MANIFOLD_SOLID_BREP", "MANIFOLD_SOLID_BREX")));
 }
 
+// A number left out counts as 0, a fourth is dropped.
+TEST(StepLosses, APointOrDirectionInSpaceWithoutThreeNumbers) {
+  const std::string box = step_box();
+  for (const std::string numbers : {"10.,20.", "10.", "10.,20.,30.,1."}) {
+    expect_in("1 damaged entity: #196 CARTESIAN_POINT",
+              step_error(replaced(box, R"(\('',\(10.,20.,30.\)\))", "('',(" + numbers + "))")));
+  }
+  expect_in("1 damaged entity: #35 DIRECTION",
+            step_error(replaced(box, R"(#35 = DIRECTION\('',\(1.,0.,-0.\)\))",
+                                "#35 = DIRECTION('',(1.,0.))")));
+  // Curves in the parameters of a surface have two; of such the box has many.
+  EXPECT_NE(box.find("CARTESIAN_POINT('',(0.,0.));"), std::string::npos);
+}
+
+// A flag that is neither true nor false counts as true.
+TEST(StepLosses, AFlagThatIsNone) {
+  const std::string box = step_box();
+  for (const std::string flag : {"$$", "'x'", "7", ".X.", "#12"}) {
+    expect_in("2 of 6 faces: #17 ADVANCED_FACE, #",
+              step_error(replaced(box, R"((#21 = EDGE_CURVE\('',#22,#24,#26,).T.\))",
+                                  "$01" + flag + ")")));
+    expect_in("1 of 6 faces: #17 ADVANCED_FACE",
+              step_error(replaced(box, R"((#17 = ADVANCED_FACE\('',\(#18\),#32,).F.\))",
+                                  "$01" + flag + ")")));
+  }
+}
+
+TEST(StepLosses, AnItemOfAShapeThatIsNotThere) {
+  const std::string lost = "1 damaged entity: #10 ADVANCED_BREP_SHAPE_REPRESENTATION";
+  expect_in(lost, step_error(with_item(step_box(), "#9999")));
+  expect_in(lost, step_error(with_item(step_box(), "$")));
+}
+
+// The second shell of a surface model, and a void of a solid, that are not there.
+TEST(StepLosses, AShellThatIsNotThere) {
+  const std::string box = step_box();
+  expect_in("1 damaged entity: #15 SHELL_BASED_SURFACE_MODEL",
+            step_error(replaced(box, R"(MANIFOLD_SOLID_BREP\('',#16\))",
+                                "SHELL_BASED_SURFACE_MODEL('',(#16,#9999))")));
+  expect_in("1 damaged entity: #15 BREP_WITH_VOIDS",
+            step_error(replaced(box, R"(MANIFOLD_SOLID_BREP\('',#16\))",
+                                "BREP_WITH_VOIDS('',#16,(#9999))")));
+}
+
+// The warnings of reading `text`.
+std::vector<std::string> warnings_of(const std::string& text, const std::string& extension) {
+  const ScratchFolder folder;
+  const auto assembly = mesh::read_assembly(write_file(folder / ("a" + extension), text));
+  EXPECT_TRUE(assembly) << to_line(assembly.error());
+  return assembly ? assembly->warnings : std::vector<std::string>{};
+}
+
+TEST(StepLosses, NoUnitOfLengthIsTold) {
+  const std::string box = step_box();
+  for (const std::string& text :
+       {replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", "SI_UNITS(.MILLI.,.METRE.)"),
+        replaced(box, R"(GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\([^)]*\)\))", "")}) {
+    const auto warnings = warnings_of(text, ".step");
+    ASSERT_EQ(warnings.size(), 1u);
+    expect_in("#10 ADVANCED_BREP_SHAPE_REPRESENTATION states no unit of length", warnings[0]);
+  }
+  EXPECT_TRUE(warnings_of(box, ".step").empty());
+}
+
+TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
+  const std::string box = iges_box(true);
+  EXPECT_TRUE(warnings_of(box, ".igs").empty());
+  const auto named = warnings_of(replaced(box, "1\\.,2,2HMM,", "1.,2,2HIN,"), ".igs");
+  ASSERT_EQ(named.size(), 1u);
+  expect_in("its unit is called 'IN', and its number 2 is that of another unit", named[0]);
+  const auto scaled = warnings_of(replaced(box, "1\\.,2,2HMM,", "2.,2,2HMM,"), ".igs");
+  ASSERT_EQ(scaled.size(), 1u);
+  expect_in("drawn to a scale of 2", scaled[0]);
+}
+
+// A curve in parameters whose representation holds nothing; OpenCASCADE crashes on it.
+TEST(StepLosses, ACurveInParametersThatIsNotThere) {
+  expect_in(" DEFINITIONAL_REPRESENTATION",
+            step_error(replaced(step_box(), R"((= DEFINITIONAL_REPRESENTATION\('',)\(#\d+\))",
+                                "$1(#9999)")));
+}
+
+// What is lost of the plate of the assembly, and the faces that are missing then.
+struct LossOfPlate {
+  const char *pattern, *by;
+  std::size_t pieces, triangles;  // of the plate's 12
+};
+
+TEST(StepLosses, LeaveAWayOutByNodeAndByNumber) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step");
+  const std::size_t plate = clamp.find("PRODUCT('plate'");
+  constexpr std::size_t kInstances = 18, kTriangles = 3720;
+  for (const auto& [pattern, by, pieces, triangles] :
+       {LossOfPlate{R"((ADVANCED_FACE\('',)\(#\d+)", "$1(#99999", 1, 10},
+        {"= PLANE", "= PLANX", 1, 10},
+        {R"((VERTEX_POINT\('',)#\d+)", "$1#99999", 3, 6},
+        {R"((CARTESIAN_POINT\('',\([^,]*,[^,]*),[^,]*\)\);\n(#\d+ = VERTEX_POINT))", "$1));\n$2", 3,
+         6},
+        {R"((CLOSED_SHELL\('',)\(#\d+)", "$1(#99999", 2, 0},
+        {"MANIFOLD_SOLID_BREP", "MANIFOLD_SOLID_BREX", 6, 0}}) {
+    const std::string path = write_file(
+        folder / "a.step", clamp.substr(0, plate) + replaced(clamp.substr(plate), pattern, by));
+    const auto refused = mesh::read_assembly(path);
+    ASSERT_FALSE(refused) << pattern;
+    expect_in("clamp/plate_1", to_line(refused.error()));
+    expect_in("--missing-faces " + std::to_string(pieces), to_line(refused.error()));
+    EXPECT_FALSE(mesh::read_assembly(path, {.missing_faces = pieces - 1})) << pattern;
+    const auto accepted = mesh::read_assembly(path, {.missing_faces = pieces});
+    ASSERT_TRUE(accepted) << to_line(accepted.error());
+    EXPECT_EQ(accepted->missing_faces.size(), pieces) << pattern;
+    EXPECT_EQ(accepted->triangle_count(), kTriangles - 12 + triangles) << pattern;
+    for (const mesh::MissingFace& face : accepted->missing_faces) {
+      if (face.node.empty()) continue;
+      EXPECT_EQ(face.node, "clamp/plate_1");
+      EXPECT_GT(face.size, 20);
+      EXPECT_LT(face.size, 240);  // the plate is 180 x 150 x 20
+      EXPECT_NEAR(face.center[2], 10, 10.1);
+    }
+    const auto without = mesh::read_assembly(path, {.without = {"plate_1"}});
+    if (!accepted->missing_faces.back().node.empty()) {
+      ASSERT_TRUE(without) << to_line(without.error());
+      EXPECT_EQ(without->instances.size(), kInstances - 1);
+      EXPECT_TRUE(without->missing_faces.empty());
+    }
+  }
+}
+
 // The box placed twice by mapped items, which AP203 assemblies use; `target` places the second.
 std::string twice_mapped(const std::string& target) {
   return with_entities(
@@ -152,6 +281,12 @@ TEST(StepLosses, MappedItemsAreReadOrNamed) {
         "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9210,$,#9209,1.,$);",  // axes left out
         "NO_SUCH_PLACEMENT('',#9209);"}) {
     expect_in(lost, step_error(twice_mapped(target)));
+    // Accepted it is left out: where it would stand is wrong.
+    const auto accepted = mesh::read_assembly(write_file(folder / "a.step", twice_mapped(target)),
+                                              {.missing_faces = 1});
+    ASSERT_TRUE(accepted) << to_line(accepted.error());
+    EXPECT_EQ(accepted->triangle_count(), 12u);
+    EXPECT_EQ(accepted->missing_faces.size(), 1u);
   }
 }
 
@@ -165,6 +300,19 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
   expect_in(
       "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
       step_error(replaced(clamp, R"(#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION[^;]*;)", "")));
+  // The second of two occurrences of the bracket assembly: the faces of the first are there.
+  const std::size_t second = clamp.find("'bracket-assembly_2'");
+  ASSERT_NE(second, std::string::npos);
+  const auto placing_of = [](const std::string& text) {
+    return text.rfind("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION", text.find("'bracket-assembly_2'"));
+  };
+  const std::string before = clamp.substr(0, placing_of(clamp)),
+                    after = clamp.substr(placing_of(clamp));
+  expect_in("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+            step_error(before + replaced(after, R"(\((#\d+),#\d+\))", "($1,$$)")));
+  expect_in("NEXT_ASSEMBLY_USAGE_OCCURRENCE",
+            step_error(before + replaced(after, R"(CONTEXT_DEPENDENT_SHAPE_REPRESENTATION\([^;]*;)",
+                                         "NO_SUCH_PLACING();")));
 }
 
 TEST(IgesLosses, ADamagedSurfaceOfACube) {
@@ -186,6 +334,25 @@ TEST(IgesLosses, APartOfABoundaryRepresentationThatLeadsNowhere) {
   expect_in("1 damaged entity: D15 (type 508)",
             iges_error(with_parameters(box, 15, "508,1,0,47,1,1,0;")));
   expect_in("damaged entity: D3 (type 514)", iges_error(with_parameters(box, 3, "514,1,17,1;")));
+}
+
+TEST(IgesLosses, LeaveAWayOut) {
+  const ScratchFolder folder;
+  const std::string box = iges_box(true);
+  // A face that names neither boundary nor surface leaves both behind, which count, too.
+  for (const auto& [text, pieces] :
+       {std::pair{with_parameters(box, 45, "510,0,1,1,0;"), std::size_t{3}},
+        {with_parameters(box, 47, "190,0,0;"), 1},
+        {with_parameters(box, 15, "508,1,0,47,1,1,0;"), 1}}) {
+    const std::string path = write_file(folder / "a.igs", text);
+    EXPECT_FALSE(mesh::read_assembly(path));
+    const auto accepted = mesh::read_assembly(path, {.missing_faces = pieces});
+    ASSERT_TRUE(accepted) << to_line(accepted.error());
+    EXPECT_EQ(accepted->triangle_count(), 10u);
+    ASSERT_EQ(accepted->missing_faces.size(), pieces);
+    if (pieces > 1) continue;
+    EXPECT_NEAR(accepted->missing_faces[0].size, std::sqrt(1400), 0.1);  // the node's 10 x 20 x 30
+  }
 }
 
 TEST(IgesLosses, AnExternalReference) {
@@ -225,6 +392,19 @@ TEST(IgesLosses, AnEdgeThatLeavesItsFacesIsTold) {
   EXPECT_EQ(listed->warnings, box->warnings);
 }
 
+// The edge begins at another corner: OpenCASCADE gives its corner a tolerance of 10 mm, leaves a
+// triangle out and finds no deflection.
+TEST(IgesLosses, AnEdgeThatOnlyItsToleranceTiesIsTold) {
+  const ScratchFolder folder;
+  const std::string text = replaced(iges_box(true), "110,10\\.,20\\.,0\\.,10\\.,20\\.,30\\.; ",
+                                    "110,0.,20.,0.,10.,20.,30.;  ");
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text));
+  ASSERT_TRUE(box) << to_line(box.error());
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 10);
+}
+
 // The line ends 0.9 mm beside the corner, and the reader bends it.
 TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   const ScratchFolder folder;
@@ -241,9 +421,11 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   EXPECT_GE(box->deviation_units, 0.472);
 }
 
-TEST(IgesLosses, AFaceWithoutEdgesHasNoPlace) {
+TEST(IgesLosses, AFaceWithoutEdgesIsSomewhereInItsNode) {
   const std::string text = with_parameters(iges_box(false), 15, "110,0.,0.,40.,0.,20.,30.;");
-  expect_in("COMPOUND, a face without edges, whose place is unknown", iges_error(text));
+  expect_in(
+      "COMPOUND, a face without edges somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
+      iges_error(text));
 }
 
 TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {

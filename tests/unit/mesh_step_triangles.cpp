@@ -112,7 +112,8 @@ TEST(StepTriangles, ThatAreDamagedOrNowhereAreNamed) {
     expect_lost(with_entities(without_box("#9104"), damaged + shape), lost);
   }
   expect_lost(with_entities(step_box(), kTetrahedron), lost);  // no shape lists it
-  for (const char* no_point : {"$1(0.,0.,$$)", "$1(0.,0.,'x')"}) {
+  for (const char* no_point :
+       {"$1(0.,0.,$$)", "$1(0.,0.,'x')", "$1(0.,0.)", "$1()", "$1(0.,0.,/*one*/0.,0.)"}) {
     const std::string damaged =
         replaced(kTetrahedron, R"((COORDINATES_LIST\('',4,\()\([^)]*\))", no_point);
     expect_lost(with_entities(without_box("#9104"), damaged + shape),

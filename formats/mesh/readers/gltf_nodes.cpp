@@ -260,6 +260,18 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
                        std::to_string(document_.count("meshes")) +
                        " meshes left out: no node of the default scene places them");
   }
+  std::uint64_t elsewhere = 0;
+  for (std::uint64_t i = 0; i < document_.count("nodes"); ++i) {
+    if (document_.element("nodes", i).contains("mesh")) ++elsewhere;
+  }
+  for (const auto& node : nodes_) {
+    if (document_.element("nodes", node.index).contains("mesh")) --elsewhere;
+  }
+  if (elsewhere > 0 && left_out == 0) {
+    warnings.push_back(counted(elsewhere, "node") +
+                       " with a mesh left out: the default scene does not hold " +
+                       (elsewhere == 1 ? "it" : "them"));
+  }
 }
 
 }  // namespace forcelayer::mesh

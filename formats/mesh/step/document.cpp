@@ -1,17 +1,24 @@
 #include "formats/mesh/step/document.h"
 
 #include <IGESCAFControl_Reader.hxx>
+#include <IGESData_BasicEditor.hxx>
+#include <IGESData_GlobalSection.hxx>
+#include <IGESData_IGESModel.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TDF_Tool.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <cstdio>
 
+#include "formats/file/mapped_file.h"
 #include "formats/mesh/step/entities/constructive.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
+#include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
 #include "formats/mesh/step/references.h"
@@ -74,30 +81,81 @@ void keep_references(const SourceFile& file, const std::vector<StepReference>& r
   }
 }
 
-void read_step_file(const SourceFile& file, StepDocument& document) {
+// The pieces by the labels of their products.
+void keep_losses(FileLosses losses, const STEPCAFControl_Reader& reader, StepDocument& document) {
+  for (LostPiece& piece : losses.pieces) {
+    for (const auto& product : piece.products) {
+      const TDF_Label label = label_of(product, reader);
+      if (!label.IsNull()) {
+        piece.owners.push_back(entry_of(label));
+      } else {
+        piece.name += " of " + in_quotes(product_name(product));
+      }
+    }
+  }
+  document.losses = std::move(losses);
+}
+
+// Where nothing became a shape, the losses are the reason, if there are any.
+void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& losses,
+                  const OcctMessages& messages) {
+  if (has_shapes) return;
+  if (losses.pieces.empty()) fail_shapes(file, messages);
+  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + losses.text,
+            losses.mend);
+}
+
+void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
-  check_step_references(file, session);
+  const StepDamage damage = take_out_damage(session, text);
   std::vector<TriangleItem> items = take_triangles(session);
   ReadEntities read_entities = make_constructive_solids(session);
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   read_entities.merge(keep_triangles(items, reader, document));
-  check_step_losses(file, session, document.document, read_entities);
+  keep_losses(find_step_losses(session, document.document, read_entities, damage), reader,
+              document);
   keep_references(file, references, reader, document);
-  if (!has_shapes) fail_shapes(file, messages);
+  if (const std::string shape = shape_without_unit(session); !shape.empty()) {
+    document.warnings.push_back(shape +
+                                " states no unit of length that is understood: its numbers "
+                                "were taken for millimeters; --units says what they are");
+  }
+  check_shapes(file, has_shapes, document.losses, messages);
+}
+
+// The sizes of a file that states another unit than it names are of one of them.
+void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument& document) {
+  const auto model = Handle(IGESData_IGESModel)::DownCast(any);
+  const IGESData_GlobalSection& global = model->GlobalSection();
+  constexpr int kByName = 3;
+  const std::string name = global.UnitName().IsNull() ? "" : global.UnitName()->ToCString();
+  const int of_name = name.empty() ? 0 : IGESData_BasicEditor::UnitNameFlag(name.c_str());
+  if (global.UnitFlag() != kByName && of_name > 0 && of_name != global.UnitFlag()) {
+    document.warnings.push_back("its unit is called " + in_quotes(name) + ", and its number " +
+                                std::to_string(global.UnitFlag()) +
+                                " is that of another unit, which was taken: look at the size");
+  }
+  if (global.Scale() != 1) {
+    char scale[40];
+    std::snprintf(scale, sizeof scale, "%.6g", global.Scale());
+    document.warnings.push_back("its model is drawn to a scale of " + std::string(scale) +
+                                ", which is not applied: look at the size");
+  }
 }
 
 void read_iges_file(const SourceFile& file, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
-  check_iges_references(file, reader.WS());
+  const IgesDamage damage = take_out_iges_damage(reader.WS());
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
-  check_iges_losses(file, reader.WS(), document.document);
-  if (!has_shapes) fail_shapes(file, messages);
+  check_iges_units(reader.Model(), document);
+  document.losses = find_iges_losses(reader.WS(), document.document, damage);
+  check_shapes(file, has_shapes, document.losses, messages);
 }
 
 }  // namespace
@@ -114,7 +172,9 @@ StepDocument read_step_document(const SourceFile& file) {
   if (lower_case_extension(file.path).starts_with(".ig")) {
     read_iges_file(file, document);
   } else {
-    read_step_file(file, document);
+    const Result<MappedFile> mapped = MappedFile::open(file.path);
+    if (!mapped) throw ReadFailure{mapped.error()};
+    read_step_file(file, text_of(*mapped), document);
   }
   return document;
 }

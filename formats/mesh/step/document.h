@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/mesh/reader.h"
+#include "formats/mesh/step/entities/lost_pieces.h"
 
 namespace forcelayer::mesh {
 
@@ -18,13 +19,15 @@ struct StepDocument {
   std::map<std::string, std::vector<std::vector<std::string>>> references;
   // Triangles of products that the file holds beside or in place of exact surfaces, millimeters.
   std::map<std::string, std::vector<Mesh>> triangles;
+  FileLosses losses;
+  std::vector<std::string> warnings;
 };
 
 // The place of a label in its document.
 std::string entry_of(const TDF_Label& label);
 
 // Reads the whole file; OpenCASCADE turns all units into millimeters. Throws where the file cannot
-// be parsed, or where a face, a solid or a placing of it did not become a shape.
+// be parsed, or where nothing of it became a shape.
 StepDocument read_step_document(const SourceFile& file);
 
 }  // namespace forcelayer::mesh

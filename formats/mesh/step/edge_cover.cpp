@@ -24,19 +24,6 @@ double distance_to_segment(const gp_XYZ& p, const gp_XYZ& a, const gp_XYZ& b) {
   return (p - a - t * side).Modulus();
 }
 
-double distance_to_triangle(const gp_XYZ& p, const Corners& t) {
-  const double to_sides =
-      std::min({distance_to_segment(p, t[0], t[1]), distance_to_segment(p, t[1], t[2]),
-                distance_to_segment(p, t[2], t[0])});
-  const gp_XYZ normal = (t[1] - t[0]).Crossed(t[2] - t[0]);
-  const double length = normal.Modulus();
-  if (!(length > 0)) return to_sides;
-  for (std::size_t n = 0; n < 3; ++n) {  // over the inside only the plane is nearer
-    if (normal.Dot((t[(n + 1) % 3] - t[n]).Crossed(p - t[n])) < 0) return to_sides;
-  }
-  return std::min(to_sides, std::abs((p - t[0]).Dot(normal)) / length);
-}
-
 // A segment whose ends are near one triangle is near it everywhere, because a triangle is convex.
 bool covers_segment(const std::vector<Corners>& triangles, const gp_XYZ& a, const gp_XYZ& b,
                     double distance_mm) {
@@ -52,6 +39,19 @@ bool covers_segment(const std::vector<Corners>& triangles, const gp_XYZ& a, cons
 }
 
 }  // namespace
+
+double distance_to_triangle(const gp_XYZ& p, const Corners& t) {
+  const double to_sides =
+      std::min({distance_to_segment(p, t[0], t[1]), distance_to_segment(p, t[1], t[2]),
+                distance_to_segment(p, t[2], t[0])});
+  const gp_XYZ normal = (t[1] - t[0]).Crossed(t[2] - t[0]);
+  const double length = normal.Modulus();
+  if (!(length > 0)) return to_sides;
+  for (std::size_t n = 0; n < 3; ++n) {  // over the inside only the plane is nearer
+    if (normal.Dot((t[(n + 1) % 3] - t[n]).Crossed(p - t[n])) < 0) return to_sides;
+  }
+  return std::min(to_sides, std::abs((p - t[0]).Dot(normal)) / length);
+}
 
 std::vector<gp_Pnt> edge_polygon(const TopoDS_Edge& edge, double tolerance_mm) {
   constexpr double kAngularDeflectionRad = 0.1;

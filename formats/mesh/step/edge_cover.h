@@ -21,6 +21,7 @@ std::vector<gp_Pnt> edge_polygon(const TopoDS_Edge& edge, double tolerance_mm);
 bool has_whole_outline(const TopoDS_Face& face);
 
 using Corners = std::array<gp_XYZ, 3>;  // of a triangle, millimeters
+double distance_to_triangle(const gp_XYZ& p, const Corners& t);
 std::vector<Corners> triangles_of(const TopoDS_Shape& shape);
 std::vector<Corners> triangles_of(const Mesh& mesh);
 

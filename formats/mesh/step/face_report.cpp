@@ -16,12 +16,44 @@ std::string length_text(double length_mm) {
   return text;
 }
 
-std::string place_text(const MissingFace& face) {
-  if (face.size == 0) return face.node + ", a face without edges, whose place is unknown";
+std::string place_text(const MissingPiece& piece) {
+  const MissingFace& face = piece.face;
+  const std::string node = face.node.empty() ? "of an unknown node" : face.node;
+  if (face.size == 0) return node + ", whose place is unknown";
   char place[160];
   std::snprintf(place, sizeof place, " at (%.6g, %.6g, %.6g) mm, ", face.center[0], face.center[1],
                 face.center[2]);
-  return face.node + place + length_text(face.size) + " across";
+  return node +
+         (piece.has_edges      ? ""
+          : piece.name.empty() ? ", a face without edges somewhere in its node,"
+                               : ", somewhere in its node,") +
+         place + length_text(face.size) + " across";
+}
+
+// The first of them, each place once.
+std::string places_text(std::span<const MissingPiece> missing) {
+  constexpr std::size_t kListed = 4;
+  std::vector<std::string> places;
+  for (const MissingPiece& piece : missing) {
+    std::string place = place_text(piece);
+    if (std::find(places.begin(), places.end(), place) == places.end()) {
+      places.push_back(places.size() < kListed ? std::move(place) : "...");
+    }
+    if (places.size() > kListed) break;
+  }
+  std::string text;
+  for (const std::string& place : places) text += (text.empty() ? "" : "; ") + place;
+  return text;
+}
+
+std::string way_out(std::string mend, std::span<const MissingPiece> missing,
+                    const std::vector<std::string>& unknown_nodes) {
+  mend += ", leave their node out with --without, or accept the holes with --missing-faces " +
+          std::to_string(missing.size());
+  for (const std::string& name : unknown_nodes) {
+    mend += "; no node of this file is called " + in_quotes(name);
+  }
+  return mend;
 }
 
 }  // namespace
@@ -49,6 +81,12 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                        " from its faces: the triangles deviate as much, and the guarantee is less "
                        "by it; look whether the edge is damaged");
   }
+  if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
+    warnings.push_back(path + ": the triangles of a surface lie up to " +
+                       length_text(tessellation.surface_gap_mm) + " from it, where " +
+                       length_text(tessellation.wanted_deflection_mm) +
+                       " were asked of OpenCASCADE: the guarantee is less by it");
+  }
   if (tessellation.healed > 0) {
     warnings.push_back(path + ": " + counted(tessellation.healed, "face") +
                        " mended by OpenCASCADE (ShapeFix) to get triangles");
@@ -59,32 +97,27 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   }
 }
 
+void fail_for_losses(const SourceFile& file, const FileLosses& losses,
+                     const std::vector<std::string>& unknown_nodes,
+                     std::span<const MissingPiece> missing) {
+  fail_read(file, ErrorCode::kMeshIncomplete, missing.front().face.node,
+            "OpenCASCADE could not read " + losses.text + " (" + places_text(missing) + ")",
+            way_out(losses.mend, missing, unknown_nodes));
+}
+
 void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
-                         Assembly& assembly) {
-  constexpr std::size_t kListed = 4;
-  const std::vector<MissingFace>& missing = assembly.missing_faces;
-  if (missing.size() <= file.options.missing_faces) {
-    for (const MissingFace& face : missing) {
-      assembly.warnings.push_back("a face is missing, and no guarantee covers it: " +
-                                  place_text(face));
-    }
-    return;
+                         std::span<const MissingPiece> missing, Assembly& assembly) {
+  if (missing.size() > file.options.missing_faces) {
+    fail_read(file, ErrorCode::kMeshIncomplete, "",
+              "OpenCASCADE could not tessellate " + counted(missing.size(), "face") + ": " +
+                  places_text(missing),
+              way_out("mend them where the part was drawn", missing, unknown_nodes));
   }
-  std::string places;
-  for (std::size_t i = 0; i < std::min(missing.size(), kListed); ++i) {
-    places += (i == 0 ? "" : "; ") + place_text(missing[i]);
+  for (const MissingPiece& piece : missing) {
+    assembly.missing_faces.push_back(piece.face);
+    assembly.warnings.push_back((piece.name.empty() ? "a face" : piece.name) +
+                                " is missing, and no guarantee covers it: " + place_text(piece));
   }
-  if (missing.size() > kListed) places += "; ...";
-  std::string mend =
-      "mend them where the part was drawn, leave their node out with --without, or accept "
-      "the holes with --missing-faces " +
-      std::to_string(missing.size());
-  for (const std::string& name : unknown_nodes) {
-    mend += "; no node of this file is called " + in_quotes(name);
-  }
-  fail_read(file, ErrorCode::kMeshIncomplete, "",
-            "OpenCASCADE could not tessellate " + counted(missing.size(), "face") + ": " + places,
-            std::move(mend));
 }
 
 }  // namespace forcelayer::mesh

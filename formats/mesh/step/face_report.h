@@ -1,22 +1,37 @@
 // The lines about the faces of a STEP or IGES file that were not tessellated as they are.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "formats/mesh/reader.h"
+#include "formats/mesh/step/entities/lost_pieces.h"
 #include "formats/mesh/step/tessellator.h"
 
 namespace forcelayer::mesh {
+
+// A face without triangles, or a piece of the file that OpenCASCADE did not read.
+struct MissingPiece {
+  MissingFace face;       // millimeters; no node where nobody knows to which it belongs
+  std::string name;       // of the entity, for a piece
+  bool has_edges = true;  // LostFace::has_edges
+};
 
 // Appends what was dropped, mended or tessellated otherwise at the node of this path.
 void add_face_warnings(const Tessellation& tessellation, const std::string& path,
                        std::vector<std::string>& warnings);
 
-// Warns of every missing face of `assembly`, whose unit is the millimeter. Throws kMeshIncomplete,
-// with node and place of the first ones, where they are more than the options accept.
-// `unknown_nodes`: the names of ReadOptions::without that no node has.
+// Throws kMeshIncomplete with the losses of `file`, and the places of the first pieces of
+// `missing`. `unknown_nodes`: the names of ReadOptions::without that no node has.
+[[noreturn]] void fail_for_losses(const SourceFile& file, const FileLosses& losses,
+                                  const std::vector<std::string>& unknown_nodes,
+                                  std::span<const MissingPiece> missing);
+
+// Notes and warns of every missing piece of `assembly`, whose unit is the millimeter. Throws
+// kMeshIncomplete, with node and place of the first ones, where they are more than the options
+// accept.
 void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
-                         Assembly& assembly);
+                         std::span<const MissingPiece> missing, Assembly& assembly);
 
 }  // namespace forcelayer::mesh

@@ -104,10 +104,11 @@ class StepReader {
     chain_.push_back(&top);
     add_level(top, roots_of(top), nullptr, Affine{});
     NodesToRead to_read = choose_readable();
+    collect_losses(to_read);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
-    check_missing_faces(file_, to_read.unknown, assembly_);
+    check_missing_faces(file_, to_read.unknown, missing_, assembly_);
     if (assembly_.instances.empty()) {
       fail_read(
           file_, ErrorCode::kMeshEmpty, "",
@@ -140,6 +141,50 @@ class StepReader {
       if (!to_read.is_left_out[node]) throw ReadFailure(failure);
     }
     return to_read;
+  }
+
+  // The losses of nodes that are read; an error where they are more than the user accepts.
+  void collect_losses(const NodesToRead& to_read) {
+    const OpenFile* flawed = nullptr;
+    for (const auto& [path, file] : files_) {
+      if (!file) continue;
+      const std::size_t before = missing_.size();
+      for (const LostPiece& piece : file->content.losses.pieces) add_loss(*file, piece, to_read);
+      if (flawed == nullptr && missing_.size() > before) flawed = file.get();
+    }
+    if (flawed == nullptr || missing_.size() <= file_.options.missing_faces) return;
+    const FileLosses& losses = flawed->content.losses;
+    fail_for_losses(flawed->source, losses, to_read.unknown, missing_);
+  }
+
+  // A piece belongs to the nodes of its products; where these are unknown, to the one node of its
+  // file that has a shape.
+  void add_loss(const OpenFile& file, const LostPiece& piece, const NodesToRead& to_read) {
+    std::vector<std::size_t> owners, leaves;
+    bool is_any_read = false;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      const auto& [of, label] = products_[i];
+      if (of != &file) continue;
+      is_any_read = is_any_read || to_read.is_read[i];
+      if (label.IsNull()) continue;
+      const bool is_leaf = !XCAFDoc_ShapeTool::IsAssembly(label);
+      if (is_leaf && count_faces(XCAFDoc_ShapeTool::GetShape(label)) > 0) leaves.push_back(i);
+      const auto& known = piece.owners;
+      if (std::find(known.begin(), known.end(), entry_of(label)) != known.end()) {
+        owners.push_back(i);
+      }
+    }
+    if (owners.empty() && leaves.size() == 1) owners = leaves;
+    for (const std::size_t i : owners) {
+      if (!to_read.is_read[i]) continue;
+      const bool has_place = piece.size_mm > 0;
+      const LostFace place = has_place
+                                 ? LostFace{piece.center_mm, piece.size_mm, true}
+                                 : box_of_edges(XCAFDoc_ShapeTool::GetShape(products_[i].label));
+      add_missing(i, {place.center_mm, place.size_mm, has_place}, piece.name);
+      is_flawed_.insert(i);
+    }
+    if (owners.empty() && is_any_read) missing_.emplace_back().name = piece.name;
   }
 
   void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const AssemblyNode* parent,
@@ -243,6 +288,9 @@ class StepReader {
     if (file) return *file;
     try {
       file = std::make_unique<OpenFile>(OpenFile{source, read_step_document(source)});
+      for (const std::string& warning : file->content.warnings) {
+        assembly_.warnings.push_back((node.empty() ? "" : node + ": ") + warning);
+      }
       return *file;
     } catch (ReadFailure& failure) {
       if (failure.error.where.empty()) failure.error.where = node;
@@ -269,19 +317,24 @@ class StepReader {
         mesh = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
       }
     }
-    for (const LostFace& face : lost) {
-      assembly_.missing_faces.push_back({names_[node].path,
-                                         forcelayer::mesh::apply(placings_[node], face.center_mm),
-                                         face.size_mm});
-    }
+    for (const LostFace& face : lost) add_missing(node, face, "");
     if (mesh == kNoTriangles) {
-      if (lost.empty()) {
+      if (lost.empty() && !is_flawed_.contains(node)) {
         node_warnings_.add(names_[node].path, "left out: no faces, only curves or points");
       }
       return;
     }
     assembly_.instances.push_back({mesh, names_[node].path, placings_[node]});
     nodes_of_instances_.push_back(node);
+  }
+
+  void add_missing(std::size_t node, const LostFace& place, const std::string& name) {
+    MissingPiece& missing = missing_.emplace_back();
+    missing.face.node = names_[node].path;
+    missing.face.center = forcelayer::mesh::apply(placings_[node], place.center_mm);
+    missing.face.size = place.size_mm;
+    missing.name = name;
+    missing.has_edges = place.has_edges;
   }
 
   // The triangles that the file itself holds for a product.
@@ -318,6 +371,8 @@ class StepReader {
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
   std::set<std::string> warned_of_;     // files and products
+  std::vector<MissingPiece> missing_;
+  std::set<std::size_t> is_flawed_;                          // nodes that lack a piece
   std::vector<std::pair<std::size_t, ReadFailure>> unread_;  // nodes whose files cannot be read
   std::vector<AssemblyNode> names_;  // of all nodes, each before its children
   std::vector<Product> products_;

@@ -18,6 +18,7 @@
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/sliver.h"
+#include "formats/mesh/step/spline_deviation.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -40,15 +41,13 @@ void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
   BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
 }
 
-LostFace lost_face(const TopoDS_Face& face) {
-  Bnd_Box box;
-  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
-    BRepBndLib::Add(edge.Current(), box, false);
-  }
-  if (box.IsVoid() || box.IsOpen()) return {};
-  const gp_XYZ low = box.CornerMin().XYZ(), high = box.CornerMax().XYZ();
-  const gp_XYZ center = 0.5 * (low + high);
-  return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus()};
+// A face without edges is somewhere in the box of its shape.
+LostFace lost_face(const TopoDS_Face& face, const TopoDS_Shape& shape) {
+  LostFace lost = box_of_edges(face);
+  if (lost.size_mm > 0) return lost;
+  lost = box_of_edges(shape);
+  lost.has_edges = false;
+  return lost;
 }
 
 // ReadOptions::deflection_m of kDeflectionBySize.
@@ -71,6 +70,18 @@ double deflection_by_size_mm(const Mesh& mesh) {
     square += std::pow(std::max(0.0, box.high[axis] - box.low[axis]), 2);
   }
   return deflection_by_size_mm(std::sqrt(square));
+}
+
+// How far the edges of a face may be from their corners and from each other.
+double largest_tolerance(const TopoDS_Face& face) {
+  double largest_mm = 0;
+  for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
+    largest_mm = std::max(largest_mm, BRep_Tool::Tolerance(TopoDS::Edge(edge.Current())));
+  }
+  for (TopExp_Explorer corner(face, TopAbs_VERTEX); corner.More(); corner.Next()) {
+    largest_mm = std::max(largest_mm, BRep_Tool::Tolerance(TopoDS::Vertex(corner.Current())));
+  }
+  return largest_mm;
 }
 
 TopoDS_Compound compound_of(const Faces& faces) {
@@ -97,7 +108,9 @@ class ShapeTessellation {
     for (const double share : kCoarserDeflections) try_deflection(share * deflection_mm_, best);
     try_mended(best);
     best.made.wanted_deflection_mm = deflection_mm_;
-    for (const TopoDS_Face& face : best.failed) best.made.lost.push_back(lost_face(face));
+    for (const TopoDS_Face& face : best.failed) {
+      best.made.lost.push_back(lost_face(face, shape_));
+    }
     return std::move(best.made);
   }
 
@@ -122,6 +135,11 @@ class ShapeTessellation {
       } else {
         result.failed.push_back(current);
       }
+    }
+    Tessellation& made = result.made;
+    if (made.edge_gap_mm <= reach_mm(deflection_mm)) {
+      made.edge_gap_mm = std::max(made.edge_gap_mm, made.tied_gap_mm);
+      made.deviation_mm = std::max(made.deviation_mm, made.tied_gap_mm);
     }
     return result;
   }
@@ -228,11 +246,33 @@ class ShapeTessellation {
     return kLooseReach * std::max(deflection_mm, deflection_mm_);
   }
 
+  // OpenCASCADE found that the triangles of the face deviate by `found_mm`: its edges, or else its
+  // surface, of which a smaller bound may be proven.
+  void add_gap(const TopoDS_Face& face, double found_mm, double deflection_mm,
+               Tessellation& made) const {
+    double gap_mm = found_mm;
+    const double near_mm = reach_mm(deflection_mm);
+    const double tolerance_mm = largest_tolerance(face);
+    const bool are_edges_near =
+        (found_mm <= near_mm && tolerance_mm <= near_mm) ||
+        covers_edges(triangles_of(face), face, near_mm, kPolygonTolerance * deflection_mm_);
+    if (!are_edges_near && found_mm <= near_mm) {
+      made.tied_gap_mm = std::max(made.tied_gap_mm, tolerance_mm);
+    }
+    const bool is_of_surface = are_edges_near && found_mm > near_mm;
+    if (is_of_surface) {
+      const std::optional<double> proven_mm = spline_deviation_mm(face, near_mm);
+      if (proven_mm) gap_mm = std::min(found_mm, std::max(near_mm, *proven_mm));
+    }
+    double& told_mm = is_of_surface ? made.surface_gap_mm : made.edge_gap_mm;
+    told_mm = std::max(told_mm, gap_mm);
+    made.deviation_mm = std::max(made.deviation_mm, gap_mm);
+  }
+
   void add(const TopoDS_Face& face, double deflection_mm, Tessellation& made) const {
     TopLoc_Location location;
     const Handle(Poly_Triangulation) triangulation = triangulation_of(face, location);
-    made.edge_gap_mm = std::max(made.edge_gap_mm, triangulation->Deflection());
-    made.deviation_mm = std::max(made.deviation_mm, triangulation->Deflection());
+    add_gap(face, triangulation->Deflection(), deflection_mm, made);
     if (!has_whole_outline(face)) {
       made.deviation_mm = std::max(made.deviation_mm,
                                    reach_mm(std::max(deflection_mm, triangulation->Deflection())));
@@ -262,6 +302,17 @@ class ShapeTessellation {
 };
 
 }  // namespace
+
+LostFace box_of_edges(const TopoDS_Shape& shape) {
+  Bnd_Box box;
+  for (TopExp_Explorer edge(shape, TopAbs_EDGE); edge.More(); edge.Next()) {
+    BRepBndLib::Add(edge.Current(), box, false);
+  }
+  if (box.IsVoid() || box.IsOpen()) return {};
+  const gp_XYZ low = box.CornerMin().XYZ(), high = box.CornerMax().XYZ();
+  const gp_XYZ center = 0.5 * (low + high);
+  return {{center.X(), center.Y(), center.Z()}, (high - low).Modulus(), true};
+}
 
 // Without triangles where there is nothing to sew.
 Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,

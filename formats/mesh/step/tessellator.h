@@ -12,9 +12,13 @@ namespace forcelayer::mesh {
 
 // A face that got no triangles, or some that do not reach its outline.
 struct LostFace {
-  Vec3d center_mm{};   // of the box around its edges, in the shape's frame
-  double size_mm = 0;  // diagonal of that box
+  Vec3d center_mm{};      // of the box around its edges, in the shape's frame
+  double size_mm = 0;     // diagonal of that box
+  bool has_edges = true;  // else the box is that of the shape
 };
+
+// The box around the edges of a shape; size 0 where it has none.
+LostFace box_of_edges(const TopoDS_Shape& shape);
 
 struct Tessellation {
   Mesh mesh;  // in the shape's frame, millimeters
@@ -25,8 +29,12 @@ struct Tessellation {
   std::uint64_t sewn = 0;       // loose faces that were joined first
   double sewn_gap_mm = 0;       // how far an edge so joined may be from its faces
   double sewing_tolerance_mm = 0;
-  double edge_gap_mm = 0;    // how far an edge may be from its faces, as OpenCASCADE found it
-  double deflection_mm = 0;  // of the triangles, as asked of OpenCASCADE
+  double edge_gap_mm = 0;  // how far an edge may be from its faces, as OpenCASCADE found it
+  // The same by tolerances alone, which tie edges to corners that are elsewhere: counts where
+  // OpenCASCADE finds nothing.
+  double tied_gap_mm = 0;
+  double surface_gap_mm = 0;  // how far a surface may be from the triangles, where edges are not
+  double deflection_mm = 0;   // of the triangles, as asked of OpenCASCADE
   double wanted_deflection_mm = 0;
   double deviation_mm = 0;  // how far a point of the shape may be from the triangles
 };

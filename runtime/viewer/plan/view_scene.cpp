@@ -92,6 +92,8 @@ void add_box(const std::optional<Voxmap>& voxmap, WorldBox& bounds) {
   bounds.add(box.high_m);
 }
 
+bool has_no_place(const mesh::MissingFace& face) { return face.size == 0; }
+
 // The cube about the middle of the face whose diagonal is the face's.
 ViewMesh cube_around(const mesh::MissingFace& face, const glm::dvec3& origin_m) {
   const double half_edge_m = face.size / (2 * std::sqrt(3.0));
@@ -133,6 +135,7 @@ Status load_part(const ViewInputs& inputs, ViewScene& scene) {
     }
   }
   for (const mesh::MissingFace& face : part->missing_faces) {
+    if (has_no_place(face)) continue;
     scene.part_missing_faces.push_back(cube_around(face, glm::dvec3(0)));
   }
   scene.part = std::move(whole);
@@ -212,6 +215,7 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
   add_bounds(*scene, view.bounds);
   std::vector<mesh::MissingFace> missing = scene->missing_faces;
   if (mesh_inputs.empty() && view.voxmap) missing = missing_faces_in(view.voxmap->provenance());
+  std::erase_if(missing, has_no_place);
   for (const mesh::MissingFace& face : missing) {
     const glm::dvec3 center_m(face.center[0], face.center[1], face.center[2]);
     view.bounds.add(center_m - 0.5 * face.size);

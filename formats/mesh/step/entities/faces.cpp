@@ -71,13 +71,12 @@ std::uint64_t count_faces(const TopoDS_Shape& shape) {
   return count;
 }
 
-void fail_for_losses(const SourceFile& file, const std::vector<Losses>& all, const char* mend) {
+std::string text_of(const std::vector<Losses>& all) {
   std::string text;
   for (const Losses& losses : all) {
     if (!losses.names.empty()) text += (text.empty() ? "" : "; ") + text_of(losses);
   }
-  if (text.empty()) return;
-  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + text, mend);
+  return text;
 }
 
 }  // namespace forcelayer::mesh

@@ -36,7 +36,8 @@ struct Losses {
   std::vector<std::string> names;  // of those that are lost
 };
 
-// Throws kMeshIncomplete where anything is lost.
-void fail_for_losses(const SourceFile& file, const std::vector<Losses>& all, const char* mend);
+// "2 of 6 faces: #45 ADVANCED_FACE 'left', #77 ADVANCED_FACE; 1 solid: ..."; "" where nothing is
+// lost.
+std::string text_of(const std::vector<Losses>& all);
 
 }  // namespace forcelayer::mesh

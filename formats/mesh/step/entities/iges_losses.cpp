@@ -2,9 +2,13 @@
 
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <IGESData_UndefinedEntity.hxx>
+#include <IGESSolid_HArray1OfFace.hxx>
+#include <IGESSolid_Shell.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
+#include <TColStd_HArray1OfInteger.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -58,20 +62,31 @@ std::string name_of(const Handle(IGESData_IGESModel) & model, const Entity& enti
 class IgesCheck {
  public:
   IgesCheck(const Handle(XSControl_WorkSession) & session,
-            const Handle(TDocStd_Document) & document)
+            const Handle(TDocStd_Document) & document, const IgesDamage& damage)
       : model_(Handle(IGESData_IGESModel)::DownCast(session->Model())),
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
-        faces_(document) {}
+        faces_(document),
+        damage_(damage) {}
 
-  void check(const SourceFile& file) {
+  FileLosses find() {
+    FileLosses found;
+    found.mend = kMend;
+    found.pieces = damage_.pieces;
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
-    fail_for_losses(file, {lost_faces_, lost_owners_, lost_solids_, lost_placings_, lost_files_},
-                    kMend);
+    std::vector<Losses> all = {lost_faces_, lost_owners_, lost_solids_, lost_placings_,
+                               lost_files_};
+    for (const Losses& losses : all) {
+      for (const std::string& name : losses.names) found.pieces.push_back({name, {}, {}, {}, 0});
+    }
+    all.insert(all.end(), damage_.told.begin(), damage_.told.end());
+    found.text = text_of(all);
+    return found;
   }
 
  private:
   void look_at(const Entity& entity) {
+    if (damage_.below.contains(entity.get())) return;
     if (is_face(entity) || (is_surface(entity) && stands_alone(entity))) {
       ++lost_faces_.count;
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
@@ -129,22 +144,121 @@ class IgesCheck {
   const Interface_Graph& graph_;
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
+  const IgesDamage& damage_;
   std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
       lost_files_{"external reference", 0, {}}, lost_owners_{"face with the boundary", 0, {}};
 };
 
-constexpr int kFace = 510;
+constexpr int kFace = 510, kShell = 514, kSolid = 186;
 
 bool is_of_boundary_representation(const Entity& entity) {
-  return is_one_of(entity, {186, 502, 504, 508, kFace, 514});
+  return is_one_of(entity, {kSolid, 502, 504, 508, kFace, kShell});
 }
+
+// Takes faces out of their shells, and whole solids where a shell itself is damaged.
+class IgesCut {
+ public:
+  IgesCut(const Handle(XSControl_WorkSession) & session, IgesDamage& damage)
+      : session_(session),
+        model_(Handle(IGESData_IGESModel)::DownCast(session->Model())),
+        damage_(damage) {}
+
+  void climb(const Entity& entity) {
+    if (!seen_.insert(entity.get()).second) return;
+    Interface_EntityIterator user = session_->Graph().Sharings(entity);
+    bool is_used = false;
+    for (user.Start(); user.More(); user.Next()) {
+      const Entity other = Entity::DownCast(user.Value());
+      if (other.IsNull() || !is_of_boundary_representation(other)) continue;
+      const auto shell = Handle(IGESSolid_Shell)::DownCast(other);
+      is_used = true;
+      if (entity->TypeNumber() == kFace && !shell.IsNull() && remove_face(shell, entity)) {
+        replace(entity);
+      } else {
+        climb(other);
+      }
+    }
+    if (!is_used) replace(entity);
+  }
+
+  void finish() {
+    if (damage_.pieces.empty()) return;
+    session_->ComputeGraph(Standard_True);
+    session_->TransferReader()->SetGraph(session_->HGraph());
+  }
+
+ private:
+  // False where no face would be left.
+  static bool remove_face(const Handle(IGESSolid_Shell) & shell, const Entity& face) {
+    std::vector<Standard_Integer> left;
+    for (Standard_Integer i = 1; i <= shell->NbFaces(); ++i) {
+      if (!shell->Face(i).IsNull() && shell->Face(i) != face) left.push_back(i);
+    }
+    if (left.empty()) return false;
+    const auto count = static_cast<Standard_Integer>(left.size());
+    Handle(IGESSolid_HArray1OfFace) faces = new IGESSolid_HArray1OfFace(1, count);
+    Handle(TColStd_HArray1OfInteger) sides = new TColStd_HArray1OfInteger(1, count);
+    for (Standard_Integer i = 1; i <= count; ++i) {
+      const Standard_Integer from = left[static_cast<std::size_t>(i - 1)];
+      faces->SetValue(i, shell->Face(from));
+      sides->SetValue(i, shell->Orientation(from) ? 1 : 0);
+    }
+    shell->Init(faces, sides);
+    return true;
+  }
+
+  // With all that nothing else refers to, which OpenCASCADE would else read on its own: the plane
+  // of a face is one without end.
+  void replace(const Entity& entity) {
+    add_piece(entity);
+    std::vector<Entity> all{entity};
+    replaced_.insert(entity.get());
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      Interface_EntityIterator part = session_->Graph().Shareds(all[n]);
+      for (part.Start(); part.More(); part.Next()) {
+        const Entity other = Entity::DownCast(part.Value());
+        if (other.IsNull() || is_used_elsewhere(other)) continue;
+        if (replaced_.insert(other.get()).second) all.push_back(other);
+      }
+      const Standard_Integer number = model_->Number(all[n]);
+      if (number == 0) continue;
+      model_->ClearReportEntity(number);
+      model_->ReplaceEntity(number, new IGESData_UndefinedEntity);
+    }
+  }
+
+  bool is_used_elsewhere(const Entity& entity) const {
+    Interface_EntityIterator user = session_->Graph().Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (!replaced_.contains(user.Value().get())) return true;
+    }
+    return false;
+  }
+
+  void add_piece(const Entity& entity) {
+    damage_.pieces.push_back({name_of(model_, entity), {}, {}, {}, 0});
+    add_below(entity);
+  }
+
+  void add_below(const Handle(Standard_Transient) & entity) {
+    if (!damage_.below.insert(entity.get()).second) return;
+    Interface_EntityIterator part = session_->Graph().Shareds(entity);
+    for (part.Start(); part.More(); part.Next()) add_below(part.Value());
+  }
+
+  Handle(XSControl_WorkSession) session_;
+  Handle(IGESData_IGESModel) model_;
+  IgesDamage& damage_;
+  std::unordered_set<const Standard_Transient*> seen_, replaced_;
+};
 
 }  // namespace
 
-void check_iges_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
+IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
   Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  std::vector<Entity> damaged;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
     if (!is_of_boundary_representation(entity)) continue;
@@ -152,13 +266,18 @@ void check_iges_references(const SourceFile& file, const Handle(XSControl_WorkSe
     if (is_face) ++faces.count;
     if (model->Check(i, Standard_True)->NbFails() == 0) continue;
     (is_face ? faces : others).names.push_back(name_of(model, entity));
+    damaged.push_back(entity);
   }
-  fail_for_losses(file, {faces, others}, kMend);
+  IgesDamage damage{{faces, others}, {}, {}};
+  IgesCut cut(session, damage);
+  for (const Entity& entity : damaged) cut.climb(entity);
+  cut.finish();
+  return damage;
 }
 
-void check_iges_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
-                       const Handle(TDocStd_Document) & document) {
-  IgesCheck(session, document).check(file);
+FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,
+                            const Handle(TDocStd_Document) & document, const IgesDamage& damage) {
+  return IgesCheck(session, document, damage).find();
 }
 
 }  // namespace forcelayer::mesh

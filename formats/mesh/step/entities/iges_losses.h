@@ -3,19 +3,29 @@
 
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <unordered_set>
+#include <vector>
 
-#include "formats/mesh/reader.h"
+#include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/lost_pieces.h"
 
 namespace forcelayer::mesh {
 
-// Throws kMeshIncomplete with the directory entries where a part of a boundary representation of
-// the file that was read in `session` makes no sense: OpenCASCADE may crash on it.
-void check_iges_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session);
+// What was taken out of a file before it was transferred.
+struct IgesDamage {
+  std::vector<Losses> told;
+  std::vector<LostPiece> pieces;
+  std::unordered_set<const Standard_Transient*> below;  // entities that the pieces hold
+};
 
-// Throws kMeshIncomplete with the directory entries where a face, a surface that stands alone, a
-// constructive solid or a placing of the file that was read and transferred in `session` is not in
-// `document`.
-void check_iges_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
-                       const Handle(TDocStd_Document) & document);
+// Takes out of the file that was read in `session` the faces and solids of boundary representations
+// that refer to what is not there or make no sense: OpenCASCADE may crash on them.
+IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session);
+
+// What was taken out, and each face, solid, placing and external reference of the file that was
+// transferred in `session` that is not in `document`: OpenCASCADE leaves out what it finds damaged,
+// and what it does not know, without an error.
+FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,
+                            const Handle(TDocStd_Document) & document, const IgesDamage& damage);
 
 }  // namespace forcelayer::mesh

@@ -3,7 +3,6 @@
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
-#include <Interface_UndefinedContent.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_UndefinedEntity.hxx>
@@ -18,6 +17,7 @@
 #include <StepGeom_Surface.hxx>
 #include <StepGeom_SurfaceCurve.hxx>
 #include <StepGeom_Vector.hxx>
+#include <StepRepr_DefinitionalRepresentation.hxx>
 #include <StepRepr_ItemDefinedTransformation.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
@@ -44,7 +44,6 @@
 #include <StepShape_Torus.hxx>
 #include <StepVisual_CoordinatesList.hxx>
 #include <StepVisual_TessellatedGeometricSet.hxx>
-#include <TCollection_HAsciiString.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -52,6 +51,7 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "formats/mesh/step/entities/dimensions.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/triangles.h"
 
@@ -125,7 +125,10 @@ bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
 // Whether an occurrence in an assembly has a placing that OpenCASCADE reads; it takes another kind
 // for none, and leaves the part at the origin.
 bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) & occurrence) {
-  if (occurrence->RepresentationRelation().IsNull()) return false;
+  if (occurrence->RepresentationRelation().IsNull() ||
+      occurrence->RepresentedProductRelation().IsNull()) {
+    return false;
+  }
   const auto relation = Handle(StepRepr_RepresentationRelationshipWithTransformation)::DownCast(
       occurrence->RepresentationRelation());
   if (relation.IsNull()) return true;
@@ -138,52 +141,50 @@ bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) &
   return true;
 }
 
-// "#45 ADVANCED_FACE 'left'".
-std::string name_of(const Handle(StepData_StepModel) & model, const Entity& entity) {
-  std::string name = "#" + std::to_string(model->IdentLabel(entity)) + " ";
-  const auto unknown = Handle(StepData_UndefinedEntity)::DownCast(entity);
-  Handle(TCollection_HAsciiString) given;
-  if (!unknown.IsNull()) {
-    name += unknown->StepType();
-    Entity none;
-    Interface_ParamType type{};
-    const Handle(Interface_UndefinedContent) content = unknown->UndefinedContent();
-    if (content->NbParams() > 0 && content->ParamType(1) == Interface_ParamText) {
-      content->ParamData(1, type, none, given);
-      given->RemoveAll('\'', Standard_True);
-    }
-  } else {
-    name += model->TypeName(entity);
-    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity);
-    if (!item.IsNull()) given = item->Name();
-  }
-  if (!given.IsNull() && !given->IsEmpty()) name += " " + in_quotes(given->ToCString());
-  return name;
-}
-
 class StepCheck {
  public:
   StepCheck(const Handle(XSControl_WorkSession) & session,
-            const Handle(TDocStd_Document) & document, const ReadEntities& read)
-      : model_(Handle(StepData_StepModel)::DownCast(session->Model())),
+            const Handle(TDocStd_Document) & document, const ReadEntities& read,
+            const StepDamage& damage)
+      : session_(session),
+        model_(Handle(StepData_StepModel)::DownCast(session->Model())),
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
         faces_(document),
-        read_(read) {}
+        read_(read),
+        damage_(damage) {}
 
-  void check(const SourceFile& file) {
-    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i));
-    for (const Entity& entity : lost_) {
-      if (!is_used_by_lost(entity)) lost_solids_.names.push_back(name_of(entity));
+  FileLosses find() {
+    FileLosses found;
+    found.mend = kMend;
+    for (const auto& [entity, piece] : damage_.cut.pieces()) {
+      found.pieces.push_back(piece);
+      if (is_face(entity)) lost_faces_.names.push_back(piece.name);
     }
-    fail_for_losses(file, {lost_faces_, lost_solids_, lost_placings_}, kMend);
+    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i), found);
+    for (const Entity& entity : lost_) {
+      if (!is_used_by_lost(entity)) add(entity, lost_solids_, found);
+    }
+    std::vector<Losses> all{lost_faces_, lost_solids_, lost_placings_};
+    all.insert(all.end(), damage_.told.begin(), damage_.told.end());
+    found.text = text_of(all);
+    return found;
   }
 
  private:
-  void look_at(const Entity& entity) {
-    if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
+  static bool is_face(const Entity& entity) {
+    return entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
+  }
+
+  void add(const Entity& entity, Losses& kind, FileLosses& found) {
+    found.pieces.push_back(step_piece(session_, entity));
+    kind.names.push_back(found.pieces.back().name);
+  }
+
+  void look_at(const Entity& entity, FileLosses& found) {
+    if (is_face(entity)) {
       ++lost_faces_.count;
-      if (!is_in_document(entity)) lost_faces_.names.push_back(name_of(entity));
+      if (!is_in_document(entity) && !is_explained(entity)) add(entity, lost_faces_, found);
     } else if (is_solid(entity)) {
       if (!is_in_document(entity) && !read_.contains(entity.get())) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
@@ -195,14 +196,25 @@ class StepCheck {
       if (!read_.contains(entity.get()) &&
           is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
         lose(entity);
-    } else if (is_lost_placing(entity)) {
-      lost_placings_.names.push_back(name_of(entity));
+    } else if (is_lost_placing(entity) && !is_explained(entity)) {
+      add(entity, lost_placings_, found);
     }
   }
 
   void lose(const Entity& entity) {
+    if (is_explained(entity)) return;
     lost_.push_back(entity);
     is_lost_.insert(entity.get());
+  }
+
+  // Whether it is lost with a piece that was taken out, and nothing that was read lacks it.
+  bool is_explained(const Entity& entity) const {
+    if (!damage_.cut.explains(entity)) return false;
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (is_in_document(user.Value())) return false;
+    }
+    return true;
   }
 
   // Operands and parts go with the solid that they belong to.
@@ -282,17 +294,29 @@ class StepCheck {
   bool is_lost_placing(const Entity& entity) const {
     if (entity->DynamicType() == STANDARD_TYPE(StepRepr_MappedItem)) {
       const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
-      const bool is_placed = is_in_document(entity) && can_be_placed(item->MappingTarget());
-      return is_item_of_shape(entity) && !is_placed && holds_faces(item);
+      return is_item_of_shape(entity) && !is_in_document(entity) && holds_faces(item);
     }
-    const auto occurrence = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity);
-    if (!occurrence.IsNull()) return !can_be_placed(occurrence);
     const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(entity);
     if (use.IsNull() || !result_of(use).IsNull()) return false;
     const Handle(StepBasic_ProductDefinition) whole = use->RelatingProductDefinition(),
                                               part = use->RelatedProductDefinition();
     if (whole.IsNull() || part.IsNull() || count_faces(result_of(part)) == 0) return false;
-    return !contains_face_of(result_of(whole), result_of(part));
+    return has_placed_sibling(use) || !contains_face_of(result_of(whole), result_of(part));
+  }
+
+  // Whether another occurrence of the same part in the same whole is placed: its faces are there,
+  // and say nothing of this one.
+  bool has_placed_sibling(const Handle(StepRepr_NextAssemblyUsageOccurrence) & use) const {
+    Interface_EntityIterator user = graph_.Sharings(use->RelatedProductDefinition());
+    for (user.Start(); user.More(); user.Next()) {
+      const auto other = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user.Value());
+      if (other.IsNull() || result_of(other).IsNull()) continue;
+      if (other->RelatedProductDefinition() == use->RelatedProductDefinition() &&
+          other->RelatingProductDefinition() == use->RelatingProductDefinition()) {
+        return true;
+      }
+    }
+    return false;
   }
 
   bool is_item_of_shape(const Entity& entity) const {
@@ -313,24 +337,27 @@ class StepCheck {
     return false;
   }
 
-  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
-
+  Handle(XSControl_WorkSession) session_;
   Handle(StepData_StepModel) model_;
   const Interface_Graph& graph_;
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
   const ReadEntities& read_;
+  const StepDamage& damage_;
   std::vector<Entity> lost_;
   std::unordered_set<const Standard_Transient*> is_lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
 };
 
 bool is_geometry(const Entity& entity) {
+  if (is_solid(entity)) return true;
   for (const Handle(Standard_Type) & type :
        {STANDARD_TYPE(StepShape_TopologicalRepresentationItem), STANDARD_TYPE(StepGeom_Point),
         STANDARD_TYPE(StepGeom_Curve), STANDARD_TYPE(StepGeom_Surface),
         STANDARD_TYPE(StepGeom_Placement), STANDARD_TYPE(StepGeom_Direction),
-        STANDARD_TYPE(StepGeom_Vector), STANDARD_TYPE(StepVisual_CoordinatesList)}) {
+        STANDARD_TYPE(StepGeom_Vector), STANDARD_TYPE(StepVisual_CoordinatesList),
+        STANDARD_TYPE(StepRepr_DefinitionalRepresentation), STANDARD_TYPE(StepShape_GeometricSet),
+        STANDARD_TYPE(StepShape_ShapeRepresentation)}) {
     if (entity->IsKind(type)) return true;
   }
   return false;
@@ -350,16 +377,28 @@ bool lacks_an_end(const Entity& entity) {
   return !item.IsNull() && item->MappingSource().IsNull();
 }
 
+// Entities of what these list may be newer than OpenCASCADE, and are looked at by themselves.
+bool lists_what_may_be_newer(const Entity& entity) {
+  return is_solid(entity) || entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet)) ||
+         entity->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation));
+}
+
 // Whether OpenCASCADE's check of the text tells of a reference that leads nowhere, or of what is no
 // number, which it takes for 0; it also fails what is harmless, such as a name that is left out.
 bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer number) {
   const Handle(Interface_Check) check = model->Check(number, Standard_True);
   const bool may_be_odd = is_in_parameters(model->Value(number));
+  const bool is_list = lists_what_may_be_newer(model->Value(number));
   for (Standard_Integer i = 1; i <= check->NbFails(); ++i) {
     const std::string_view fail = check->CFail(i, Standard_True);
     const auto says = [&](std::string_view words) { return fail.find(words) != fail.npos; };
-    if (says("nresolved") || says("Count of Parameters")) return true;
-    if (!may_be_odd && says("not a Real")) return true;
+    if (says("nresolved")) return true;
+    if (is_list) {
+      if (says("not an Entity")) return true;
+      continue;
+    }
+    if (says("Count of Parameters")) return true;
+    if (!may_be_odd && (says("not a Real") || says("Boolean"))) return true;
     if (!may_be_odd && (says("illegal type") || says("not an Entity") || says("not a LIST"))) {
       return true;
     }
@@ -367,25 +406,60 @@ bool leads_nowhere(const Handle(StepData_StepModel) & model, Standard_Integer nu
   return false;
 }
 
-}  // namespace
-
-void check_step_references(const SourceFile& file, const Handle(XSControl_WorkSession) & session) {
-  const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
-  Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
-  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
-    const Entity& entity = model->Value(i);
-    const bool is_face = entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
-    if (is_face) ++faces.count;
-    const bool is_damaged = is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity);
-    if (!is_damaged) continue;
-    (is_face ? faces : others).names.push_back(name_of(model, entity));
+// Whether the source of a mapped item has faces or solids, so that its place matters.
+bool has_faces_below(const Interface_Graph& graph, const Entity& entity,
+                     std::unordered_set<const Standard_Transient*>& seen) {
+  if (!seen.insert(entity.get()).second) return false;
+  if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface)) || is_solid(entity)) return true;
+  Interface_EntityIterator part = graph.Shareds(entity);
+  for (part.Start(); part.More(); part.Next()) {
+    if (has_faces_below(graph, part.Value(), seen)) return true;
   }
-  fail_for_losses(file, {faces, others}, kMend);
+  return false;
 }
 
-void check_step_losses(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
-                       const Handle(TDocStd_Document) & document, const ReadEntities& read) {
-  StepCheck(session, document, read).check(file);
+bool is_misplaced(const Interface_Graph& graph, const Entity& entity) {
+  const auto occurrence = Handle(StepShape_ContextDependentShapeRepresentation)::DownCast(entity);
+  if (!occurrence.IsNull()) return !can_be_placed(occurrence);
+  if (entity->DynamicType() != STANDARD_TYPE(StepRepr_MappedItem)) return false;
+  const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
+  if (item->MappingSource().IsNull() || can_be_placed(item->MappingTarget())) return false;
+  std::unordered_set<const Standard_Transient*> seen;
+  return has_faces_below(graph, item->MappingSource(), seen);
+}
+
+}  // namespace
+
+StepDamage take_out_damage(const Handle(XSControl_WorkSession) & session, std::string_view text) {
+  const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
+  const auto flat = entities_without_three_numbers(session, text);
+  Losses placings{"placing", 0, {}}, others{"damaged entity", 0, {}};
+  std::vector<Entity> damaged;
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity& entity = model->Value(i);
+    const bool is_damaged = flat.contains(entity.get()) ||
+                            (is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity));
+    if (is_damaged) {
+      if (!entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
+        others.names.push_back(step_name(model, entity));
+      }
+    } else if (is_misplaced(session->Graph(), entity)) {
+      placings.names.push_back(step_name(model, entity));
+    } else {
+      continue;
+    }
+    damaged.push_back(entity);
+  }
+  StepCut cut(session);
+  for (const Entity& entity : damaged) cut.take_out(entity);
+  cut.finish();
+  return {std::move(cut), {placings, others}};
+}
+
+FileLosses find_step_losses(const Handle(XSControl_WorkSession) & session,
+                            const Handle(TDocStd_Document) & document, const ReadEntities& read,
+                            const StepDamage& damage) {
+  return StepCheck(session, document, read, damage).find();
 }
 
 }  // namespace forcelayer::mesh

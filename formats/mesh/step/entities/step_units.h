@@ -3,7 +3,9 @@
 
 #include <Standard_Handle.hxx>
 #include <Standard_Transient.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <optional>
+#include <string>
 
 namespace forcelayer::mesh {
 
@@ -13,5 +15,9 @@ struct StepUnits {
 
 // The units of a representation's context; nothing where it states no unit of length.
 std::optional<StepUnits> units_of(const Handle(Standard_Transient) & context);
+
+// A representation of the file in `session` that lists shapes and whose context states no unit of
+// length, as "#10 ADVANCED_BREP_SHAPE_REPRESENTATION"; "" where there is none.
+std::string shape_without_unit(const Handle(XSControl_WorkSession) & session);
 
 }  // namespace forcelayer::mesh
