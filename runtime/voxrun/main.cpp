@@ -4,7 +4,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -118,8 +117,10 @@ int start_doctor(char** argv) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "doctor") return start_doctor(argv + 1);
-  CLI::App app{"Runs the haptic loop between a .vox scene and a .pshell part", "voxrun"};
-  app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
+  const auto made = forcelayer::command::make_app(
+      "Runs the haptic loop between a .vox scene and a .pshell part", "voxrun",
+      "voxrun doctor says what of this machine stands in the way of a quiet loop.");
+  CLI::App& app = *made;
   forcelayer::voxrun::OptionParser parser(app);
   arrange(app);
   int status = 0;
