@@ -133,6 +133,15 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "device button for the next scene: that of --scene-next, else the last one's file "
       "anew",
       0, 31);
+  command::add_text(
+      app, "--guide", options_.guide,
+      "a path of the part, as of voxplan, that leads the hand: a weak spring to it and "
+      "along it, until it is switched off");
+  command::add_number(app, "--guide-force", options_.guide_force_n,
+                      "most that --guide pulls with, N; times 0.02 m its torque",
+                      {0.01, loop::kHighestGuideForceN});
+  command::add_count(app, "--guide-button", texts_.guide_button,
+                     "device button that switches --guide off and on again", 0, 31);
   command::add_texts(
       app, "--expect", texts_.expect, ',',
       "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
@@ -269,6 +278,7 @@ Status OptionParser::read_safety(Options& options) const {
 
 // "FILE" or "FILE@TIME"; a file may have an @ in its name.
 Status OptionParser::read_scenes(Options& options) const {
+  if (command::is_given(app_, "--guide-button")) options.guide_button = texts_.guide_button;
   if (command::is_given(app_, "--scene-button")) options.scene_button = texts_.scene_button;
   double last_s = 0;
   std::string_view rest = texts_.scene_next;
@@ -304,6 +314,11 @@ Status OptionParser::check(const Options& options) const {
     const char* const option = options.scene_button ? "--scene-button" : "--scene-next";
     if (Status can = check_scene_change(options, option); !can) return can;
   }
+  const bool asks = options.guide_button || command::is_given(app_, "--guide-force");
+  if (options.guide.empty() && asks) {
+    return usage(options.guide_button ? "--guide-button" : "--guide-force", "is of --guide",
+                 "give --guide, a path");
+  }
   const bool simulated = options.device == "sim" || options.device == "replay";
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
@@ -328,7 +343,7 @@ Status OptionParser::check(const Options& options) const {
     return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
   }
   if (options.on_new_scene && options.replay.empty()) {
-    return usage("--on-new-scene", "is of --replay", "give both");
+    return usage("--on-new-scene", "requires --replay", "give both");
   }
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;

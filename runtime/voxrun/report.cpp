@@ -375,6 +375,11 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
       text("energy generated %.3g J in %llu contact episodes, at most %.3g J in one\n",
            s.generated_j, static_cast<unsigned long long>(s.contact_episodes),
            s.worst_episode_generated_j);
+  if (!facts.options.guide.empty()) {
+    lines += text("guided in %llu frames by up to %.3g N; it gave the hand %.3g of %.3g J\n",
+                  static_cast<unsigned long long>(s.guided_frames), s.max_guide_force_n,
+                  s.guide_given_j, s.guide_allowed_j);
+  }
   const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   lines +=
       text("scene in memory %.3g of %.3g MiB, %.3g of them brought in before the start\n",
@@ -432,6 +437,11 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "max_force_n", s.max_force_n);
   put(json, "max_torque_nm", s.max_torque_nm);
   add_output(facts, s, json);
+  put(json, "guided_frames", s.guided_frames);
+  put(json, "max_guide_force_n", s.max_guide_force_n);
+  put(json, "max_guide_torque_nm", s.max_guide_torque_nm);
+  put(json, "guide_given_j", s.guide_given_j);
+  put(json, "guide_allowed_j", s.guide_allowed_j);
   put(json, "energy_generated_j", s.generated_j);
   put(json, "contact_episodes", s.contact_episodes);
   put(json, "energy_generated_worst_episode_j", s.worst_episode_generated_j);
