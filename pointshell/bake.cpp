@@ -59,8 +59,9 @@ double share_of(const StageShare& stage, const ShellOptions& options, double few
 
 class Stages {
  public:
-  Stages(const ShellOptions& options, double few, BakedShell& shell, const BakeProgress& progress)
-      : options_(options), few_(few), shell_(shell), progress_(progress) {}
+  Stages(const ShellOptions& options, double few, double expected_s, BakedShell& shell,
+         const BakeProgress& progress)
+      : options_(options), few_(few), expected_s_(expected_s), shell_(shell), progress_(progress) {}
 
   void begin(const std::string& name) {
     end();
@@ -76,7 +77,9 @@ class Stages {
   }
 
   // `share_done`: of the stage.
-  void show(double share_done) const { progress_(name_, before_ + share_ * share_done); }
+  void show(double share_done) const {
+    progress_(name_, 1 - rest_ * (1 - before_ - share_ * share_done));
+  }
 
   void end() {
     if (name_.empty()) return;
@@ -85,16 +88,24 @@ class Stages {
       shell_.stage_seconds.push_back({name_, 0});
     }
     shell_.stage_seconds.back().second += spent.count();
+    if (name_ == kStageShares[0].stage && expected_s_ > 0) {
+      const double share = std::max(share_, spent.count() / (spent.count() + expected_s_));
+      rest_ = (1 - share) / (1 - share_);
+    }
     name_.clear();
   }
 
  private:
   const ShellOptions& options_;
   const double few_;
+  const double expected_s_;
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
   double before_ = 0, share_ = 0;  // of the bake: what is done, and the stage's own
+  // The rays that find the outside of thousands of bodies take more than the usual share: what
+  // comes after them is made smaller by this.
+  double rest_ = 1;
   std::chrono::steady_clock::time_point started_;
 };
 
@@ -285,12 +296,12 @@ certificate::CoveredPart covered_by(const Share& share, double radius, double vo
   return {*share.part, share.points, radius, voxel_size_m, share.hidden.get(), share.slack};
 }
 
-Result<BakedShell> bake(part::Part part, const ShellOptions& options,
-                        const BakeProgress& progress) {
+Result<BakedShell> bake(part::Part part, const ShellOptions& options, const BakeProgress& progress,
+                        double expected_s) {
   BakedShell shell;
   const bool on_lattice = options.method == ShellMethod::kVoxelCenters;
   double radius = requested_covering_radius(options);
-  Stages stages(options, fewness(part, radius), shell, progress);
+  Stages stages(options, fewness(part, radius), expected_s, shell, progress);
 
   stages.begin("orientation");
   std::vector<part::CopiedGroup> groups;  // voxel centers of a copy are no copies
@@ -369,9 +380,10 @@ double requested_covering_radius(const ShellOptions& options) {
 }
 
 Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
-                              const BakeProgress& progress) {
+                              const BakeProgress& progress, double expected_s) {
   std::optional<Result<BakedShell>> shell;
-  part::with_threads(options.threads, [&] { shell = bake(std::move(part), options, progress); });
+  part::with_threads(options.threads,
+                     [&] { shell = bake(std::move(part), options, progress, expected_s); });
   return std::move(*shell);
 }
 

@@ -243,9 +243,10 @@ Status bake_command(const Arguments& arguments) {
   }
   const double read_s = now_s() - started_s;
   constexpr double kWritingFrom = 0.98;
-  auto shell = bake_shell(*part, *options, [&](const std::string& stage, double share_done) {
+  const BakeProgress show = [&](const std::string& stage, double share_done) {
     progress.show(stage, kWritingFrom * share_done);
-  });
+  };
+  auto shell = bake_shell(*part, *options, show, expected.seconds);
   if (!shell) return shell.error();
   if (const std::string sheets = sheet_warning(*shell); !sheets.empty()) {
     warnings.push_back(sheets);

@@ -122,14 +122,32 @@ std::vector<std::string_view> split_commas(std::string_view text) {
   }
 }
 
-using ParseComponent = Result<double> (*)(std::string_view text);
-
-Result<double> parse_bare(std::string_view text) {
+Result<double> parse_bare(std::string_view text, std::string_view) {
   const auto split = split_number(text);
   if (!split) return split.error();
   if (split->rest.empty()) return split->number;
   return usage(quoted(trimmed(text)) + " is not a bare number", "leave the unit out");
 }
+
+// Adds `unit` to a bare number.
+Result<double> parse_length_in(std::string_view text, std::string_view unit) {
+  const auto split = split_number(text);
+  const bool bare = split && split->rest.empty();
+  return parse_length(bare ? std::string(text).append(unit) : std::string(text));
+}
+
+// The unit of the last of a vector's lengths, where no other has one: it is that of all.
+std::string_view common_unit(std::span<const std::string_view> parts) {
+  std::string_view unit;
+  for (const std::string_view part : parts) {
+    const auto split = split_number(part);
+    if (!unit.empty() || !split) return {};
+    unit = split->rest;
+  }
+  return unit;
+}
+
+using ParseComponent = Result<double> (*)(std::string_view text, std::string_view unit);
 
 template <std::size_t kCount>
 Result<std::array<double, kCount>> parse_components(std::string_view text, const char* form,
@@ -140,9 +158,10 @@ Result<std::array<double, kCount>> parse_components(std::string_view text, const
                      std::to_string(kCount),
                  std::string("write it as ") + form);
   }
+  const std::string_view unit = common_unit(parts);
   std::array<double, kCount> values{};
   for (std::size_t i = 0; i < kCount; ++i) {
-    const auto value = parse_component(parts[i]);
+    const auto value = parse_component(parts[i], unit);
     if (!value) return value.error();
     values[i] = *value;
   }
@@ -196,7 +215,7 @@ Result<double> parse_length(std::string_view text) {
 }
 
 Result<std::array<double, 3>> parse_point(std::string_view text) {
-  return parse_components<3>(text, "x,y,z", parse_length);
+  return parse_components<3>(text, "x,y,z", parse_length_in);
 }
 
 Result<std::array<double, 3>> parse_direction(std::string_view text) {
@@ -204,7 +223,7 @@ Result<std::array<double, 3>> parse_direction(std::string_view text) {
 }
 
 Result<std::array<double, 6>> parse_box(std::string_view text) {
-  auto box = parse_components<6>(text, "x0,y0,z0,x1,y1,z1", parse_length);
+  auto box = parse_components<6>(text, "x0,y0,z0,x1,y1,z1", parse_length_in);
   if (!box) return box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!((*box)[axis] < (*box)[axis + 3])) {
@@ -220,9 +239,10 @@ Result<PoseText> parse_pose(std::string_view text) {
     return usage("pose " + quoted(text) + " has " + std::to_string(parts.size()) + " numbers",
                  "write it as x,y,z or x,y,z,qw,qx,qy,qz");
   }
+  const std::string_view unit = common_unit(std::span(parts).first(3));
   PoseText pose;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto meters = parse_length(parts[axis]);
+    const auto meters = parse_length_in(parts[axis], unit);
     if (!meters) return meters.error();
     pose.position_m[axis] = *meters;
   }

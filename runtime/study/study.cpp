@@ -338,7 +338,7 @@ Status Study::make() {
 
 Status make_study(const Options& options) {
   std::error_code failure;
-  std::filesystem::create_directories(options.folder, failure);
+  const bool made = std::filesystem::create_directories(options.folder, failure);
   if (failure) {
     return Error{ErrorCode::kWriteFailed, options.folder, "--output", failure.message(),
                  "name a folder that can be written to"};
@@ -346,7 +346,9 @@ Status make_study(const Options& options) {
   auto steps =
       Steps::open((std::filesystem::path(options.folder) / "study.json").string(), options.quiet);
   if (!steps) return steps.error();
-  return Study(options, std::move(*steps)).make();
+  Status status = Study(options, std::move(*steps)).make();
+  if (!status && made) std::filesystem::remove(options.folder, failure);  // where it is empty
+  return status;
 }
 
 }  // namespace forcelayer::study

@@ -1,5 +1,6 @@
 // voxview: shows scenes, baked files and runs, on a screen or as a picture.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -78,7 +79,11 @@ Status draw(const ViewOptions& options, const ViewScene& scene, RunFeed feed) {
     feed.receiver = std::move(*receiver);
   }
   if (takes_picture(options)) return take_picture(options, scene, *plan, feed);
-  plan->scale = options.scale.value_or(display_scale());
+  if (const auto on = screen()) {
+    plan->scale = options.scale.value_or(on->scale);
+    plan->width = std::min(plan->width, on->width);
+    plan->height = std::min(plan->height, on->height);
+  }
   return show_window(scene, options, *plan, std::move(feed));
 }
 

@@ -46,18 +46,19 @@ bool display_is_set() {
   return display != nullptr && *display != '\0';
 }
 
-double display_scale() {
+std::optional<Screen> screen() {
   Display* display = XOpenDisplay(nullptr);
-  if (display == nullptr) return 1;
-  double scale = 1;
+  if (display == nullptr) return std::nullopt;
+  const int number = DefaultScreen(display);
+  Screen screen{1, DisplayWidth(display, number), DisplayHeight(display, number)};
   const char* resources = XResourceManagerString(display);
   const char* found = resources == nullptr ? nullptr : std::strstr(resources, "Xft.dpi:");
   if (found != nullptr) {
     const double wanted = std::strtod(found + std::strlen("Xft.dpi:"), nullptr) / 96;
-    if (wanted > 0) scale = std::clamp(std::round(4 * wanted) / 4, 1.0, 4.0);
+    if (wanted > 0) screen.scale = std::clamp(std::round(4 * wanted) / 4, 1.0, 4.0);
   }
   XCloseDisplay(display);
-  return scale;
+  return screen;
 }
 
 Status ensure_screen(char** argv) {

@@ -1,6 +1,8 @@
 // Whether there is a screen to draw on.
 #pragma once
 
+#include <optional>
+
 #include "formats/result.h"
 
 namespace forcelayer::viewer {
@@ -13,8 +15,14 @@ Status ensure_screen(char** argv);
 // Whether DISPLAY names a display, be it one that opens or not.
 bool display_is_set();
 
-// Pixels of the display per pixel of a usual one, of 96 an inch: what its resource Xft.dpi says, to
-// a quarter; 1 where it says nothing.
-double display_scale();
+struct Screen {
+  // Pixels per pixel of a usual display, of 96 an inch: what the resource Xft.dpi says, to a
+  // quarter; 1 where it says nothing.
+  double scale = 1;
+  int width = 0, height = 0;  // pixels
+};
+
+// That of DISPLAY; none where it does not open.
+std::optional<Screen> screen();
 
 }  // namespace forcelayer::viewer

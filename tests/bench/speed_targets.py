@@ -26,7 +26,8 @@ POINTS = "1000000"
 FCL, BEFORE, BRUTE_FORCE = "FCL meshes, contacts", "no walls", "no skipping"
 QUERY_TARGETS = {("corner", FCL): 0.8, ("tight fit", FCL): 1.0, ("tight fit", BEFORE): 0.4, ("wall", BEFORE): 1.0,
                  ("tumbling", BRUTE_FORCE): 1.2}
-# Why a target is missed where it is; query.md has the figures and the ways that were tried.
+# Why a target is missed where it is; bake.md and query.md have the figures and the ways that were tried.
+WHY_BAKE_MISSED = "three fifths of what distances add are a filter of triangles, and exact distances to four for 2^3 voxels"
 WHY_MISSED = {("corner", FCL): "two thirds of the points looked at are in the band; half of the work goes into them",
               ("tight fit", BEFORE): "a tenth of all points is in the band; handing them on takes longer than that",
               ("wall", BEFORE): "bounds free few rows there, and trying them costs about as much as it saves"}
@@ -45,9 +46,10 @@ def model_rows(bin_folder, folder, short):
         kinds = row["kinds"]
         lean, full = (kinds[kind]["command"] for kind in ("lean, chebyshev", "full"))
         scene = f"{row['model']}, {row['voxels_across']} voxels"
-        rows.append((f"{scene}: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=", MOST_OVER_LEAN))
+        rows.append((f"{scene}: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=", MOST_OVER_LEAN,
+                     WHY_BAKE_MISSED))
         rows.append((f"{scene}: vdb_tool over default", row["vdb_tool"]["wall_s"] / full["wall_s"], ">=",
-                     LEAST_OVER_VDB_TOOL))
+                     LEAST_OVER_VDB_TOOL, WHY_BAKE_MISSED))
     return rows
 
 
@@ -60,7 +62,8 @@ def bay_rows(bin_folder, folder, short):
     for name, scene, voxel_m in scenes:
         lean, full = (bench_scenes.bake(bin_folder, scene, voxel_m, folder / "bay.vox", 1 if short else 3, options)
                       for options in (("--metric", "chebyshev"), ()))
-        rows.append((f"{name}: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=", MOST_OVER_LEAN))
+        rows.append((f"{name}: processor time over lean", full["cpu_s"] / lean["cpu_s"], "<=", MOST_OVER_LEAN,
+                     WHY_BAKE_MISSED))
     return rows
 
 
@@ -86,12 +89,14 @@ def main():
         rows = [row for part in (model_rows, bay_rows, query_rows)
                 for row in part(arguments.bin, pathlib.Path(name), arguments.short)]
     print(f"{'':62} {'measured':>9}  target")
-    for text, measured, relation, target, *why in rows:
+    said = ""
+    for text, measured, relation, target, why in rows:
         met = measured <= target if relation == "<=" else measured >= target
         print(f"{text:62} {measured:9.2f}  {relation} {target}{'' if met else '   missed'}")
-        if not met and any(why):
-            print(f"    {why[0]}")
-    bench_scenes.write_report("speed_targets", [dict(zip(("what", "measured", "relation", "target"), row))
+        if not met and why not in ("", said):
+            print(f"    {why}")
+            said = why
+    bench_scenes.write_report("speed_targets", [dict(zip(("what", "measured", "relation", "target", "why_missed"), row))
                                                 for row in rows], arguments.json)
 
 

@@ -96,6 +96,7 @@ study 2 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --path up.csv -o none
 study 2 'gearbox.glb#Pin' --voxel-size 1mm --seat none -o none
 study 2 'gearbox.glb#Pin' --voxel-size 1 --pull 0,0,60mm -o none
 study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
+[ ! -e none ] || fail "a study of nothing leaves $(find none)"
 study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none
 study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o none
 [ ! -e none/report.html ] || fail "a page of nothing"

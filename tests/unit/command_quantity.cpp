@@ -112,7 +112,10 @@ TEST(Quantity, Units) {
 TEST(Quantity, Points) {
   EXPECT_EQ(*command::parse_point("1m,0,-3m"), (std::array<double, 3>{1, 0, -3}));
   EXPECT_EQ(*command::parse_point(" 1mm , 2m , 3cm "), (std::array<double, 3>{0.001, 2, 0.03}));
+  EXPECT_EQ(*command::parse_point("-1,2e1, 3 mm"), (std::array<double, 3>{-0.001, 0.02, 0.003}));
   EXPECT_EQ(command::parse_point("1m,5,0").error().what, "length '5' has no unit");
+  EXPECT_EQ(command::parse_point("1m,5,2mm").error().what, "length '5' has no unit");
+  EXPECT_EQ(command::parse_point("5,1m,2").error().what, "length '5' has no unit");
   for (const char* text : {"", "1m,2m", "1m,2m,3m,4m", "1m,2m,", ",,", "1m,2m,x", "1m;2m;3m",
                            "1m 2m 3m", "1m,2m,inf", "1m,2m,3kg", "1m,2m,3"}) {
     expect_usage_error(command::parse_point(text), text);
@@ -132,6 +135,8 @@ TEST(Quantity, Boxes) {
        {"0,0,0,1m,1m", "0,0,0,1m,1m,0", "1m,0,0,0,1m,1m", "0,0,0,0,0,0", "0,0,0,1m,1m,1"}) {
     expect_usage_error(command::parse_box(text), text);
   }
+  EXPECT_EQ(*command::parse_box("1,0,0,4,5,6mm"),
+            (std::array<double, 6>{0.001, 0, 0, 0.004, 0.005, 0.006}));
   EXPECT_EQ(command::parse_box("0,0,0,5,1m,1m").error().what, "length '5' has no unit");
 }
 
@@ -140,6 +145,9 @@ TEST(Quantity, Poses) {
   ASSERT_TRUE(position_only);
   EXPECT_EQ(position_only->position_m, (std::array<double, 3>{1, 0.002, 3}));
   EXPECT_EQ(position_only->orientation_wxyz, (std::array<double, 4>{1, 0, 0, 0}));
+  const auto one_unit = command::parse_pose("1,2,3mm,1,0,0,0");
+  ASSERT_TRUE(one_unit);
+  EXPECT_EQ(one_unit->position_m, (std::array<double, 3>{0.001, 0.002, 0.003}));
   const auto pose = command::parse_pose("0,0,0,0,0,3,4");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->orientation_wxyz, (std::array<double, 4>{0, 0, 0.6, 0.8}));

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <optional>
 #include <random>
 #include <string>
@@ -58,6 +60,31 @@ TEST(SpillFile, KeepsArraysOnDisk) {
   scan::SpillFile file;
   expect_kept(file);
   EXPECT_GE(file.bytes_on_disk(), 100'000'000u) << "of 25 million numbers";
+}
+
+std::size_t resident_file_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word == "RssFile:" && status >> word) return 1024 * std::stoul(word);
+  }
+  return 0;
+}
+
+// Each place that is read may lie on a page of its own: the bytes that are told say little.
+TEST(SpillFile, LetsPagesGoOfWhichLittleWasRead) {
+  constexpr std::size_t kPage = 4096, kMost = std::size_t{450} << 20;
+  scan::SpillFile file;
+  const auto array = file.array<std::uint8_t>(std::size_t{800} << 20);
+  ASSERT_GT(file.bytes_on_disk(), 0u);
+  const std::size_t before = resident_file_bytes();
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < array.size(); i += kPage) {
+    ASSERT_EQ(array[i], 0);
+    file.touched(128);
+    if (i % (1024 * kPage) == 0) most = std::max(most, resident_file_bytes());
+  }
+  EXPECT_GT(most, before + (std::size_t{200} << 20));
+  EXPECT_LT(most, before + kMost);
 }
 
 TEST(SpillFile, KeepsArraysInMemoryWhereNoFileCanBeMade) {

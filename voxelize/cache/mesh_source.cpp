@@ -232,8 +232,8 @@ void MeshSource::keep(std::vector<mesh::Mesh> meshes, File& file) {
     std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles.begin());
     file.on_disk.push_back({vertices, triangles, mesh.single_precision});
     mesh = {};
-    spill_->touched(vertices.size_bytes() + triangles.size_bytes());
   }
+  spill_->let_go();  // each is wanted once more
 }
 
 Result<std::shared_ptr<const mesh::Mesh>> MeshSource::mesh(const mesh::MeshObject& part) {
@@ -259,7 +259,7 @@ Result<std::shared_ptr<const mesh::Mesh>> MeshSource::mesh(const mesh::MeshObjec
   mesh->vertices.assign(stored.vertices.begin(), stored.vertices.end());
   mesh->triangles.assign(stored.triangles.begin(), stored.triangles.end());
   mesh->single_precision = stored.single_precision;
-  spill_->touched(stored.vertices.size_bytes() + stored.triangles.size_bytes());
+  spill_->let_go();
   return std::shared_ptr<const mesh::Mesh>(std::move(mesh));
 }
 

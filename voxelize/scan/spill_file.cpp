@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <new>
 #include <string>
 
@@ -14,10 +15,20 @@ namespace {
 
 constexpr std::size_t kSegmentBytes = std::size_t{64} << 20, kAlignment = 64;
 constexpr std::size_t kPageBytes = 4096;
-// Pages in memory before they go, at most. To map one again takes a microsecond.
+// Pages in memory before they go. To map one again takes a microsecond. A triangle brings pages
+// that hold little else that is wanted, and the system maps 16 where one is read, so that bytes
+// that were touched are not the measure: after so many, the pages are counted.
 constexpr std::size_t kResidentBytes = std::size_t{256} << 20;
+constexpr std::size_t kCountedBytes = std::size_t{256} << 10;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t to) { return (bytes + to - 1) / to * to; }
+
+// Pages of mapped files, ours and others, that are in the process's memory, in bytes.
+std::size_t resident_file_bytes() {
+  std::size_t all = 0, resident = 0, of_files = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident >> of_files;
+  return of_files * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
 
 int nameless_file() {
   const char* const given = std::getenv("TMPDIR");
@@ -32,7 +43,7 @@ int nameless_file() {
 
 }  // namespace
 
-SpillFile::SpillFile() : file_(nameless_file()) {}
+SpillFile::SpillFile() : file_(nameless_file()), of_others_(resident_file_bytes()) {}
 
 SpillFile::~SpillFile() {
   for (const Segment& segment : segments_) munmap(segment.begin, segment.bytes);
@@ -69,16 +80,18 @@ void* SpillFile::bytes(std::size_t count) {
 }
 
 void SpillFile::touched(std::size_t bytes) const {
-  if (touched_.fetch_add(bytes, std::memory_order_relaxed) + bytes >= kResidentBytes) let_go();
+  if (touched_.fetch_add(bytes, std::memory_order_relaxed) + bytes < kCountedBytes) return;
+  touched_.store(0, std::memory_order_relaxed);
+  if (resident_file_bytes() >= of_others_ + kResidentBytes) let_go();
 }
 
 void SpillFile::let_go() const {
-  touched_.store(0, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   for (const Segment& segment : segments_) {
     // Pages of a shared file keep what was written.
     if (segment.on_disk) madvise(segment.begin, segment.bytes, MADV_DONTNEED);
   }
+  of_others_ = resident_file_bytes();
 }
 
 }  // namespace forcelayer::scan

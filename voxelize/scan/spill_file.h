@@ -52,6 +52,7 @@ class SpillFile {
   std::vector<Segment> segments_;
   std::size_t used_ = 0;  // bytes of the last segment
   mutable std::atomic<std::size_t> touched_ = 0;
+  mutable std::atomic<std::size_t> of_others_;  // bytes of files in memory that are not of this
 };
 
 }  // namespace forcelayer::scan

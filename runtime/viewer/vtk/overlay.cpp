@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "runtime/viewer/vtk/shapes.h"
+#include "runtime/viewer/vtk/triad.h"
 
 namespace forcelayer::viewer {
 namespace {
@@ -223,6 +224,7 @@ struct Overlay::Drawing {
     }
   }
 
+  // Above what is reserved, and the triad.
   void draw_tree(int reserved) {
     constexpr double kSize = 14, kLine = 21, kIndent = 16;
     const double margin = 18 * scale, key = kSize * scale, gap = 8 * scale;
@@ -231,7 +233,8 @@ struct Overlay::Drawing {
     tree_right = 0;
     drawn_lines = 0;
     if (tree.empty()) return;
-    const double room = (tree_top - reserved - 20 * scale) / line_height;
+    const double bottom = std::max(reserved + 20 * scale, kTriadPixels * scale);
+    const double room = (tree_top - bottom) / line_height;
     drawn_lines = std::min(tree.size(), static_cast<std::size_t>(std::max(0.0, room)));
     const auto chosen = static_cast<std::size_t>(
         std::find_if(tree.begin(), tree.end(), [](const TreeLine& line) { return line.selected; }) -

@@ -9,6 +9,8 @@
 
 namespace forcelayer::viewer {
 
+inline constexpr int kTriadPixels = 130;  // side of its square at scale 1
+
 class Triad {
  public:
   // On the window's layer `layer`.

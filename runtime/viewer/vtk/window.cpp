@@ -43,8 +43,7 @@ constexpr double kLiveSpanS = 5;  // of the strip while following a run
 // Slower frames are drawn in coarser voxels while the camera moves and for kRestS after.
 constexpr double kSmoothS = 0.03;
 constexpr double kRestS = 0.2;
-constexpr double kSilenceS = 1;    // after which a stream has ended
-constexpr int kTriadPixels = 130;  // beside the strip
+constexpr double kSilenceS = 1;  // after which a stream has ended
 
 // A renderer that blends translucent faces as they come. Without depth peeling, VTK sums them in
 // floating-point buffers of the whole window and blends those in a second pass. Without a graphics
