@@ -41,6 +41,16 @@ bool is_shown(std::uint32_t code) {
 
 }  // namespace
 
+Error::Error() = default;
+Error::Error(ErrorCode its_code, std::string_view its_file, std::string_view its_where,
+             std::string_view its_what, std::string_view its_mend)
+    : code(its_code), file(its_file), where(its_where), what(its_what), mend(its_mend) {}
+Error::Error(const Error& other) = default;
+Error::Error(Error&& other) noexcept = default;
+Error& Error::operator=(const Error& other) = default;
+Error& Error::operator=(Error&& other) noexcept = default;
+Error::~Error() = default;
+
 std::string escaped(std::string_view text) {
   constexpr std::string_view kHex = "0123456789abcdef";
   std::string shown;

@@ -46,7 +46,17 @@ enum class ErrorCode : int {
 // scene, 4 baked file, 5 device, 6 the answer is no.
 constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100; }
 
+// Its members are no inline functions: hundreds of places make one, and hold its code then.
 struct Error {
+  Error();
+  Error(ErrorCode code, std::string_view file, std::string_view where, std::string_view what,
+        std::string_view mend);
+  Error(const Error& other);
+  Error(Error&& other) noexcept;
+  Error& operator=(const Error& other);
+  Error& operator=(Error&& other) noexcept;
+  ~Error();
+
   ErrorCode code = ErrorCode::kInternal;
   std::string file;   // path as the user gave it; may be empty
   std::string where;  // section, byte, line, key, object ...; may be empty

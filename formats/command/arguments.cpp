@@ -10,6 +10,17 @@
 #include "formats/command/version.h"
 
 namespace forcelayer::command {
+namespace {
+
+// "HELP, default 1000"; HELP where the number is 0.
+std::string with_default(const char* help, double number) {
+  if (number == 0) return help;
+  char text[32];
+  std::snprintf(text, sizeof text, ", default %.6g", number);
+  return help + std::string(text);
+}
+
+}  // namespace
 
 void set_version(CLI::App& app, const std::string& facts) {
   std::string text = app.get_name() + " " + kVersion;
@@ -17,6 +28,12 @@ void set_version(CLI::App& app, const std::string& facts) {
   const std::string between = of_commit.empty() || facts.empty() ? "" : "; ";
   if (!of_commit.empty() || !facts.empty()) text += " (" + of_commit + between + facts + ")";
   app.set_version_flag("--version", text);
+}
+
+std::shared_ptr<CLI::App> make_app(const char* description, const char* name, const char* footer) {
+  auto app = std::make_shared<CLI::App>(description, name);
+  app->footer(footer);
+  return app;
 }
 
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
@@ -47,14 +64,7 @@ bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code) {
   return false;
 }
 
-std::string with_default(const std::string& help, double number) {
-  if (number == 0) return help;
-  char text[32];
-  std::snprintf(text, sizeof text, ", default %.6g", number);
-  return help + text;
-}
-
-CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& help,
+CLI::Option* add_number(CLI::App& app, const char* name, const std::string& help,
                         const Bounds& bounds, std::function<void(double)> take) {
   const auto read = [name, bounds, take = std::move(take)](const std::string& text) {
     const auto number = parse_number(text, bounds);
@@ -65,21 +75,55 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, const std::strin
       ->type_name("NUMBER");
 }
 
-CLI::Option* add_bytes(CLI::App& app, const std::string& name, std::uint64_t& bytes,
-                       const std::string& help, std::uint64_t least, std::uint64_t most) {
+CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* help,
+                        const Bounds& bounds) {
+  return add_number(app, name, with_default(help, value), bounds,
+                    [&value](double number) { value = number; });
+}
+
+CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value,
+                        const char* help, const Bounds& bounds) {
+  return add_number(app, name, with_default(help, value.value_or(0)), bounds,
+                    [&value](double number) { value = number; });
+}
+
+CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const char* help,
+                       int least, int most) {
+  return app.add_option(name, count, help)->check(CLI::Range(least, most));
+}
+
+CLI::Option* add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help,
+                       std::uint64_t least, std::uint64_t most) {
   return app.add_option(name, bytes, help)
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::Range(least, most));
 }
 
-CLI::Option* add_text(CLI::App& app, const std::string& name, std::string& text,
-                      const std::string& help) {
+CLI::Option* add_text(CLI::App& app, const char* name, std::string& text, const char* help) {
   return app.add_option(name, text, help);
 }
 
-CLI::Option* add_flag(CLI::App& app, const std::string& name, bool& given,
-                      const std::string& help) {
+CLI::Option* add_required(CLI::App& app, const char* name, std::string& text, const char* help) {
+  return add_text(app, name, text, help)->required();
+}
+
+CLI::Option* add_texts(CLI::App& app, const char* name, std::string& texts, char separator,
+                       const char* help) {
+  return add_text(app, name, texts, help)->join(separator);
+}
+
+CLI::Option* add_choice(CLI::App& app, const char* name, std::string& word,
+                        std::initializer_list<const char*> words, const char* help) {
+  return add_text(app, name, word, help)
+      ->check(CLI::IsMember(std::vector<std::string>(words.begin(), words.end())));
+}
+
+CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* help) {
   return app.add_flag(name, given, help);
 }
+
+void group(CLI::Option* option, const char* title) { option->group(title); }
+
+bool is_given(const CLI::App& app, const char* name) { return app.count(name) > 0; }
 
 }  // namespace forcelayer::command

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -16,6 +18,9 @@ class Option;
 
 namespace forcelayer::command {
 
+// A command's parser of its command line.
+std::shared_ptr<CLI::App> make_app(const char* description, const char* name, const char* footer);
+
 // Parses argv into `app`; --help and --version print and end with status 0 (returns false with
 // `exit_code` 0), a wrong command line gives one line on stderr and status 2.
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
@@ -24,34 +29,50 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 // one of them, is a wrong command line.
 bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code);
 
-// "HELP, default 1000"; HELP where the number is 0.
-std::string with_default(const std::string& help, double number);
-inline double to_default(double value) { return value; }
-inline double to_default(const std::optional<double>& value) { return value.value_or(0); }
+// The functions below declare options of a command. They are no templates and take texts as they
+// stand in the source, so that a call takes few bytes: a command has some sixty.
 
 // Declares an option that takes a number within `bounds`, which its help names, and hands it to
 // `take`. What is not finite or outside is a wrong command line (quantity.h: parse_number).
-CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& help,
+CLI::Option* add_number(CLI::App& app, const char* name, const std::string& help,
                         const Bounds& bounds, std::function<void(double)> take);
 
 // The same into a variable. Its help names the value so far as the default, where that is a number
 // other than 0.
-template <typename T>
-CLI::Option* add_number(CLI::App& app, const std::string& name, T& value, const std::string& help,
-                        const Bounds& bounds) {
-  const std::string known = with_default(help, to_default(value));
-  return add_number(app, name, known, bounds, [&value](double number) { value = number; });
-}
+CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* help,
+                        const Bounds& bounds);
+CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value,
+                        const char* help, const Bounds& bounds);
+
+// Declares an option that takes a whole number from `least` to `most`.
+CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const char* help,
+                       int least, int most);
 
 // Declares an option that takes a size in bytes, such as 2GiB, from `least` to `most`.
-CLI::Option* add_bytes(CLI::App& app, const std::string& name, std::uint64_t& bytes,
-                       const std::string& help, std::uint64_t least, std::uint64_t most);
+CLI::Option* add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help,
+                       std::uint64_t least, std::uint64_t most);
 
 // Declares an option that takes a text as it is typed.
-CLI::Option* add_text(CLI::App& app, const std::string& name, std::string& text,
-                      const std::string& help);
+CLI::Option* add_text(CLI::App& app, const char* name, std::string& text, const char* help);
+
+// The same without which the command line is wrong; a name without dashes is of an argument.
+CLI::Option* add_required(CLI::App& app, const char* name, std::string& text, const char* help);
+
+// The same for an option that may be given again and again: what was typed, separated.
+CLI::Option* add_texts(CLI::App& app, const char* name, std::string& texts, char separator,
+                       const char* help);
+
+// Declares an option that takes one of some words.
+CLI::Option* add_choice(CLI::App& app, const char* name, std::string& word,
+                        std::initializer_list<const char*> words, const char* help);
 
 // Declares an option without a value.
-CLI::Option* add_flag(CLI::App& app, const std::string& name, bool& given, const std::string& help);
+CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* help);
+
+// Puts an option under a heading of the help.
+void group(CLI::Option* option, const char* title);
+
+// Whether the option was typed.
+bool is_given(const CLI::App& app, const char* name);
 
 }  // namespace forcelayer::command

@@ -57,6 +57,7 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
       left_out_(left_out),
       leaves_out_(std::any_of(left_out.begin(), left_out.end(), [](auto out) { return out != 0; })),
       cap_(std::max(cap_voxels, reach_voxels(voxmap.header()))),
+      searches_(leaves_out_ || cap_ > reach_voxels(voxmap.header())),
       quantum_(voxmap.header().distance_quantum_m / voxmap.voxel_size_m()),
       free_(free_distance_m(voxmap.header()) / voxmap.voxel_size_m()),
       known_(known_box(voxmap.header(), voxmap.header().directory_origin)),
@@ -67,6 +68,15 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
                                                                         : Fronts::Window::kReach),
       mesh_fronts_(voxmap, left_out, Fronts::Window::kMesh) {
   const VoxmapHeader& h = voxmap.header();
+  const auto reach = static_cast<float>(reach_voxels(h)) * kRoundDown;
+  static_assert(kMostDistanceCode == 255);
+  for (std::uint32_t code = 0; code <= kMostDistanceCode; ++code) {
+    const double low = (static_cast<std::int32_t>(code) - h.distance_zero_code) * quantum_;
+    const auto least = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
+    const float told = code == kMostDistanceCode ? reach : least;
+    known_of_code_[code] = told;
+    squared_of_code_[code] = told * told * kRoundDown;
+  }
   tight_low_ = to_vec(h.origin_voxel) - to_vec(h.directory_origin);
   tight_high_ = tight_low_ + glm::dvec3(static_cast<double>(h.dims_voxels[0]),
                                         static_cast<double>(h.dims_voxels[1]),
@@ -138,9 +148,6 @@ double CenterDistances::free_around(const glm::dvec3& p) const {
 void CenterDistances::read(const BrickIndex& brick, Block& block) const {
   const DistanceView& distances = *voxmap_.distances();
   const ObjectView* const objects = leaves_out_ ? voxmap_.objects() : nullptr;
-  const std::int32_t zero = voxmap_.header().distance_zero_code;
-  const auto reach = static_cast<float>(reach_voxels(voxmap_.header())) * kRoundDown;
-  const bool searches = leaves_out_ || cap_ > reach_voxels(voxmap_.header());
   std::array<std::array<std::uint16_t, kNodeEntries>, 8> codes, numbers;
   for (std::int32_t n = 0; n < 8; ++n) {
     const BrickIndex b{brick[0] + (n >> 2), brick[1] + (n >> 1 & 1), brick[2] + (n & 1)};
@@ -150,26 +157,29 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
       numbers[i] = objects->brick_codes(entry_of(*objects, b, uniform_entry(0)));
     }
   }
+  if (searches_) block.searched = std::make_unique<Searched>();
   for (int x = 0; x < 9; ++x) {
     for (int y = 0; y < 9; ++y) {
       for (int z = 0; z < 9; ++z) {
         const auto i = static_cast<std::size_t>(in_block(x, y, z));
         const auto n = static_cast<std::size_t>(x >> 3 << 2 | y >> 3 << 1 | z >> 3);
         const std::uint32_t code = codes[n][in_brick(x, y, z)];
-        const double low = (static_cast<std::int32_t>(code) - zero) * quantum_;
-        const auto least = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
-        bool is_stored = code != kMostDistanceCode || !searches;
+        const glm::dvec3 center(8.0 * brick[0] + x + 0.5, 8.0 * brick[1] + y + 0.5,
+                                8.0 * brick[2] + z + 0.5);
+        const bool unknown = cropped_ && side_distance(center) < 0;
+        if (!searches_) {
+          block.code[i] = static_cast<std::uint8_t>(unknown ? 0 : code);  // 0 has the distance 0
+          continue;
+        }
+        bool is_stored = code != kMostDistanceCode;
         if (is_stored && objects != nullptr) {
           const std::uint32_t object = numbers[n][in_brick(x, y, z)];
           is_stored = object >= left_out_.size() || left_out_[object] == 0;
         }
-        block.known[i] = code == kMostDistanceCode ? reach : least;
-        const float told = block.known[i];
-        block.squared[i] = is_stored ? told * told * kRoundDown : Block::kUnknown;
-        if (!cropped_) continue;
-        const glm::dvec3 center(8.0 * brick[0] + x + 0.5, 8.0 * brick[1] + y + 0.5,
-                                8.0 * brick[2] + z + 0.5);
-        if (side_distance(center) < 0) block.squared[i] = 0;
+        block.searched->known[i] = known_of_code_[code];
+        block.searched->squared[i] = unknown     ? 0
+                                     : is_stored ? squared_of_code_[code]
+                                                 : Searched::kUnknown;
       }
     }
   }
@@ -180,18 +190,18 @@ CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick, std::
   if (found == blocks_.end()) {
     if (blocks_.size() >= kMostBlocks) {
       blocks_.clear();
+      slots_.fill({});
       fronts_.forget();
       mesh_fronts_.forget();
     }
     found = blocks_.emplace(key, std::make_unique<Block>()).first;
     read(brick, *found->second);
   }
-  last_key_ = key;
-  last_ = found->second.get();
-  return *last_;
+  slots_[slot_of(key)] = {key, found->second.get()};
+  return *found->second;
 }
 
-void CenterDistances::find_near(const BrickIndex& brick, Block& block) {
+void CenterDistances::find_near(const BrickIndex& brick, Searched& block) {
   block.has_near = true;
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     if (offset_least_[i] + fronts_.least_voxels() > cap_) break;
@@ -203,13 +213,13 @@ void CenterDistances::find_near(const BrickIndex& brick, Block& block) {
 }
 
 // The center's distance, from the fronts around.
-float CenterDistances::search(const BrickIndex& brick, Block& block, int at) {
+float CenterDistances::search(const BrickIndex& brick, Searched& block, int at) {
   if (!block.has_near) find_near(brick, block);
   const glm::vec3 center(static_cast<float>(at / 81) + 0.5f, static_cast<float>(at / 9 % 9) + 0.5f,
                          static_cast<float>(at % 9) + 0.5f);
   const auto least_of_front = static_cast<float>(fronts_.least_voxels());
   auto best = static_cast<float>(cap_);
-  for (const Block::Near& near : block.near) {
+  for (const Searched::Near& near : block.near) {
     if (near.least + least_of_front >= best) break;
     const Front& f = *near.front;
     const glm::vec3 from = center - near.low;
@@ -234,13 +244,18 @@ double CenterDistances::at(const glm::dvec3& place) {
                              floor_of(from_center.z)};
   const BrickIndex brick{v[0] >> 3, v[1] >> 3, v[2] >> 3};
   const std::uint64_t key = key_of(brick);
-  Block& block = key == last_key_ ? *last_ : block_of(brick, key);
+  const Slot& slot = slots_[slot_of(key)];
+  Block& block = slot.key == key ? *slot.block : block_of(brick, key);
   const int first = in_block(v[0] & 7, v[1] & 7, v[2] & 7);
   double corner[8];
   for (int n = 0; n < 8; ++n) {
     const int at = first + in_block(n >> 2, n >> 1 & 1, n & 1);
-    float squared = block.squared[static_cast<std::size_t>(at)];
-    if (squared < 0) squared = search(brick, block, at);
+    if (!searches_) {
+      corner[n] = squared_of_code_[block.code[static_cast<std::size_t>(at)]];
+      continue;
+    }
+    float squared = block.searched->squared[static_cast<std::size_t>(at)];
+    if (squared < 0) squared = search(brick, *block.searched, at);
     corner[n] = static_cast<double>(squared);
   }
   const double x = from_center.x - v[0], y = from_center.y - v[1], z = from_center.z - v[2];

@@ -4,6 +4,7 @@
 // No answer depends on earlier questions. For one thread at a time.
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <unordered_map>
@@ -41,12 +42,13 @@ class CenterDistances {
   double cap_voxels() const { return cap_; }
 
  private:
-  // The centers of a brick's voxels and of those behind it along each axis.
-  struct Block {
-    static constexpr int kEdge = 9;
+  // The centers of a brick's voxels and of those behind it along each axis, where distances are
+  // searched for beside those that are stored.
+  static constexpr std::size_t kCenters = 9 * 9 * 9;
+  struct Searched {
     static constexpr float kUnknown = -1;
-    std::array<float, kEdge * kEdge * kEdge> squared;  // voxels^2; kUnknown: not searched for yet
-    std::array<float, kEdge * kEdge * kEdge> known;    // lower bound where unknown, voxels
+    std::array<float, kCenters> squared;  // voxels^2; kUnknown: not searched for yet
+    std::array<float, kCenters> known;    // lower bound where unknown, voxels
     bool has_near = false;
     struct Near {
       const Front* front;
@@ -55,18 +57,26 @@ class CenterDistances {
     };
     std::vector<Near> near;  // ascending by `least`; filled once has_near
   };
+  // The same where the stored ones are all: a byte a center, so that the blocks of a whole search
+  // stay in the processor's caches.
+  struct Block {
+    std::array<std::uint8_t, kCenters> code;  // into squared_of_code_
+    std::unique_ptr<Searched> searched;       // then without codes
+  };
 
   Block& block_of(const BrickIndex& brick, std::uint64_t key);
   void read(const BrickIndex& brick, Block& block) const;
-  void find_near(const BrickIndex& brick, Block& block);
-  float search(const BrickIndex& brick, Block& block, int at);  // of its center `at`
+  void find_near(const BrickIndex& brick, Searched& block);
+  float search(const BrickIndex& brick, Searched& block, int at);  // of its center `at`
   double side_distance(const glm::dvec3& place) const;
 
   const Voxmap& voxmap_;
   const LeftOut& left_out_;
   bool leaves_out_;
   double cap_;
-  double quantum_, free_;  // voxels
+  bool searches_;                                           // for distances that are not stored
+  std::array<float, 256> known_of_code_, squared_of_code_;  // voxels, voxels^2: lower bounds
+  double quantum_, free_;                                   // voxels
   KnownBox known_;
   bool cropped_;
   glm::dvec3 tight_low_, tight_high_;  // of the non-free voxels
@@ -75,8 +85,16 @@ class CenterDistances {
   std::vector<BrickIndex> offsets_;  // to bricks within the cap, the nearest first
   std::vector<float> offset_least_;  // least distance between a center here and one there
   std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;
-  std::uint64_t last_key_ = ~std::uint64_t{0};
-  Block* last_ = nullptr;
+  // Some of the blocks by a hash of their keys: those that poses beside each other ask for.
+  struct Slot {
+    std::uint64_t key = ~std::uint64_t{0};
+    Block* block = nullptr;
+  };
+  static constexpr int kSlotBits = 8;
+  static std::size_t slot_of(std::uint64_t key) {
+    return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> (64 - kSlotBits));
+  }
+  std::array<Slot, std::size_t{1} << kSlotBits> slots_;
 };
 
 }  // namespace forcelayer::clearance

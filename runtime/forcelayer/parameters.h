@@ -69,9 +69,9 @@ struct Parameters {
 
 // One parameter that a user may set.
 struct ParameterInfo {
-  std::string_view name;    // key in reports and recordings; its last part is the unit
-  std::string_view option;  // of voxrun
-  std::string_view what;    // its meaning, for --help
+  std::string_view name;  // key in reports and recordings; its last part is the unit
+  const char* option;     // of voxrun
+  const char* what;       // its meaning, for --help
   double Parameters::*member;
 };
 

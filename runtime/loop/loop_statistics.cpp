@@ -174,6 +174,11 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.at_handle.torque_nm));
   max_device_force_n = std::max(max_device_force_n, glm::length(frame.device_wrench.force_n));
   max_device_torque_nm = std::max(max_device_torque_nm, glm::length(frame.device_wrench.torque_nm));
+  guided_frames += frame.guide_force_n > 0 || frame.guide_torque_nm > 0;
+  max_guide_force_n = std::max(max_guide_force_n, frame.guide_force_n);
+  max_guide_torque_nm = std::max(max_guide_torque_nm, frame.guide_torque_nm);
+  guide_given_j = frame.guide_given_j;
+  guide_allowed_j = frame.guide_allowed_j;
   count_energy(frame);
   count_clearance(frame);
   note_firsts(frame);

@@ -128,11 +128,14 @@ struct LoopStatistics {
   double max_force_n = 0, max_torque_nm = 0;  // of the step, about the handle
   double max_device_force_n = 0, max_device_torque_nm = 0;  // of the device's
   double generated_j = 0;                                   // over all contact episodes
-  std::uint64_t contact_episodes = 0;                       // from free space to free space
-  double worst_episode_generated_j = 0;                     // the most of one of them
-  DurationHistogram step;                                   // ns of the step
-  DurationHistogram tick;                                   // ns from waking to the output
-  DurationHistogram wakeup;  // ns by which the loop woke late: its jitter
+  std::uint64_t guided_frames = 0;                          // in which a guide pulled at the hand
+  double max_guide_force_n = 0, max_guide_torque_nm = 0;
+  double guide_given_j = 0, guide_allowed_j = 0;  // Frame
+  std::uint64_t contact_episodes = 0;             // from free space to free space
+  double worst_episode_generated_j = 0;           // the most of one of them
+  DurationHistogram step;                         // ns of the step
+  DurationHistogram tick;                         // ns from waking to the output
+  DurationHistogram wakeup;                       // ns by which the loop woke late: its jitter
   std::array<std::uint64_t, kMissCauses> misses_by_cause{};  // sum: deadline_misses
   WorstFrames worst;
   std::uint64_t minor_faults = 0, major_faults = 0;  // of the loop's thread, in its ticks

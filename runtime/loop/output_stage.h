@@ -55,6 +55,7 @@ class OutputStage {
   TripCause last_trip() const { return gate_.last_trip(); }
   std::uint64_t trips() const { return gate_.trips(); }
   const OutputGate& gate() const { return gate_; }
+  const OutputLimits& limits() const { return limits_; }
 
  private:
   TripCause cause_to_trip(const OutputFrame& frame) const noexcept;

@@ -76,6 +76,47 @@ Wrench Servo::wanted_at_device(Frame& frame, bool free_of_contact) noexcept {
   return wanted;
 }
 
+// A wrench at the device with the guide's on top.
+Wrench Servo::guided(const Frame& frame, const Wrench& at_device) noexcept {
+  const bool pressed = (frame.input.buttons & guide_buttons_) != 0;
+  if (pressed && !guide_pressed_) guide_wanted_ = !guide_wanted_;
+  guide_pressed_ = pressed;
+  const glm::dquat& world_from_device = input_.placement().world_from_device.orientation;
+  GuideFrame guide;
+  guide.world_from_handle = frame.input.world_from_handle;
+  guide.handle_from_center = state_.handle_from_center;
+  guide.contact = {world_from_device * at_device.force_n, world_from_device * at_device.torque_nm};
+  guide.max_force_n = output_.limits().max_force_n;
+  guide.max_torque_nm = output_.limits().max_torque_nm;
+  constexpr std::uint32_t kNoPose = kFaultInvalidInput | kFaultNonFiniteInput;
+  guide.placed = (frame.result.report.faults & kNoPose) == 0;
+  guide.sound = frame.result.report.faults == 0 && !frame.health.clutch && !frame.health.swapping &&
+                output_.gate().armed();
+  guide.wanted = guide_wanted_;
+  const Wrench pull = guide_->pull(guide, dt_s_);
+  const glm::dquat device_from_world = glm::conjugate(world_from_device);
+  return {at_device.force_n + device_from_world * pull.force_n,
+          at_device.torque_nm + device_from_world * pull.torque_nm};
+}
+
+// The device's wrench goes out, the guide's share in it, whose work is the guide's own matter.
+void Servo::leave(Frame& frame) noexcept {
+  Wrench rest = frame.device_wrench;
+  if (guide_ != nullptr) {
+    guide_->leave(output_.gate().gain());
+    const glm::dquat device_from_world =
+        glm::conjugate(input_.placement().world_from_device.orientation);
+    const Wrench& guide = guide_->left();
+    rest.force_n -= device_from_world * guide.force_n;
+    rest.torque_nm -= device_from_world * guide.torque_nm;
+    frame.guide_force_n = glm::length(guide.force_n);
+    frame.guide_torque_nm = glm::length(guide.torque_nm);
+    frame.guide_given_j = guide_->given_j();
+    frame.guide_allowed_j = guide_->allowed_j();
+  }
+  port_.leave(rest);
+}
+
 OutputFrame Servo::output_frame(Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
   const StepInput& input = frame.input;
@@ -94,6 +135,10 @@ OutputFrame Servo::output_frame(Frame& frame) noexcept {
   out.unstretched = glm::length(gap_m) < kNoStretchM * input_.placement().motion_scale &&
                     glm::length(turn_rad) < kNoStretchRad;
   out.wanted = wanted_at_device(frame, out.free_of_contact);
+  if (guide_ != nullptr) {
+    out.wanted = guided(frame, out.wanted);
+    frame.to_hand_j += guide_->work_j();
+  }
   return out;
 }
 
@@ -114,7 +159,7 @@ bool Servo::tick(Frame& frame) noexcept {
   frame.result = simulation_->step(state_, frame.input, dt_s_);
   frame.step_ns = machine::monotonic_ns() - begin_ns;
   frame.device_wrench = output_.pass(output_frame(frame), dt_s_);
-  port_.leave(frame.device_wrench);
+  leave(frame);
   frame.output = output_.state();
   frame.world_from_target = coupling::coupling_target(state_, frame.input).world_from_center;
   frame.last_trip = output_.last_trip();

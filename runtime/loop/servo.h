@@ -6,6 +6,7 @@
 
 #include "forcelayer/frame.h"
 #include "runtime/loop/device_port.h"
+#include "runtime/loop/guide.h"
 #include "runtime/loop/input_source.h"
 #include "runtime/loop/output_stage.h"
 #include "runtime/model/simulation.h"
@@ -24,6 +25,13 @@ class Servo {
 
   // Device buttons, a bit each; any of them is the clutch. Before the first tick.
   void set_clutch_buttons(std::uint32_t buttons) { clutch_buttons_ = buttons; }
+
+  // A path that leads the hand, and the device buttons that switch it off and on again. Before the
+  // first tick; it must outlive the servo.
+  void set_guide(Guide* guide, std::uint32_t buttons) {
+    guide_ = guide;
+    guide_buttons_ = buttons;
+  }
 
   // The clutch, from any thread, beside the buttons. While it is pressed, the output fades to zero;
   // then the part stays where it is, in contact or not, and the hand goes anywhere. When it is
@@ -77,6 +85,8 @@ class Servo {
   void take_swap(const StepInput& input) noexcept;
   OutputFrame output_frame(Frame& frame) noexcept;
   Wrench wanted_at_device(Frame& frame, bool free_of_contact) noexcept;
+  Wrench guided(const Frame& frame, const Wrench& at_device) noexcept;
+  void leave(Frame& frame) noexcept;
 
   model::Simulation* simulation_;
   InputSource& input_;
@@ -85,6 +95,9 @@ class Servo {
   DevicePort port_;
   double dt_s_;
   std::uint32_t clutch_buttons_ = 0;
+  Guide* guide_ = nullptr;
+  std::uint32_t guide_buttons_ = 0;
+  bool guide_pressed_ = false, guide_wanted_ = true;
   bool late_ = false;
   bool helped_ = false;  // the helpers are awake: no swap in this tick
   std::atomic<bool> clutch_{false}, held_{false};

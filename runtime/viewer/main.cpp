@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
         {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
          "--cut"}},
        {"A run and its moment",
-        {"--trace", "--at", "--listen", "--duration", "--part-pose", "--grip", "--model",
+        {"--trace", "--at", "--listen", "--path", "--duration", "--part-pose", "--grip", "--model",
          "--force"}},
        {"A distance", {"--measure", "--measure-object", "--measure-words"}},
        {"The eye", {"--view-from", "--focus", "--pixels-per-voxel", "--plain"}},

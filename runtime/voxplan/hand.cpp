@@ -5,7 +5,6 @@
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/goals/GoalSampleableRegion.h>
-#include <ompl/base/spaces/SE3StateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/kpiece/KPIECE1.h>
@@ -18,6 +17,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "runtime/voxplan/pose_space.h"
 #include "runtime/voxplan/slide.h"
 
 namespace forcelayer::voxplan {
@@ -25,8 +25,6 @@ namespace {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
-
-using Space = ob::SE3StateSpace;
 
 constexpr double kSlides = 0.75;      // of the samples near a pose of the seat: along its floors
 constexpr double kSlideVoxels = 4;    // at a step
@@ -37,31 +35,6 @@ constexpr int kAxes = 6;              // those of the world first
 constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
 constexpr double kLeastKept = 0.01;   // of a motion: less is no way
 constexpr unsigned kMostGoals = 1000;
-
-Pose pose_of(const ob::State* state) {
-  const auto& s = *state->as<Space::StateType>();
-  const auto& q = s.rotation();
-  return {{s.getX(), s.getY(), s.getZ()}, {q.w, q.x, q.y, q.z}};
-}
-
-void put(const Pose& pose, ob::State* state) {
-  auto& s = *state->as<Space::StateType>();
-  s.setXYZ(pose.position_m.x, pose.position_m.y, pose.position_m.z);
-  s.rotation().w = pose.orientation.w, s.rotation().x = pose.orientation.x;
-  s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
-}
-
-// Without OMPL's arc cosine and virtual calls, in which trees spent two fifths of a search's time.
-class PoseSpace final : public Space {
- public:
-  explicit PoseSpace(double turn_m) : turn_m_(turn_m) { setSubspaceWeight(1, turn_m); }
-  double distance(const ob::State* from, const ob::State* to) const override {
-    return pose_distance_m(pose_of(from), pose_of(to), turn_m_);
-  }
-
- private:
-  double turn_m_;
-};
 
 // May a slide turn to what the floors allow, or does it end where it cannot go straight on?
 enum class Turns { kNever, kToFloors };
@@ -292,24 +265,16 @@ struct Hand::Parts {
 };
 
 ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
-  // OMPL's distance of two orientations is half the angle: a motion is as long as points travel.
-  auto poses = std::make_shared<PoseSpace>(2 * problem.part.header().bounding_radius_m);
-  ob::RealVectorBounds bounds(3);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<unsigned>(axis);
-    bounds.setLow(i, goal.bounds().low[axis]);
-    bounds.setHigh(i, goal.bounds().high[axis]);
-  }
-  poses->setBounds(bounds);
-  poses->setStateSamplerAllocator([this](const ob::StateSpace* of_space) {
-    return std::make_shared<Sampler>(of_space, *check, goal, random);
-  });
+  // A turn counts as the way of the part's farthest point.
+  auto poses = std::make_shared<PoseSpace>(
+      goal.bounds(), 2 * problem.part.header().bounding_radius_m,
+      kCellVoxels * problem.scene.voxel_size_m(), [this](const ob::StateSpace* of_space) {
+        return std::make_shared<Sampler>(of_space, *check, goal, random);
+      });
+  poses->setup();
   auto made = std::make_shared<ob::SpaceInformation>(poses);
   made->setStateValidityChecker(std::make_shared<Validity>(made, *check, of));
   made->setMotionValidator(std::make_shared<Motions>(made, *check, of));
-  poses->setup();
-  poses->getDefaultProjection()->setCellSizes(
-      std::vector<double>(3, kCellVoxels * problem.scene.voxel_size_m()));
   made->setup();
   return made;
 }
@@ -318,9 +283,9 @@ void Hand::Parts::plan_in_seat() {
   rule = Rule::kInSeat;
   space = make_space(rule);
   question = std::make_shared<ob::ProblemDefinition>(space);
-  ob::ScopedState<Space> start(space);
-  put(problem.world_from_start, start.get());
-  question->addStartState(start);
+  PoseState start;
+  start.pose = problem.world_from_start;
+  question->addStartState(&start);
   question->setGoal(std::make_shared<OutOfSeat>(space, *check));
   auto kpiece = std::make_shared<og::KPIECE1>(space);
   const double radius_m = problem.part.header().bounding_radius_m;
@@ -336,9 +301,9 @@ void Hand::Parts::plan_beyond(const Pose& from) {
   if (number == 0 && go_straight(from)) return;
   space = make_space(rule);
   question = std::make_shared<ob::ProblemDefinition>(space);
-  ob::ScopedState<Space> start(space);
-  put(from, start.get());
-  question->addStartState(start);
+  PoseState start;
+  start.pose = from;
+  question->addStartState(&start);
   question->setGoal(std::make_shared<GoalRegion>(space, goal, random));
   auto connect = std::make_shared<og::RRTConnect>(space);
   connect->setRange((number % 2 == 0 ? 1 : 0.25) * problem.part.header().bounding_radius_m);
@@ -512,6 +477,7 @@ const std::vector<Pose>& Hand::in_seat() const { return parts_->in_seat; }
 const std::vector<Pose>& Hand::beyond() const { return parts_->beyond; }
 double Hand::out_m() const { return parts_->out_m; }
 std::uint64_t Hand::poses_tested() const { return parts_->check->poses_tested(); }
+std::uint64_t Hand::motions_tested() const { return parts_->check->motions_tested(); }
 
 std::uint32_t Hand::blocked_by() const {
   Parts& p = *parts_;

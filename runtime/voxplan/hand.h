@@ -49,6 +49,7 @@ class Hand {
   std::uint32_t blocked_by() const;
 
   std::uint64_t poses_tested() const;
+  std::uint64_t motions_tested() const;
 
  private:
   struct Parts;

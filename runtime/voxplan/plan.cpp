@@ -60,11 +60,16 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   request.unproven_at = [&](const Way& in_seat, const Way& beyond) -> Result<std::optional<Pose>> {
     const auto wide = widened(problem, beyond, options.seed);
     if (!wide) return wide.error();
-    made.rows = rows_of(problem, in_seat, *wide, options.speed_mps);
-    auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
-    if (!checked) return checked.error();
-    made.checked = std::move(*checked);
-    if (made.checked.clear()) return std::optional<Pose>();
+    const auto smooth = smoothed(problem, in_seat, *wide);
+    if (!smooth) return smooth.error();
+    // Should the smooth one not prove clear as a whole, the other may.
+    for (const Way* const way : {&*smooth, &*wide}) {
+      made.rows = rows_of(problem, in_seat, *way, options.speed_mps);
+      auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
+      if (!checked) return checked.error();
+      made.checked = std::move(*checked);
+      if (made.checked.clear()) return std::optional<Pose>();
+    }
     return std::optional<Pose>(worst_pose(problem, made.rows, made.checked));
   };
   auto found = search(problem, goal, request);

@@ -47,6 +47,7 @@ class PoseCheck {
 
   bool has_seat() const { return seat_ && !seat_->objects().empty(); }
   std::uint64_t poses_tested() const { return tested_ + (seat_ ? seat_->looked_up() : 0); }
+  std::uint64_t motions_tested() const { return motions_tested_; }
   const Problem& problem() const { return problem_; }
 
  private:
@@ -69,6 +70,7 @@ class PoseCheck {
   };
   std::vector<Refused> refused_;
   std::uint64_t tested_ = 0;  // but for those of the seat
+  std::uint64_t motions_tested_ = 0;
 };
 
 }  // namespace forcelayer::voxplan

@@ -24,12 +24,6 @@ Pose pose_between(const Pose& from, const Pose& to, double share) {
           glm::normalize(coupling::rotation_by(turn_between(from, to) * share) * from.orientation)};
 }
 
-double pose_distance_m(const Pose& from, const Pose& to, double turn_m) {
-  const glm::dquat &p = from.orientation, &q = to.orientation;
-  const glm::dquat chord = glm::dot(p, q) < 0 ? p + q : p - q;  // q and -q are one orientation
-  return glm::length(to.position_m - from.position_m) + turn_m * glm::length(chord);
-}
-
 PathRow row_of(double time_s, const Pose& pose) {
   const auto& p = pose.position_m;
   const auto& q = pose.orientation;

@@ -1,6 +1,7 @@
 // The question: which part leaves which scene, from where, and with which clearance.
 #pragma once
 
+#include <glm/geometric.hpp>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -37,7 +38,11 @@ Pose pose_between(const Pose& from, const Pose& to, double share);
 // How far apart a planner's trees hold two poses: the way, and `turn_m` times the chord between the
 // orientations, twice the sine of a quarter of the turn. It is a metric, and 0 from a pose to
 // itself without rounding: else OMPL's trees may hold the pose twice, and free it twice.
-double pose_distance_m(const Pose& from, const Pose& to, double turn_m);
+inline double pose_distance_m(const Pose& from, const Pose& to, double turn_m) {
+  const glm::dquat &p = from.orientation, &q = to.orientation;
+  const glm::dquat chord = glm::dot(p, q) < 0 ? p + q : p - q;  // q and -q are one orientation
+  return glm::length(to.position_m - from.position_m) + turn_m * glm::length(chord);
+}
 
 PathRow row_of(double time_s, const Pose& pose);
 

@@ -64,7 +64,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
                            hands[n]->work(kPosesARound, [&] { return request.clock_s() >= end_s; });
                          });
     const bool notes = ++round >= next_note;
-    if (notes) next_note = round + 1 + round / 4;
+    if (notes) next_note = 2 * round;
     for (const auto& hand : hands) {
       hand->take_stock();
       if (notes) hand->note_farthest();
@@ -86,6 +86,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   for (const auto& hand : hands) {
     if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();
     result.poses_tested += hand->poses_tested();
+    result.motions_tested += hand->motions_tested();
   }
   result.seconds = request.clock_s() - begin_s;
   return result;

@@ -36,6 +36,7 @@ struct SearchResult {
   double out_m = 0;
   std::uint32_t blocked_by = 0;
   std::uint64_t poses_tested = 0;
+  std::uint64_t motions_tested = 0;
   std::uint64_t refused = 0;  // ways that did not prove clear
   double seconds = 0;
 };

@@ -1,7 +1,5 @@
 #include "runtime/voxrun/hid_choice.h"
 
-#include <CLI/CLI.hpp>
-
 #include "formats/command/arguments.h"
 #include "runtime/devices/hid/hid_device.h"
 
@@ -14,31 +12,24 @@ constexpr const char* kSpaceMouseOptions[] = {"--control",        "--dead-zone",
 }  // namespace
 
 void add_hid_options(CLI::App& app, HidOptions& options) {
-  const char* const group = "HID devices (hid, spacemouse)";
   devices::SpaceMouseOptions& cap = options.spacemouse;
-  app.add_option("--hid", options.which,
-                 "which one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN")
-      ->group(group);
-  app.add_option(
-         "--control", options.control,
-         "spacemouse: rate (its deflection is a speed; default) or position (it is a place)")
-      ->check(CLI::IsMember({"rate", "position"}))
-      ->group(group);
-  command::add_number(app, "--dead-zone", cap.dead_zone,
-                      "spacemouse: share of full deflection that is rest", {0, 0.9})
-      ->group(group);
-  command::add_number(app, "--cap-speed", cap.speed_mps, "spacemouse, rate: m/s at full deflection",
-                      {1e-6, 10})
-      ->group(group);
-  command::add_number(app, "--cap-turn-speed", cap.turn_radps,
-                      "spacemouse, rate: rad/s at full deflection", {1e-6, 100})
-      ->group(group);
-  command::add_number(app, "--cap-reach", cap.reach_m, "spacemouse, position: m at full deflection",
-                      {1e-6, 10})
-      ->group(group);
-  command::add_number(app, "--cap-turn", cap.reach_rad,
-                      "spacemouse, position: rad at full deflection", {1e-6, 6.3})
-      ->group(group);
+  CLI::Option* const all[] = {
+      command::add_text(app, "--hid", options.which,
+                        "which one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN"),
+      command::add_choice(
+          app, "--control", options.control, {"rate", "position"},
+          "spacemouse: rate (its deflection is a speed; default) or position (it is a place)"),
+      command::add_number(app, "--dead-zone", cap.dead_zone,
+                          "spacemouse: share of full deflection that is rest", {0, 0.9}),
+      command::add_number(app, "--cap-speed", cap.speed_mps,
+                          "spacemouse, rate: m/s at full deflection", {1e-6, 10}),
+      command::add_number(app, "--cap-turn-speed", cap.turn_radps,
+                          "spacemouse, rate: rad/s at full deflection", {1e-6, 100}),
+      command::add_number(app, "--cap-reach", cap.reach_m,
+                          "spacemouse, position: m at full deflection", {1e-6, 10}),
+      command::add_number(app, "--cap-turn", cap.reach_rad,
+                          "spacemouse, position: rad at full deflection", {1e-6, 6.3})};
+  for (CLI::Option* const option : all) command::group(option, "HID devices (hid, spacemouse)");
 }
 
 Status check_hid_options(const CLI::App& app, const HidOptions& options,
@@ -55,7 +46,7 @@ Status check_hid_options(const CLI::App& app, const HidOptions& options,
     }
   }
   for (const char* option : kSpaceMouseOptions) {
-    if (app.count(option) > 0 && device != "spacemouse") {
+    if (command::is_given(app, option) && device != "spacemouse") {
       return usage(option, "is for the spacemouse", "give --device spacemouse");
     }
   }

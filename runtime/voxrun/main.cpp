@@ -4,7 +4,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -65,8 +64,12 @@ void end_loop_on_signals() {
 
 forcelayer::Status prepare_outputs(forcelayer::voxrun::Options& options) {
   using forcelayer::command::FileKind;
-  std::vector<std::string> inputs = {options.run.scene.string(), options.run.part.string(),
-                                     options.motion, options.replay, options.plugin};
+  std::vector<std::string> inputs = {options.run.scene.string(),
+                                     options.run.part.string(),
+                                     options.motion,
+                                     options.replay,
+                                     options.plugin,
+                                     options.guide};
   for (const auto& next : options.scene_next) inputs.push_back(next.path);
   const forcelayer::command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
@@ -87,7 +90,8 @@ void arrange(CLI::App& app) {
          "--stale-limit", "--max-speed", "--max-turn", "--without-watchdog"}},
        {"Part and scene",
         {"--start", "--seat", "--grip", "--reach", "--without-guarantee", "--fail-on",
-         "--scene-next", "--scene-button", "--expect"}},
+         "--scene-next", "--scene-button", "--guide", "--guide-force", "--guide-button",
+         "--expect"}},
        {"Loop",
         {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
          "--no-braking"}},
@@ -97,6 +101,7 @@ void arrange(CLI::App& app) {
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
+      "  voxrun opened.vox cover.pshell --guide lift.csv --hand loose --duration 30s\n"
       "  voxrun bay.vox part.pshell --device replay --replay run.flr     again, bit for bit\n"
       "  voxrun doctor                                                   looks at the machine");
 }
@@ -118,8 +123,10 @@ int start_doctor(char** argv) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "doctor") return start_doctor(argv + 1);
-  CLI::App app{"Runs the haptic loop between a .vox scene and a .pshell part", "voxrun"};
-  app.footer("voxrun doctor says what of this machine stands in the way of a quiet loop.");
+  const auto made = forcelayer::command::make_app(
+      "Runs the haptic loop between a .vox scene and a .pshell part", "voxrun",
+      "voxrun doctor says what of this machine stands in the way of a quiet loop.");
+  CLI::App& app = *made;
   forcelayer::voxrun::OptionParser parser(app);
   arrange(app);
   int status = 0;

@@ -1,6 +1,5 @@
 #include "runtime/voxrun/options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <utility>
 
@@ -67,112 +66,124 @@ Status check_scene_change(const Options& options, const char* asked_by) {
 }
 
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
-  app.add_option("scene", texts_.scene, "the scene, a .vox file")->required();
-  app.add_option("part", texts_.part, "the moving part, a .pshell file")->required();
-  app.add_option("--device", options_.device,
-                 "sim (a scripted hand; default), hid, spacemouse, plugin or replay")
-      ->check(CLI::IsMember({"sim", "hid", "spacemouse", "plugin", "replay"}));
+  command::add_required(app, "scene", texts_.scene, "the scene, a .vox file");
+  command::add_required(app, "part", texts_.part, "the moving part, a .pshell file");
+  command::add_choice(app, "--device", options_.device,
+                      {"sim", "hid", "spacemouse", "plugin", "replay"},
+                      "sim (a scripted hand; default), hid, spacemouse, plugin or replay");
   add_hid_options(app, options_.hid);
-  app.add_option("--plugin", options_.plugin, "library of the device plugin");
-  app.add_option("--plugin-args", options_.plugin_args, "text for the plugin");
-  app.add_flag("--trust-plugin", options_.trust_plugin,
-               "let the plugin write files and start programs");
-  app.add_option("--duration", texts_.duration,
-                 "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
+  command::add_text(app, "--plugin", options_.plugin, "library of the device plugin");
+  command::add_text(app, "--plugin-args", options_.plugin_args, "text for the plugin");
+  command::add_flag(app, "--trust-plugin", options_.trust_plugin,
+                    "let the plugin write files and start programs");
+  command::add_text(app, "--duration", texts_.duration,
+                    "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", kRates);
-  app.add_option("--threads", options_.run.threads, "that share the contact query, default 1")
-      ->check(CLI::Range(1, 256));
-  app.add_option("--model", texts_.model,
-                 "dynamic model: default, or paper for the method of 1999");
-  app.add_option("--force", texts_.force,
-                 "force field: tangent-plane, level or distance; default: the model's own");
-  app.add_flag("--no-braking", texts_.no_braking, "no pre-contact braking");
-  app.add_flag("--as-fast-as-possible", options_.as_fast_as_possible,
-               "no clock: every frame follows the last at once");
-  app.add_option("--motion", options_.motion, "CSV of hand poses for the sim device");
-  app.add_option("--pull", texts_.pull,
-                 "x,y,z: in place of --motion, a hand that rests for 0.3 s and then moves the part "
-                 "straight by this way, such as 0,0,60mm, at 5 cm/s or in two seconds");
-  app.add_option(
-         "--hand", options_.hand,
-         "a simulated hand that feels the sim device: firm or loose; --motion is then where "
-         "it wants to be; default: a hand that feels nothing")
-      ->check(CLI::IsMember({"firm", "loose"}));
-  app.add_option(
-      "--start", texts_.start,
+  command::add_count(app, "--threads", options_.run.threads,
+                     "that share the contact query, default 1", 1, 256);
+  command::add_text(app, "--model", texts_.model,
+                    "dynamic model: default, or paper for the method of 1999");
+  command::add_text(app, "--force", texts_.force,
+                    "force field: tangent-plane, level or distance; default: the model's own");
+  command::add_flag(app, "--no-braking", texts_.no_braking, "no pre-contact braking");
+  command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
+                    "no clock: every frame follows the last at once");
+  command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the sim device");
+  command::add_text(
+      app, "--pull", texts_.pull,
+      "x,y,z: in place of --motion, a hand that rests for 0.3 s and then moves the part "
+      "straight by this way, such as 0,0,60mm, at 5 cm/s or in two seconds");
+  command::add_choice(
+      app, "--hand", options_.hand, {"firm", "loose"},
+      "a simulated hand that feels the sim device: firm or loose; --motion is then where "
+      "it wants to be; default: a hand that feels nothing");
+  command::add_text(
+      app, "--start", texts_.start,
       "world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the hand's, else 0,0,0m");
-  app.add_option("--seat", texts_.seat,
-                 "world_from_part where the part is installed: it may touch there what it touches, "
-                 "until it has left those objects (where it starts)");
-  app.add_option("--grip", texts_.grip,
-                 "handle_from_part, in the same way: the handle's origin is where the hand holds "
-                 "the part; default: its frame's");
-  app.add_option("--world-from-device", texts_.world_from_device,
-                 "place of the device; default 0,0,0m");
+  command::add_text(
+      app, "--seat", texts_.seat,
+      "world_from_part where the part is installed: it may touch there what it touches, "
+      "until it has left those objects (where it starts)");
+  command::add_text(
+      app, "--grip", texts_.grip,
+      "handle_from_part, in the same way: the handle's origin is where the hand holds "
+      "the part; default: its frame's");
+  command::add_text(app, "--world-from-device", texts_.world_from_device,
+                    "place of the device; default 0,0,0m");
   command::add_number(
       app, "--motion-scale", options_.run.placement.motion_scale,
       "scene meters a meter of the device; the hand feels the scene's force times that",
       {1e-6, 1e6});
-  app.add_option(
-      "--reach", texts_.reach,
+  command::add_text(
+      app, "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
       "map, and no others, are kept in memory from the start (what the device's workspace "
       "allows, where that is known; else all)");
-  app.add_option("--fail-on", texts_.fail_on,
-                 "contact (but in the seat), outside (of the map) or seat (not left): end with "
-                 "status 6 where it happened, as a run with penetration does in any case; "
-                 "repeatable")
-      ->join(',');
-  app.add_option("--scene-next", texts_.scene_next,
-                 "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
-                 "that time (2.5s), or at the button or SIGUSR1; the force fades out and in; "
-                 "repeatable")
-      ->join('\n');
-  app.add_option("--scene-button", texts_.scene_button,
-                 "device button for the next scene: that of --scene-next, else the last one's file "
-                 "anew")
-      ->check(CLI::Range(0, 31));
-  app.add_option("--expect", texts_.expect,
-                 "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
-                 "part must both be among those given; repeatable")
-      ->join(',');
-  app.add_option("--json", options_.json, "write a report");
-  app.add_option("--trace", options_.trace, "write a CSV line a frame");
-  app.add_option("--save-path", options_.save_path, "write the part's path, a CSV for voxcheck");
-  app.add_option("--record", options_.record, "write a recording for --replay");
-  app.add_option("--replay", options_.replay, "repeat a recording bit for bit");
-  app.add_flag("--on-new-scene", options_.on_new_scene,
-               "of a recording replay the inputs alone, on another bake")
-      ->needs("--replay");
-  app.add_option("--udp", options_.udp, "send the pose stream to [HOST:]PORT");
+  command::add_texts(app, "--fail-on", texts_.fail_on, ',',
+                     "contact (but in the seat), outside (of the map) or seat (not left): end with "
+                     "status 6 where it happened, as a run with penetration does in any case; "
+                     "repeatable");
+  command::add_texts(
+      app, "--scene-next", texts_.scene_next, '\n',
+      "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
+      "that time (2.5s), or at the button or SIGUSR1; the force fades out and in; "
+      "repeatable");
+  command::add_count(
+      app, "--scene-button", texts_.scene_button,
+      "device button for the next scene: that of --scene-next, else the last one's file "
+      "anew",
+      0, 31);
+  command::add_text(
+      app, "--guide", options_.guide,
+      "a path of the part, as of voxplan, that leads the hand: a weak spring to it and "
+      "along it, until it is switched off");
+  command::add_number(app, "--guide-force", options_.guide_force_n,
+                      "most that --guide pulls with, N; times 0.02 m its torque",
+                      {0.01, loop::kHighestGuideForceN});
+  command::add_count(app, "--guide-button", texts_.guide_button,
+                     "device button that switches --guide off and on again", 0, 31);
+  command::add_texts(
+      app, "--expect", texts_.expect, ',',
+      "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
+      "part must both be among those given; repeatable");
+  command::add_text(app, "--json", options_.json, "write a report");
+  command::add_text(app, "--trace", options_.trace, "write a CSV line a frame");
+  command::add_text(app, "--save-path", options_.save_path,
+                    "write the part's path, a CSV for voxcheck");
+  command::add_text(app, "--record", options_.record, "write a recording for --replay");
+  command::add_text(app, "--replay", options_.replay, "repeat a recording bit for bit");
+  command::add_flag(app, "--on-new-scene", options_.on_new_scene,
+                    "of a recording replay the inputs alone, on another bake");
+  command::add_text(app, "--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   command::add_number(app, "--udp-rate", options_.udp_rate_hz,
                       "datagrams of the pose stream a second", kRates);
-  app.add_flag("--without-guarantee", options_.run.without_guarantee,
-               "start even where no separation is guaranteed");
-  app.add_option("--after-trip", texts_.after_trip,
-                 "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
-                 "rearm; the default is end, for sim and replay rearm")
-      ->check(CLI::IsMember({"end", "wait", "rearm"}));
-  app.add_option("--clutch-button", texts_.clutch_button,
-                 "device button that holds the part while the hand moves (default of "
-                 "hardware: 0)")
-      ->check(CLI::Range(0, 31));
-  app.add_option("--stale-limit", texts_.stale,
-                 "how long device or loop may be silent before the output trips, to 50ms (default "
-                 "5ms)");
+  command::add_flag(app, "--without-guarantee", options_.run.without_guarantee,
+                    "start even where no separation is guaranteed");
+  command::add_choice(
+      app, "--after-trip", texts_.after_trip, {"end", "wait", "rearm"},
+      "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
+      "rearm; the default is end, for sim and replay rearm");
+  command::add_count(app, "--clutch-button", texts_.clutch_button,
+                     "device button that holds the part while the hand moves (default of "
+                     "hardware: 0)",
+                     0, 31);
+  command::add_text(
+      app, "--stale-limit", texts_.stale,
+      "how long device or loop may be silent before the output trips, to 50ms (default "
+      "5ms)");
   command::add_number(app, "--max-speed", options_.run.max_speed_mps,
                       "of the handle, m/s; faster trips the output", {kLeast, kHighestMaxSpeedMps});
   command::add_number(app, "--max-turn", options_.run.max_turn_radps,
                       "of the handle, rad/s; faster trips the output; 10 rad/m times --max-speed",
                       {kLeast, kHighestMaxTurnRadps});
-  app.add_flag("--without-watchdog", options_.without_watchdog,
-               "use a device with motors that does not stop by itself");
-  app.add_flag("--quiet", options_.quiet, "no report on the terminal");
+  command::add_flag(app, "--without-watchdog", options_.without_watchdog,
+                    "use a device with motors that does not stop by itself");
+  command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
   for (const ParameterInfo& info : parameter_table()) {
-    command::add_number(app, std::string(info.option), settings_[std::string(info.option)],
-                        std::string(info.what), bounds_of(info.name))
-        ->group(
-            "Physical parameters (defaults follow from voxel size, rate and device: see --json)");
+    command::group(
+        command::add_number(app, info.option, settings_[info.option], info.what,
+                            bounds_of(info.name)),
+        "Physical parameters (defaults follow from voxel size, rate and device: see --json)");
   }
 }
 
@@ -207,7 +218,7 @@ Status OptionParser::read_texts(Options& options) const {
     if (Status s = read_pose("--grip", texts_.grip, *options.start.handle_from_part); !s) return s;
   }
   if (Status s = read_reach(options); !s) return s;
-  if (app_.count("--expect") > 0) {
+  if (command::is_given(app_, "--expect")) {
     auto digests = digest::parse_digests(texts_.expect);
     if (!digests) return about("--expect", digests.error());
     options.run.expected_sha256 = std::move(*digests);
@@ -249,7 +260,7 @@ Status OptionParser::read_fail_on(Options& options) const {
 }
 
 Status OptionParser::read_safety(Options& options) const {
-  if (app_.count("--clutch-button") > 0) options.clutch_button = texts_.clutch_button;
+  if (command::is_given(app_, "--clutch-button")) options.clutch_button = texts_.clutch_button;
   if (texts_.after_trip == "end") options.after_trip = AfterTrip::kEnd;
   if (texts_.after_trip == "wait") options.after_trip = AfterTrip::kWait;
   if (texts_.after_trip == "rearm") options.after_trip = AfterTrip::kRearm;
@@ -267,7 +278,8 @@ Status OptionParser::read_safety(Options& options) const {
 
 // "FILE" or "FILE@TIME"; a file may have an @ in its name.
 Status OptionParser::read_scenes(Options& options) const {
-  if (app_.count("--scene-button") > 0) options.scene_button = texts_.scene_button;
+  if (command::is_given(app_, "--guide-button")) options.guide_button = texts_.guide_button;
+  if (command::is_given(app_, "--scene-button")) options.scene_button = texts_.scene_button;
   double last_s = 0;
   std::string_view rest = texts_.scene_next;
   while (!rest.empty()) {
@@ -302,6 +314,11 @@ Status OptionParser::check(const Options& options) const {
     const char* const option = options.scene_button ? "--scene-button" : "--scene-next";
     if (Status can = check_scene_change(options, option); !can) return can;
   }
+  const bool asks = options.guide_button || command::is_given(app_, "--guide-force");
+  if (options.guide.empty() && asks) {
+    return usage(options.guide_button ? "--guide-button" : "--guide-force", "is of --guide",
+                 "give --guide, a path");
+  }
   const bool simulated = options.device == "sim" || options.device == "replay";
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
@@ -325,6 +342,9 @@ Status OptionParser::check(const Options& options) const {
   if (options.start.world_from_seat && options.run.model == Model::kPaper) {
     return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
   }
+  if (options.on_new_scene && options.replay.empty()) {
+    return usage("--on-new-scene", "requires --replay", "give both");
+  }
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;
     if (options.as_fast_as_possible && endless) {
@@ -337,7 +357,7 @@ Status OptionParser::check(const Options& options) const {
                                "--start",       "--seat",  "--grip",       "--world-from-device",
                                "--motion-scale"};
   for (const char* option : fixed) {
-    if (app_.count(option) > 0) {
+    if (command::is_given(app_, option)) {
       return usage(option, "is part of the recording", "leave it out with --replay");
     }
   }
@@ -353,8 +373,8 @@ Result<Options> OptionParser::finish() const {
   options.run.part = texts_.part;
   options.run.braking = !texts_.no_braking;
   for (const ParameterInfo& info : parameter_table()) {
-    if (app_.count(std::string(info.option)) == 0) continue;
-    options.run.settings[std::string(info.name)] = settings_.at(std::string(info.option));
+    if (!command::is_given(app_, info.option)) continue;
+    options.run.settings[std::string(info.name)] = settings_.at(info.option);
   }
   if (Status read = read_texts(options); !read) return read.error();
   if (Status read = read_safety(options); !read) return read.error();

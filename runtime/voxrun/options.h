@@ -7,6 +7,7 @@
 
 #include "forcelayer/run.h"
 #include "formats/result.h"
+#include "runtime/loop/guide.h"
 #include "runtime/machine/prefault.h"
 #include "runtime/voxrun/hid_choice.h"
 
@@ -58,7 +59,10 @@ struct Options {
   std::optional<AfterTrip> after_trip;         // none: the device's own
   std::optional<unsigned> clutch_button;       // none: the device's own
   std::vector<NextScene> scene_next;           // --scene-next
-  std::optional<unsigned> scene_button;        // that asks for the next scene; none: SIGUSR1 alone
+  std::string guide;                           // --guide: a path
+  double guide_force_n = loop::GuideLimits().force_n;
+  std::optional<unsigned> guide_button;  // that switches it off and on; none: nothing does
+  std::optional<unsigned> scene_button;  // that asks for the next scene; none: SIGUSR1 alone
 };
 
 // Whether the scene can change while such a run goes on. `asked_by`: an option, for the error.
@@ -78,7 +82,7 @@ class OptionParser {
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
         fail_on, after_trip, stale, scene_next, pull, expect;
-    unsigned clutch_button = 0, scene_button = 0;
+    unsigned clutch_button = 0, scene_button = 0, guide_button = 0;
     bool no_braking = false;
   };
   Status read_texts(Options& options) const;

@@ -25,6 +25,18 @@ std::optional<double> penetration_ratio(const loop::LoopStatistics& s) {
   return static_cast<double>(s.penetration_frames) / static_cast<double>(s.force_layer_frames);
 }
 
+// Adds a member. A call is a few bytes of code, where `json[key] = value` is a hundred.
+void put(Json& json, const char* key, Json value) { json[key] = std::move(value); }
+void put(Json& json, const char* key, double value) { put(json, key, Json(value)); }
+void put(Json& json, const char* key, std::uint64_t value) { put(json, key, Json(value)); }
+void put(Json& json, const char* key, std::int64_t value) { put(json, key, Json(value)); }
+void put(Json& json, const char* key, std::uint32_t value) { put(json, key, std::uint64_t{value}); }
+void put(Json& json, const char* key, bool value) { put(json, key, Json(value)); }
+void put(Json& json, const char* key, const std::string& value) { put(json, key, Json(value)); }
+void put(Json& json, const char* key, const char* value) { put(json, key, Json(value)); }
+
+Json list(std::initializer_list<double> values) { return std::vector<double>(values); }
+
 // Numbers that JSON cannot hold become null.
 Json number(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
@@ -32,24 +44,25 @@ Json number(const std::optional<double>& value) {
 
 Json percentiles(const loop::DurationHistogram& h) {
   Json json;
-  json["p50"] = h.quantile_ns(0.5);
-  json["p99"] = h.quantile_ns(0.99);
-  json["p999"] = h.quantile_ns(0.999);
-  json["max"] = h.max_ns();
+  put(json, "p50", h.quantile_ns(0.5));
+  put(json, "p99", h.quantile_ns(0.99));
+  put(json, "p999", h.quantile_ns(0.999));
+  put(json, "max", h.max_ns());
   return json;
 }
 
 Json parameters_json(const Parameters& p) {
   Json json;
   for (const ParameterInfo& info : parameter_table()) {
-    json[std::string(info.name)] = number(p.*(info.member));
+    put(json, info.name.data(), number(p.*(info.member)));
   }
-  json["rate_hz"] = p.rate_hz;
-  json["voxel_size_m"] = p.voxel_size_m;
-  json["part_radius_m"] = p.part_radius_m;
-  json["inertia_kgm2"] = {p.inertia_kgm2[0][0], p.inertia_kgm2[1][1], p.inertia_kgm2[2][2],
-                          p.inertia_kgm2[0][1], p.inertia_kgm2[0][2], p.inertia_kgm2[1][2]};
-  json["braking"] = p.braking;
+  put(json, "rate_hz", p.rate_hz);
+  put(json, "voxel_size_m", p.voxel_size_m);
+  put(json, "part_radius_m", p.part_radius_m);
+  put(json, "inertia_kgm2",
+      list({p.inertia_kgm2[0][0], p.inertia_kgm2[1][1], p.inertia_kgm2[2][2], p.inertia_kgm2[0][1],
+            p.inertia_kgm2[0][2], p.inertia_kgm2[1][2]}));
+  put(json, "braking", p.braking);
   return json;
 }
 
@@ -72,11 +85,11 @@ Json capabilities_json(const DeviceCapabilities& c) {
   };
   const auto declared = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
   Json json;  // assignments: lists in braces compile to several times as much
-  json["name"] = c.name;
-  json["sensed_axes"] = axes(c.sensed_axes);
-  json["actuated_axes"] = axes(c.actuated_axes);
-  json["max_force_n"] = drives_force(c) ? c.max_force_n : 0.0;
-  json["max_torque_nm"] = drives_torque(c) ? c.max_torque_nm : 0.0;
+  put(json, "name", c.name);
+  put(json, "sensed_axes", axes(c.sensed_axes));
+  put(json, "actuated_axes", axes(c.actuated_axes));
+  put(json, "max_force_n", drives_force(c) ? c.max_force_n : 0.0);
+  put(json, "max_torque_nm", drives_torque(c) ? c.max_torque_nm : 0.0);
   const struct {
     const char* name;
     double value;
@@ -95,11 +108,11 @@ Json capabilities_json(const DeviceCapabilities& c) {
                  {"workspace_radius_m", c.workspace_radius_m, true},
                  {"rate_hz", c.rate_hz, true}};
   for (const auto& figure : figures) {
-    json[figure.name] = figure.told ? declared(figure.value) : Json(figure.value);
+    put(json, figure.name, figure.told ? declared(figure.value) : Json(figure.value));
   }
-  json["senses_velocity"] = c.senses_velocity;
-  json["watchdog_s"] = declared(c.watchdog_s);
-  json["hardware"] = c.hardware;
+  put(json, "senses_velocity", c.senses_velocity);
+  put(json, "watchdog_s", declared(c.watchdog_s));
+  put(json, "hardware", c.hardware);
   return json;
 }
 
@@ -148,56 +161,59 @@ Json worst_json(const loop::LoopStatistics& s) {
   Json json = Json::array();
   for (const loop::MissedFrame& f : frames) {
     Json& one = json.emplace_back();
-    one["frame"] = f.frame;
-    one["cause"] = to_text(f.cause);
-    one["late_ns"] = f.late_ns;
-    one["woke_late_ns"] = f.cost.woke_late_ns;
-    one["tick_ns"] = f.cost.tick_ns;
-    one["step_ns"] = f.step_ns;
-    one["cpu_ns"] = f.cost.cpu_ns;
-    one["minor_faults"] = f.cost.minor_faults;
-    one["major_faults"] = f.cost.major_faults;
-    one["voluntary_switches"] = f.cost.voluntary_switches;
-    one["involuntary_switches"] = f.cost.involuntary_switches;
+    put(one, "frame", f.frame);
+    put(one, "cause", to_text(f.cause));
+    put(one, "late_ns", f.late_ns);
+    put(one, "woke_late_ns", f.cost.woke_late_ns);
+    put(one, "tick_ns", f.cost.tick_ns);
+    put(one, "step_ns", f.step_ns);
+    put(one, "cpu_ns", f.cost.cpu_ns);
+    put(one, "minor_faults", f.cost.minor_faults);
+    put(one, "major_faults", f.cost.major_faults);
+    put(one, "voluntary_switches", f.cost.voluntary_switches);
+    put(one, "involuntary_switches", f.cost.involuntary_switches);
   }
   return json;
 }
 
 // Figures of a loop with a clock.
 void add_clock(const RunFacts& facts, const loop::LoopStatistics& s, Json& json) {
-  json["tick_ns"] = percentiles(s.tick);
-  json["wakeup_ns"] = percentiles(s.wakeup);
-  json["deadline_misses"] = s.deadline_misses;
-  json["miss_causes"] = misses_json(s);
-  json["worst_frames"] = worst_json(s);
-  json["skipped_ticks"] = s.skipped_ticks;
-  json["dropped_frames"] = s.dropped_frames;
-  json["minor_faults"] = s.minor_faults;
-  json["major_faults"] = s.major_faults;
-  json["voluntary_switches"] = s.voluntary_switches;
-  json["involuntary_switches"] = s.involuntary_switches;
-  json["steal_s"] = facts.steal_s;
+  put(json, "tick_ns", percentiles(s.tick));
+  put(json, "wakeup_ns", percentiles(s.wakeup));
+  put(json, "deadline_misses", s.deadline_misses);
+  put(json, "miss_causes", misses_json(s));
+  put(json, "worst_frames", worst_json(s));
+  put(json, "skipped_ticks", s.skipped_ticks);
+  put(json, "dropped_frames", s.dropped_frames);
+  put(json, "minor_faults", s.minor_faults);
+  put(json, "major_faults", s.major_faults);
+  put(json, "voluntary_switches", s.voluntary_switches);
+  put(json, "involuntary_switches", s.involuntary_switches);
+  put(json, "steal_s", facts.steal_s);
 }
 
 void add_output(const RunFacts& facts, const loop::LoopStatistics& s, Json& json) {
-  json["max_device_force_n"] = s.max_device_force_n;
-  json["max_device_torque_nm"] = s.max_device_torque_nm;
-  json["held_readings"] = s.held_readings;
-  json["clutched_frames"] = s.clutched_frames;
+  put(json, "max_device_force_n", s.max_device_force_n);
+  put(json, "max_device_torque_nm", s.max_device_torque_nm);
+  put(json, "held_readings", s.held_readings);
+  put(json, "clutched_frames", s.clutched_frames);
   const RunRequest& request = facts.options.run;
-  json["output_limits"] = {{"max_speed_mps", request.max_speed_mps},
-                           {"max_turn_radps", max_turn_radps(request)},
-                           {"stale_s", request.stale_s}};
-  json["output_trips"] = facts.output_trips;
+  Json& limits = json["output_limits"];
+  put(limits, "max_speed_mps", request.max_speed_mps);
+  put(limits, "max_turn_radps", max_turn_radps(request));
+  put(limits, "stale_s", request.stale_s);
+  put(json, "output_trips", facts.output_trips);
   if (!facts.device_counters.empty()) {
     Json& counters = json["device_counters"];
-    for (const auto& [name, value] : facts.device_counters) counters[name] = value;
+    for (const auto& [name, value] : facts.device_counters) put(counters, name, value);
   }
-  json["last_trip"] = facts.output_trips > 0 ? Json(to_text(facts.last_trip)) : Json(nullptr);
-  json["ended_tripped"] = facts.ended_tripped;
-  json["events"] = Json::array();
+  put(json, "last_trip", facts.output_trips > 0 ? Json(to_text(facts.last_trip)) : Json(nullptr));
+  put(json, "ended_tripped", facts.ended_tripped);
+  Json& events = json["events"] = Json::array();
   for (const OutputEvent& event : facts.events) {
-    json["events"].push_back({{"t_s", event.time_s}, {"event", event.what}});
+    Json& one = events.emplace_back();
+    put(one, "t_s", event.time_s);
+    put(one, "event", event.what);
   }
 }
 
@@ -209,12 +225,13 @@ Json object_json(const Scenes& scenes, std::uint32_t object) {
 Json clearance_json(const Scenes& scenes, const loop::LoopStatistics& s) {
   const auto& least = s.least_clearance;
   if (least.kind == ClearanceKind::kNone) return nullptr;
-  Json json = {{"clearance_m", least.clearance_m},
-               {"t_s", least.time_s},
-               {"at_least", least.kind == ClearanceKind::kAtLeast},
-               {"object", object_json(scenes, least.object)}};
+  Json json;
+  put(json, "clearance_m", least.clearance_m);
+  put(json, "t_s", least.time_s);
+  put(json, "at_least", least.kind == ClearanceKind::kAtLeast);
+  put(json, "object", object_json(scenes, least.object));
   if (least.kind == ClearanceKind::kProven) {
-    json["point_m"] = {least.point_m.x, least.point_m.y, least.point_m.z};
+    put(json, "point_m", list({least.point_m.x, least.point_m.y, least.point_m.z}));
   }
   return json;
 }
@@ -245,10 +262,11 @@ Json scenes_json(const Scenes& scenes) {
   Json json = Json::array();
   for (std::size_t n = 0; n < scenes.count(); ++n) {
     const UsedScene& scene = scenes[n];
-    json.push_back({{"scene", scene.path},
-                    {"from_s", scene.from_s},
-                    {"guaranteed_separation_m", number(scene.guarantee.tested_m)},
-                    {"guaranteed_swept_separation_m", number(scene.guarantee.swept_m)}});
+    Json& one = json.emplace_back();
+    put(one, "scene", scene.path);
+    put(one, "from_s", scene.from_s);
+    put(one, "guaranteed_separation_m", number(scene.guarantee.tested_m));
+    put(one, "guaranteed_swept_separation_m", number(scene.guarantee.swept_m));
   }
   return json;
 }
@@ -263,22 +281,22 @@ double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
 }
 
 void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json) {
-  json["seated_frames"] = s.seated_frames;
-  json["guarantee_from_s"] = number(s.guarantee_from_s);
+  put(json, "seated_frames", s.seated_frames);
+  put(json, "guarantee_from_s", number(s.guarantee_from_s));
   Json& seat = json["seat"] = Json::array();
   for (const auto& of_seat : scenes.seat()) {
     Json& entry = seat.emplace_back();
-    entry["object"] = object_json(scenes, of_seat.object);
-    entry["overlap_m"] = of_seat.overlap_m + 0.0;  // no "-0.0"
-    entry["points"] = of_seat.points;
+    put(entry, "object", object_json(scenes, of_seat.object));
+    put(entry, "overlap_m", of_seat.overlap_m + 0.0);  // no "-0.0"
+    put(entry, "points", of_seat.points);
   }
-  json["narrowest_felt_m"] = narrowest_felt_m(scenes);
+  put(json, "narrowest_felt_m", narrowest_felt_m(scenes));
   Json& touched = json["touched_objects"] = Json::array();
   for (const loop::TouchedTotal& total : by_force(scenes, s)) {
     Json& entry = touched.emplace_back();
-    entry["name"] = scenes.object_text(total.object);
-    entry["seconds"] = seconds_of(scenes, total);
-    entry["max_force_n"] = total.max_force_n;
+    put(entry, "name", scenes.object_text(total.object));
+    put(entry, "seconds", seconds_of(scenes, total));
+    put(entry, "max_force_n", total.max_force_n);
   }
 }
 
@@ -357,6 +375,11 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
       text("energy generated %.3g J in %llu contact episodes, at most %.3g J in one\n",
            s.generated_j, static_cast<unsigned long long>(s.contact_episodes),
            s.worst_episode_generated_j);
+  if (!facts.options.guide.empty()) {
+    lines += text("guided in %llu frames by up to %.3g N; it gave the hand %.3g of %.3g J\n",
+                  static_cast<unsigned long long>(s.guided_frames), s.max_guide_force_n,
+                  s.guide_given_j, s.guide_allowed_j);
+  }
   const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   lines +=
       text("scene in memory %.3g of %.3g MiB, %.3g of them brought in before the start\n",
@@ -377,55 +400,60 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
 
 Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
   Json json;
-  json["version"] = command::kVersion;
-  json["scene"] = facts.options.run.scene.string();
-  json["scenes"] = scenes_json(scenes);
-  json["part"] = facts.options.run.part.string();
-  json["device"] = facts.device;
-  json["device_capabilities"] =
-      facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr);
-  json["model"] = to_text(scenes.parameters().model);
-  json["force"] = to_text(scenes.parameters().force);
-  json["frames"] = s.frames;
-  json["force_layer_frames"] = s.force_layer_frames;
-  json["penetration_frames"] = s.penetration_frames;
-  json["verdict"] = verdict_word(scenes, s);
-  json["penetration_ratio"] = number(penetration_ratio(s));
-  json["contact_frames"] = s.contact_frames;
-  json["guard_cuts"] = s.guard_cuts;
-  json["barred_frames"] = s.barred_frames;
-  json["least_clearance"] = clearance_json(scenes, s);
-  json["unproven_frames"] = s.unproven_frames;
-  json["outside_map_frames"] = s.outside_map_frames;
+  put(json, "version", command::kVersion);
+  put(json, "scene", facts.options.run.scene.string());
+  put(json, "scenes", scenes_json(scenes));
+  put(json, "part", facts.options.run.part.string());
+  put(json, "device", facts.device);
+  put(json, "device_capabilities",
+      facts.capabilities ? capabilities_json(*facts.capabilities) : Json(nullptr));
+  put(json, "model", to_text(scenes.parameters().model));
+  put(json, "force", to_text(scenes.parameters().force));
+  put(json, "frames", s.frames);
+  put(json, "force_layer_frames", s.force_layer_frames);
+  put(json, "penetration_frames", s.penetration_frames);
+  put(json, "verdict", verdict_word(scenes, s));
+  put(json, "penetration_ratio", number(penetration_ratio(s)));
+  put(json, "contact_frames", s.contact_frames);
+  put(json, "guard_cuts", s.guard_cuts);
+  put(json, "barred_frames", s.barred_frames);
+  put(json, "least_clearance", clearance_json(scenes, s));
+  put(json, "unproven_frames", s.unproven_frames);
+  put(json, "outside_map_frames", s.outside_map_frames);
   add_objects(scenes, s, json);
-  json["saturated_frames"] = s.saturated_frames;
-  json["faulty_frames"] = s.faulty_frames;
-  json["guaranteed_separation_m"] = number(scenes.guarantee().tested_m);
-  json["guaranteed_swept_separation_m"] = number(scenes.guarantee().swept_m);
-  json["missing_faces"] =
+  put(json, "saturated_frames", s.saturated_frames);
+  put(json, "faulty_frames", s.faulty_frames);
+  put(json, "guaranteed_separation_m", number(scenes.guarantee().tested_m));
+  put(json, "guaranteed_swept_separation_m", number(scenes.guarantee().swept_m));
+  put(json, "missing_faces",
       command::missing_faces_in(scenes.first().simulation().voxmap().provenance()) +
-      command::missing_faces_in(scenes.first().simulation().shell().provenance());
-  json["pose_error_m"] = scenes.first().simulation().query().rounding_bound_m();
-  json["step_ns"] = percentiles(s.step);
-  json["threads"] = facts.options.run.threads;
-  json["instruction_set"] = query::kernel_target();
-  json["as_fast_as_possible"] = facts.options.as_fast_as_possible;
+          command::missing_faces_in(scenes.first().simulation().shell().provenance()));
+  put(json, "pose_error_m", scenes.first().simulation().query().rounding_bound_m());
+  put(json, "step_ns", percentiles(s.step));
+  put(json, "threads", facts.options.run.threads);
+  put(json, "instruction_set", query::kernel_target());
+  put(json, "as_fast_as_possible", facts.options.as_fast_as_possible);
   add_clock(facts, s, json);
-  json["max_force_n"] = s.max_force_n;
-  json["max_torque_nm"] = s.max_torque_nm;
+  put(json, "max_force_n", s.max_force_n);
+  put(json, "max_torque_nm", s.max_torque_nm);
   add_output(facts, s, json);
-  json["energy_generated_j"] = s.generated_j;
-  json["contact_episodes"] = s.contact_episodes;
-  json["energy_generated_worst_episode_j"] = s.worst_episode_generated_j;
-  json["outcome_hash"] = text("%016llx", static_cast<unsigned long long>(s.outcome_hash));
-  json["wall_s"] = facts.wall_s;
-  json["peak_rss_bytes"] = command::peak_rss_bytes();
-  json["scene_file_bytes"] = facts.scene_file_bytes;
-  json["scene_prefaulted_bytes"] = facts.prefaulted_bytes;
-  json["scene_resident_bytes"] = facts.resident_bytes;
-  json["parameters"] = parameters_json(scenes.parameters());
-  json["parameter_reasons"] = scenes.first().reasons();
-  json["warnings"] = facts.warnings;
+  put(json, "guided_frames", s.guided_frames);
+  put(json, "max_guide_force_n", s.max_guide_force_n);
+  put(json, "max_guide_torque_nm", s.max_guide_torque_nm);
+  put(json, "guide_given_j", s.guide_given_j);
+  put(json, "guide_allowed_j", s.guide_allowed_j);
+  put(json, "energy_generated_j", s.generated_j);
+  put(json, "contact_episodes", s.contact_episodes);
+  put(json, "energy_generated_worst_episode_j", s.worst_episode_generated_j);
+  put(json, "outcome_hash", text("%016llx", static_cast<unsigned long long>(s.outcome_hash)));
+  put(json, "wall_s", facts.wall_s);
+  put(json, "peak_rss_bytes", command::peak_rss_bytes());
+  put(json, "scene_file_bytes", facts.scene_file_bytes);
+  put(json, "scene_prefaulted_bytes", facts.prefaulted_bytes);
+  put(json, "scene_resident_bytes", facts.resident_bytes);
+  put(json, "parameters", parameters_json(scenes.parameters()));
+  put(json, "parameter_reasons", scenes.first().reasons());
+  put(json, "warnings", facts.warnings);
   return json;
 }
 

@@ -47,6 +47,7 @@ struct Session {
   stream::ReplayInput* replay = nullptr;  // the input, where it is one
   std::optional<Run> run;
   std::optional<Scenes> scenes;  // of the run
+  std::optional<loop::Guide> guide;
   State start;
 
   ~Session() {
@@ -123,6 +124,26 @@ Status take_hold(const Options& options, Session& session) {
   return {};
 }
 
+// The path that leads the hand.
+Status make_guide(const Options& options, Session& session) {
+  if (options.guide.empty()) return {};
+  const auto rows = read_path(options.guide, PathOf::kPart);
+  if (!rows) return rows.error();
+  std::vector<Pose> world_from_center;
+  for (const PathRow& row : *rows) {
+    const auto& p = row.position_m;
+    const auto& q = row.orientation_wxyz;
+    world_from_center.push_back(session.run->simulation().world_from_center(
+        {{p[0], p[1], p[2]}, glm::dquat(q[0], q[1], q[2], q[3])}));
+  }
+  loop::GuideLimits limits;
+  limits.force_n = options.guide_force_n;
+  limits.torque_nm = loop::kGuideLeverM * limits.force_n;
+  const double scale = session.request.placement.motion_scale;
+  session.guide.emplace(loop::GuidePath(world_from_center, limits, scale), limits, scale);
+  return {};
+}
+
 // The files before the device: a file that is unusable is an error before a motor is on.
 Status prepare_run(const Options& options, Session& session) {
   session.request = options.run;
@@ -138,6 +159,7 @@ Status prepare_run(const Options& options, Session& session) {
   if (!run) return run.error();
   session.run = std::move(*run);
   session.scenes.emplace(*session.run, options.run.scene.string());
+  if (Status led = make_guide(options, session); !led) return led;
   warn(session.run->warnings(), session.facts.warnings);
   warn_of_missing_faces(options, *session.run, session.facts.warnings);
   if (session.recording) {
@@ -350,6 +372,9 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   limits.rearm_alone = session.after_trip == AfterTrip::kRearm;
   loop::Servo servo(simulation, *session.input, session.start, limits);
   servo.set_clutch_buttons(session.clutch_buttons);
+  if (session.guide) {
+    servo.set_guide(&*session.guide, options.guide_button ? 1u << *options.guide_button : 0);
+  }
   change.begin(servo);
   const long long begin_ns = machine::monotonic_ns();
   loop::run_loop(servo, loop, &ring, statistics);

@@ -46,11 +46,12 @@ void bake(const std::string& command, const mesh::Mesh& mesh, double voxel_mm,
 struct Trials {
   int solved = 0;
   std::vector<double> seconds;  // of those that are solved
-  std::vector<double> poses_per_s;
-  void add(bool found, double taken_s, std::uint64_t poses) {
+  std::vector<double> poses_per_s, motions_per_s;
+  void add(bool found, double taken_s, std::uint64_t poses, std::uint64_t motions) {
     solved += found ? 1 : 0;
     if (found) seconds.push_back(taken_s);
     poses_per_s.push_back(static_cast<double>(poses) / std::max(taken_s, 1e-9));
+    motions_per_s.push_back(static_cast<double>(motions) / std::max(taken_s, 1e-9));
   }
 };
 
@@ -108,7 +109,8 @@ Json row_of(const Trials& trials, int seeds) {
   return {{"solved", trials.solved},
           {"seeds", seeds},
           {"seconds", quartiles(trials.seconds)},
-          {"poses_per_s", quartiles(trials.poses_per_s)}};
+          {"poses_per_s", quartiles(trials.poses_per_s)},
+          {"motions_per_s", quartiles(trials.motions_per_s)}};
 }
 
 void print(const std::string& puzzle, const char* validity, const Json& row, const Json& alone) {
@@ -120,7 +122,8 @@ void print(const std::string& puzzle, const char* validity, const Json& row, con
   std::string line =
       '"' + puzzle + "\"," + validity + ',' + row["solved"].dump() + ',' + row["seeds"].dump();
   for (const Json& s : row["seconds"]) line += ',' + figure(s);
-  line += ',' + figure(row["poses_per_s"][1]) + ',' + figure(alone);
+  line += ',' + figure(row["poses_per_s"][1]) + ',' + figure(row["motions_per_s"][1]) + ',' +
+          figure(alone);
   std::puts(line.c_str());
   std::fflush(stdout);
 }
@@ -144,7 +147,9 @@ int run(int argc, char** argv) {
     return app.exit(error);
   }
   const double voxel_size_m = voxel_mm / 1000;
-  std::puts("puzzle,validity,solved,seeds,q1_s,median_s,q3_s,poses_per_s,alone_poses_per_s");
+  std::puts(
+      "puzzle,validity,solved,seeds,q1_s,median_s,q3_s,poses_per_s,motions_per_s,alone_poses_per_"
+      "s");
   Json rows = Json::array();
   for (const Puzzle& puzzle : puzzles()) {
     if (!puzzle.name.starts_with(only)) continue;
@@ -164,10 +169,10 @@ int run(int argc, char** argv) {
       request.most_s = most_s;
       request.clock_s = cpu_s;
       const auto result = value_of(voxplan::search(problem, goal, request));
-      ours.add(result.found, result.seconds, result.poses_tested);
+      ours.add(result.found, result.seconds, result.poses_tested, result.motions_tested);
       const PeerResult peer = solve_by_meshes(puzzle, problem, voxel_size_m / 2,
                                               static_cast<std::uint64_t>(seed), most_s);
-      theirs.add(peer.found, peer.seconds, peer.poses);
+      theirs.add(peer.found, peer.seconds, peer.poses, peer.motions);
     }
     Json row{{"puzzle", puzzle.name},
              {"triangles", puzzle.scene.triangles.size() + puzzle.part.triangles.size()},

@@ -128,6 +128,8 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
   }
   result.found = question->hasExactSolution();
   result.seconds = cpu_s() - begin_s;
+  const ob::MotionValidatorPtr motions = space->getMotionValidator();
+  result.motions = motions->getValidMotionCount() + motions->getInvalidMotionCount();
   return result;
 }
 

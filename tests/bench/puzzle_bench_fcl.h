@@ -22,8 +22,9 @@ class MeshValidity {
 
 struct PeerResult {
   bool found = false;
-  double seconds = 0;       // of this process' processor time
-  std::uint64_t poses = 0;  // tested
+  double seconds = 0;         // of this process' processor time
+  std::uint64_t poses = 0;    // tested
+  std::uint64_t motions = 0;  // straight ones between two poses, tested as a whole
 };
 
 // Four RRT-Connect of the ranges that voxplan gives its own, in turns, until one has a way out of

@@ -81,7 +81,7 @@ runtime/voxcheck:       formats formats/command formats/path runtime/clearance r
 runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck
 runtime/study:          formats formats/command formats/digest formats/path
-runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox runtime/forcelayer runtime/viewer/run runtime/viewer/surface
+runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
 runtime/viewer:         formats formats/command formats/mesh/sandbox runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
 '

@@ -34,6 +34,19 @@ plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
 cmp up.csv again.csv || fail "the same seed, another path"
 
+# It is smooth enough to be felt: no corner between two rows of more than 10 degrees, and 3 degrees a millimeter at most.
+cat >corners.py <<'END'
+import math, sys
+rows = [[float(cell) for cell in line.split(",")][1:4] for line in open(sys.argv[1]).read().splitlines()[1:]]
+for a, b, c in zip(rows, rows[1:], rows[2:]):
+    legs = math.dist(a, b), math.dist(b, c)
+    if min(legs) < 1e-9: continue
+    cosine = sum((q - p) * (r - q) for p, q, r in zip(a, b, c)) / legs[0] / legs[1]
+    corner = math.degrees(math.acos(max(-1, min(1, cosine))))
+    assert corner < 10 and corner / (1e3 * min(legs)) < 3, (corner, legs)
+END
+python3 corners.py up.csv || fail "it has corners: $(cat up.csv)"
+
 # A pin goes exactly straight along its bore, as a hand would draw it.
 "$bin/voxelize" "$gearbox" --without Pin --voxel-size 1mm -o rest.vox --quiet
 "$bin/pointshell" "$gearbox#Pin" --voxel-size 1mm -o pin.pshell --quiet
@@ -48,6 +61,8 @@ assert after[3] > 0.02, rows
 for row in seated + [after]:
     assert max(map(abs, row[1:3] + row[5:])) < 1e-9 and abs(row[4] - 1) < 1e-9, row
 END
+
+python3 corners.py pin.csv || fail "the pin's way has corners: $(cat pin.csv)"
 
 # To a pose.
 plan 0 opened.vox cover.pshell --clearance 2mm --goal 0,0,40mm -o to.csv --quiet

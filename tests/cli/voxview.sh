@@ -42,6 +42,26 @@ check layer picture.png facts.json 0.008 bay.csv 1
 "$bin/voxview" bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
 check layer picture.png facts.json 0.008 bay.csv 3
 
+# A path is a line of its own color, on a run and without one.
+"$bin/pointshell" "$data/part.obj" --units mm --voxel-size 8mm -o part.pshell --quiet
+printf '%s\n' t_s,x_m,y_m,z_m 0,0,0,0.4 1,0.3,0,0.4 2,0.3,0.2,0.5 >way.csv
+for path in "" "--path way.csv"; do
+  "$bin/voxview" bay.vox part.pshell --part-pose 0,0,0.4m $path --view-from 0,0,1 --focus scene --size 800x600 \
+    --screenshot path.png --json facts.json --show force-layer
+  "$python" - "$path" <<'END' || fail "a path: '$path'"
+import json, sys
+import matplotlib.image, numpy
+picture = numpy.rint(255 * matplotlib.image.imread("path.png")[..., :3]).astype(int)
+green = (abs(picture - [0, 158, 115]).max(axis=2) <= 2).sum()
+facts = json.load(open("facts.json"))
+assert ("path_m" in facts) == (sys.argv[1] != "") == (green > 200), green
+if sys.argv[1]:
+    assert len(facts["path_m"]) == 3 and abs(facts["path_m"][1][0] - facts["path_m"][0][0] - 0.3) < 1e-9
+END
+done
+status=0; "$bin/voxview" bay.vox --path none.csv --screenshot no.png 2>err || status=$?
+[ $status -eq 1 ] && [ ! -e no.png ] || fail "a path that is not there: $status $(cat err)"
+
 # The kinds of maps.
 for kind in "--metric chebyshev" --lean "--range 30mm" "--compliance 4mm:1N,20mm:6N"; do
   "$bin/voxelize" "$data/bay.json" -o kind.vox --voxel-size 8mm --quiet $kind

@@ -178,6 +178,41 @@ TEST(ClearanceOfPlaces, IsNeverAboveTheExactDistanceAndNotFarBelow) {
   EXPECT_LT(most_slack_left_out, 1.1);
 }
 
+// Within the stored distances what is kept in a byte a center (no search) tells what the floats of
+// a search tell, bit for bit; beyond them the search may tell more.
+TEST(ClearanceOfPlaces, BytesTellWhatFloatsTell) {
+  int equal = 0, more = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Solids solids = random_solids(random);
+    const Voxmap voxmap = baked(solids);
+    const LeftOut none;
+    const double reach = clearance::reach_voxels(voxmap.header());
+    CenterDistances stored(voxmap, none, 0), searched(voxmap, none, 20);
+    const auto& origin = voxmap.header().directory_origin;
+    const glm::dvec3 directory(static_cast<double>(origin[0]), static_cast<double>(origin[1]),
+                               static_cast<double>(origin[2]));
+    for (int n = 0; n < 3000; ++n) {
+      const double half = n % 2 == 0 ? 13 : 30;
+      const glm::dvec3 p = glm::dvec3(uniform(random, -half, half), uniform(random, -half, half),
+                                      uniform(random, -half, half)) -
+                           directory;
+      const double by_bytes = stored.at(p), by_floats = searched.at(p);
+      // No center of the cell is farther than its diagonal from the place.
+      if (by_bytes < reach - 1.8) {
+        ASSERT_EQ(by_bytes, by_floats) << p.x << " " << p.y << " " << p.z;
+        equal += by_bytes > 0 ? 1 : 0;
+      } else {
+        ASSERT_GE(by_floats, by_bytes - 1e-3);
+        more += by_floats > by_bytes ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(equal, 1000);
+  EXPECT_GT(more, 1000);
+}
+
 TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
   int told = 0, near = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -241,6 +241,109 @@ TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
   EXPECT_LT(result->seconds, 20);
 }
 
+// Ways with corners over the groove's walls: the same ends, no motion that is not kept, no nearer
+// to the scene than before, and no corner that a hand would feel.
+TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
+  Bench bench(0.03);
+  voxplan::Random random(21);
+  const auto corner_rad = [](const Pose& a, const Pose& b, const Pose& c) {
+    const glm::dvec3 in = b.position_m - a.position_m, out = c.position_m - b.position_m;
+    if (!(glm::length(in) > 1e-9 && glm::length(out) > 1e-9)) return 0.0;
+    return std::acos(
+        std::clamp(glm::dot(in, out) / (glm::length(in) * glm::length(out)), -1.0, 1.0));
+  };
+  const auto sharpest_rad = [&](const voxplan::Way& way) {
+    double most = 0;
+    for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+      most = std::max(most, corner_rad(way[i - 1], way[i], way[i + 1]));
+    }
+    return most;
+  };
+  const auto least_m = [&](const voxplan::Way& way) {
+    double least = 1;
+    for (const Pose& pose : way) least = std::min(least, bench.check->clearance_m(pose));
+    return least;
+  };
+  int ways = 0;
+  for (int trial = 0; trial < 400 && ways < 12; ++trial) {
+    // Zigzags near the walls, of motions that are kept.
+    voxplan::Way way{bench.problem.world_from_start};
+    while (way.size() < 6) {
+      Pose next = way.back();
+      next.position_m += random.direction() * random.between(0.01, 0.03);
+      next.orientation = glm::normalize(
+          coupling::rotation_by(random.direction() * random.between(0, 0.4)) * next.orientation);
+      if (next.position_m.z > 0.08 || !bench.check->is_kept(Rule::kClear, way.back(), next)) break;
+      way.push_back(next);
+    }
+    if (way.size() < 6 || sharpest_rad(way) < 0.7) continue;
+    ++ways;
+    SCOPED_TRACE(trial);
+    const auto wide = voxplan::widened(bench.problem, way, 3);
+    ASSERT_TRUE(wide) << to_line(wide.error());
+    const auto smooth = voxplan::smoothed(bench.problem, {}, *wide);
+    ASSERT_TRUE(smooth) << to_line(smooth.error());
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth->front(), way.front()), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth->back(), way.back()), 0);
+    EXPECT_LT(sharpest_rad(*smooth), 0.25) << "was " << sharpest_rad(way);
+    // Between the poses of a straight way the clearance may be less than at both: by a tenth of a
+    // voxel, for steps of two.
+    EXPECT_GE(least_m(*smooth), least_m(*wide) - 0.1 * kS);
+    const auto checked = voxplan::proven(
+        bench.problem, voxplan::rows_of(bench.problem, {}, *smooth, 0.1), Rule::kClear, 1);
+    ASSERT_TRUE(checked) << to_line(checked.error());
+    EXPECT_TRUE(checked->clear());
+  }
+  EXPECT_EQ(ways, 12);
+}
+
+// Over a ridge: evened without regard to the clearance, the way would come down to what is
+// required.
+TEST(Smoothing, ComesNoNearerToARidge) {
+  const auto distance = [](const glm::dvec3& p) {
+    const double beside = std::abs(p.x) - 0.005, above = p.z - 0.04;
+    const double ridge = std::max(beside, above) > 0
+                             ? std::hypot(std::max(beside, 0.0), std::max(above, 0.0))
+                             : std::max(beside, above);
+    return std::min(ridge, p.z);
+  };
+  const Voxmap scene = make_voxmap(
+      distance_scene(kS, {-24, -16, -8}, {48, 32, 28}, distance, 2, DistanceDefinition(2)));
+  const Pshell part = make_pshell(block());
+  const auto at = [](double x, double z) { return Pose{{x, 0, z}, {1, 0, 0, 0}}; };
+  const Problem problem{scene, part, 0.002, at(-0.045, 0.04), {}};
+  const auto made = PoseCheck::create(problem);
+  ASSERT_TRUE(made) << to_line(made.error());
+  const voxplan::Way way{at(-0.045, 0.04), at(-0.045, 0.075), at(0.045, 0.075), at(0.045, 0.04)};
+  const auto least_m = [&](const voxplan::Way& of) {
+    double least = 1;
+    for (const Pose& pose : voxplan::with_more_poses(problem, of, 0.2 * kS)) {
+      least = std::min(least, (*made)->clearance_m(pose));
+    }
+    return least;
+  };
+  const voxplan::Way fine = voxplan::with_more_poses(problem, way, 2 * kS);
+  const auto smooth = voxplan::smoothed(problem, {}, fine);
+  ASSERT_TRUE(smooth) << to_line(smooth.error());
+  EXPECT_GT(least_m(fine), 0.015);
+  EXPECT_GE(least_m(*smooth), least_m(fine) - 0.1 * kS);
+}
+
+// Behind a seat the way goes on in the direction in which it came out.
+TEST(Smoothing, GoesStraightOnOutOfASeat) {
+  Bench bench(0.03);
+  const Pose start = bench.problem.world_from_start;
+  const auto at = [&](double x, double z) {
+    return Pose{start.position_m + glm::dvec3(x, 0, z), start.orientation};
+  };
+  const auto smooth = voxplan::smoothed(bench.problem, {at(0, -0.01), start},
+                                        {start, at(0.03, 0.005), at(0.03, 0.04)});
+  ASSERT_TRUE(smooth) << to_line(smooth.error());
+  const glm::dvec3 first = (*smooth)[1].position_m - (*smooth)[0].position_m;
+  EXPECT_GT(first.z, 0);
+  EXPECT_LT(std::abs(first.x), 1e-9);
+}
+
 // A pin in a hole, of whose floors some are tilted along it, as at the hole's edges.
 TEST(Slide, AFreeTwistGoesAlongAPinsHoleOrTurnsInIt) {
   std::vector<clearance::SeatStretch::Floor> floors;

@@ -141,6 +141,9 @@ std::vector<LegendEntry> legend_of(const PicturePlan& plan, const ViewScene& sce
   std::vector<LegendEntry> legend;
   add_scene(plan, scene, legend);
   if (plan.moment) add_moment(plan, scene, legend);
+  if (!plan.path_m.empty()) {
+    legend.push_back({Swatch::kLine, kPathColor, 1, "path of the part's middle"});
+  }
   return legend;
 }
 

@@ -77,6 +77,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--listen", options_.listen,
                  "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
       ->excludes(run);
+  app.add_option("--path", options_.path,
+                 "a path of the part to draw as a line, such as voxplan's or --guide of voxrun");
   app.add_option(
       "--duration", texts_.duration,
       "close the window, or take the picture, after this; default: a window stays, a picture of a "

@@ -34,6 +34,7 @@ struct ViewOptions {
   std::optional<double> scale;      // of words and marks; empty: the screen's
   std::string run;                  // trace or recording
   std::optional<double> at_s;
+  std::string path;                      // of the part, to draw; empty: none
   std::string listen;                    // [ADDRESS:]PORT of a pose stream
   std::optional<double> duration_s;      // of the window, or of listening before a picture
   std::optional<Pose> world_from_part;   // --part-pose

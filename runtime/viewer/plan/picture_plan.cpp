@@ -7,12 +7,38 @@
 
 #include "formats/command/spelling.h"
 #include "formats/mesh/node_names.h"
+#include "formats/path/path_file.h"
 #include "runtime/viewer/plan/legend.h"
 
 namespace forcelayer::viewer {
 namespace {
 
 constexpr double kMeasureMargin = 1.3;  // half of a picture's height, over the end of a measure
+
+// Where the part's middle goes: the centroid of its shell, else of its mesh's corners, else its
+// origin.
+Result<std::vector<glm::dvec3>> plan_path(const std::string& path, const ViewScene& scene) {
+  std::vector<glm::dvec3> places_m;
+  if (path.empty()) return places_m;
+  const auto rows = read_path(path, PathOf::kPart);
+  if (!rows) return rows.error();
+  glm::dvec3 middle_m(0);
+  if (scene.shell) {
+    const auto& center = scene.shell->header().center_m;
+    middle_m = {center[0], center[1], center[2]};
+  } else if (scene.part && !scene.part->points.empty()) {
+    for (const auto& point : scene.part->points)
+      middle_m += glm::dvec3(point[0], point[1], point[2]);
+    middle_m /= static_cast<double>(scene.part->points.size());
+  }
+  for (const PathRow& row : *rows) {
+    const auto& p = row.position_m;
+    const auto& q = row.orientation_wxyz;
+    places_m.push_back(glm::dvec3(p[0], p[1], p[2]) +
+                       glm::dquat(q[0], q[1], q[2], q[3]) * middle_m);
+  }
+  return places_m;
+}
 
 // Errors: kUsage for a time that the run does not have.
 Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
@@ -242,6 +268,9 @@ Result<PicturePlan> plan_picture(const ViewOptions& options, const ViewScene& sc
   if (!hidden) return hidden.error();
   plan.hidden = std::move(*hidden);
   plan.measure = options.measure;
+  auto path_m = plan_path(options.path, scene);
+  if (!path_m) return path_m.error();
+  plan.path_m = std::move(*path_m);
   plan.title = options.title;
   plan.own_title = !options.title.empty();
   if (!plan.own_title) plan.title = {describe(scene)};
@@ -296,6 +325,10 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
     }
   }
   if (!plan.hidden.empty()) report["hidden"] = plan.hidden;
+  if (!plan.path_m.empty()) {
+    auto& path = report["path_m"] = nlohmann::ordered_json::array();
+    for (const glm::dvec3& place_m : plan.path_m) path.push_back(numbers(place_m));
+  }
   if (plan.moment) {
     const Moment& moment = *plan.moment;
     auto& json = report["moment"];

@@ -28,6 +28,7 @@ struct PicturePlan {
   bool color_objects = false;         // the meshes of the scene
   std::vector<std::string> hidden;    // objects, by name
   std::optional<Measure> measure;
+  std::vector<glm::dvec3> path_m;  // of the part's middle
   bool plain = false;
 
   double meters_per_pixel() const { return 2 * camera.half_height_m / height; }

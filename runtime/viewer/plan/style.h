@@ -23,6 +23,7 @@ inline constexpr Color kNetForceColor = {0.05, 0.05, 0.05};
 inline constexpr Color kMeasuredColor = {0.0, 0.45, 0.70};
 inline constexpr Color kMissingFaceColor = {0.84, 0.37, 0.0};
 inline constexpr Color kMeasureColor = {0.0, 0.62, 0.45};
+inline constexpr Color kPathColor = {0.0, 0.62, 0.45};
 inline constexpr Color kClearanceColor = {0.80, 0.30, 0.56};
 inline constexpr Color kAddedColor = {0.0, 0.45, 0.70};
 inline constexpr Color kRemovedColor = {0.84, 0.37, 0.0};

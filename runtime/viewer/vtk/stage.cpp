@@ -215,6 +215,10 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
   actors_->clearance = places_actor(kClearanceColor, 4, scale_);
   actors_->measurement = places_actor(kMeasureColor, 2.5, scale_);
+  if (!plan.path_m.empty()) {
+    marks_->AddActor(
+        line_actor(places_and_line(plan.path_m, scene.origin_m), kPathColor, 3 * scale_));
+  }
   for (const Actor& actor : {actors_->clearance, actors_->measurement}) marks_->AddActor(actor);
   for (vtkRenderer* renderer : {world_, marks_}) {
     vtkNew<vtkLight> light;
