@@ -99,7 +99,11 @@ part_force() {
   "$bin/force_bench" --cost --json "$out/force_cost.json"
   ! held_to_avx2 || "$bin/force_bench" --cost --vectors AVX2 --json "$out/force_cost_avx2.json"
 }
-part_wrench() { "$bin/wrench_bench" --s $(either "" 1) 0.5 --orientations 1 --pair-cases 2 --json "$out/wrench.json"; }
+part_wrench() {
+  # The short form's contacts are the first of the long form's.
+  "$bin/wrench_bench" --s 0.5 --pair-cases $(either 2 100) --json "$out/wrench_s0.5.json"
+  [ $long = no ] || "$bin/wrench_bench" --s 1 --s 0.25 --pair-cases 10 --json "$out/wrench_sizes.json"
+}
 part_clearance() { "$bin/clearance_bench" $(either "--poses 5000" "") --json "$out/clearance.json"; }
 part_motion() { "$bin/motion_bench" --json "$out/motion.json"; }
 part_trajectory() { "$bin/trajectory_bench" $(either "--seeds 1 --nominal" "") --json "$out/trajectory.json"; }
@@ -134,7 +138,7 @@ part_loop() {
   "$bench/bench_loop.py" --minutes "$(either 1 30)" --out "$root/build/loop_bench" --json "$out/loop.json"
 }
 
-install_packages libbullet-dev libopenvdb-tools  # what is compared with
+install_packages libbullet-dev libfcl-dev libopenvdb-tools  # what is compared with
 configure release -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=
 # shellcheck disable=SC2046
 build release $(for part in "${parts[@]}"; do echo ${targets[$part]}; done | tr ' ' '\n' | sort -u)

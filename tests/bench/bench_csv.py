@@ -65,7 +65,11 @@ FILES = {
     "force": (("s", "cover", "orientations", "contact", "method"),
               same("stiffness", "bias", "noise", "direction_deg", "torque")),
     "force_cost": (("vectors", "part", "field"), times("ns_per_point", "query_us")),
-    "wrench": (("voxel_m", "contacts", "method"), {"force_error": 1.6, "direction_deg": 1.6, **times("frame_p50_us")}),
+    "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
+    "wrench_cases": (("voxel_m", "contact", "case", "figure"), dict.fromkeys(
+        ("default, distances", "default, Euclidean layers", "default, Chebyshev layers", "level field, Chebyshev layers",
+         "paper: tangent plane, N/10", "dense float distances, our query", "exact closest points, our query",
+         "OpenVDB level set, as people use it", "FCL contacts", "FCL distance"), 1.05)),  # seeded, three digits
     "wrench_files": (("voxel_m", "pair", "kind"), same("file_bytes")),
     "motion": (("experiment", "model", "step_s"), {"error": 1.02}),
     "motion_drift": (("model",), {}),
@@ -251,23 +255,27 @@ def force_cost(rows, machine):
 
 
 WRENCH_GROUPS = ("flush and smooth", "corners and wedges", "mesh pairs")
+WRENCH_BY_CASE = ("force", "raw force", "torque")  # told case by case; the first by pair too
 
 
 def wrench(rows):
     for r in rows:
-        for group in WRENCH_GROUPS:
-            for method, figures in r["contacts"].get(group, {}).items():
-                yield "wrench", {
-                    "voxel_m": r["voxel_size_m"], "contacts": group, "method": method, "cases": figures["cases"],
-                    "force_error": figures["force_error"], "deviation": figures["deviation"], "noise": figures["noise"],
-                    "direction_deg": figures["direction_deg"], "torque_error": figures["torque_error"],
-                    "force_of_noticeable": (figures.get("of_noticeable") or {}).get("force"),
-                    "frame_p50_us": figures["frame_us"]["p50"], "frame_p99_us": figures["frame_us"]["p99"]}
-        for pair, kinds in r.get("bill", {}).items():
+        for contacts, methods in r["contacts"].items():
+            if contacts not in WRENCH_GROUPS and contacts not in (r["files"] or {}):
+                continue
+            for method, told in methods.items():
+                for figure, spread in told["figures"].items():
+                    if contacts in WRENCH_GROUPS or figure == WRENCH_BY_CASE[0]:
+                        yield "wrench", {"voxel_m": r["voxel_size_m"], "contacts": contacts, "method": method,
+                                         "skips": told["skips"], "figure": figure, **spread}
+        for case in r["cases"]:
+            for figure in WRENCH_BY_CASE:
+                yield "wrench_cases", {"voxel_m": r["voxel_size_m"], "contact": case["contact"], "case": case["case"], "figure": figure,
+                                       **{method: None if value is None else float(f"{value:.3g}")
+                                          for method, value in case[figure].items()}}
+        for pair, kinds in (r["files"] or {}).items():
             for kind, figures in kinds.items():
-                yield "wrench_files", {
-                    "voxel_m": r["voxel_size_m"], "pair": pair, "kind": kind, "file_bytes": figures["file_bytes"],
-                    "force_layer_voxels": figures["force_layer_voxels"], "bake_s": figures["bake_s"]}
+                yield "wrench_files", {"voxel_m": r["voxel_size_m"], "pair": pair, "kind": kind, **figures}
 
 
 def clearance(rows):

@@ -79,7 +79,7 @@ class Paths:
         rows = [size["contacts"].get("flush and smooth", {}) for size in self.report()]
         if not all("default, distances" in row for row in rows):
             return ["wrench: has no 'default, distances'"]
-        timed = sum(row["default, distances"]["frame_us"].get("count", 1) for row in rows)
+        timed = sum(row["default, distances"]["figures"]["frame, us"]["n"] for row in rows)
         return [f"wrench: voxrun does '{call}', no method of the benchmark does" for call in sorted(self.wanted)
                 if calls.get(("none", call), 0) <= timed]
 

@@ -177,8 +177,8 @@ ContactCase::ContactCase(const Combination& combination, const PartShells& shell
   thickness_m_ = norm1(normal) * s_;
   middle_m_ = zero_force_voxels(kind_, kLayers, normal) * s_;
   for (std::size_t d = 0; d < kDepths; ++d) {
-    const double share = (static_cast<double>(d) + 0.5) / kDepths - 0.5;
-    heights_m_.push_back(height_at(middle_m_ + share * thickness_m_));
+    depths_m_.push_back((0.5 - (static_cast<double>(d) + 0.5) / kDepths) * thickness_m_);
+    heights_m_.push_back(height_at(middle_m_ - depths_m_.back()));
   }
   const double mean_area_m2 = tested_.area_m2 / static_cast<double>(tested_.points_m.size());
   const auto distance = [&](glm::dvec3 p) {
@@ -484,10 +484,10 @@ void ContactCase::tabulate_truth() {
   }
 }
 
-Wrench ContactCase::truth_at(Method method, std::size_t depth, double offset_m) const {
+Wrench ContactCase::truth_at(std::size_t depth, double offset_m, bool by_ten) const {
   Wrench w = truth_[depth].wrench_at(offset_m);
   const double points = truth_[depth].area_at(offset_m);
-  if (method == Method::kTangentPlaneAveraged && points >= 10) {
+  if (by_ten && points >= 10) {
     w.force_n *= 10 / points, w.torque_nm *= 10 / points;
   }
   return w;
@@ -527,19 +527,15 @@ double ContactCase::worst_step(const WrenchAt& wrench_at) const {
 
 Quality ContactCase::judge(Method method, bool with_step) const {
   const WrenchAt wrench_at = [&](const Placed& placed) { return force(method, placed); };
-  Quality quality = judge(wrench_at, method);
+  Quality quality = judge(wrench_at, kShifts, method == Method::kTangentPlaneAveraged);
   if (with_step) quality.step = worst_step(wrench_at);
   return quality;
 }
 
-Quality ContactCase::judge(const WrenchAt& wrench_at) const {
-  return judge(wrench_at, Method::kStandoff);
-}
-
-Quality ContactCase::judge(const WrenchAt& wrench_at, Method truth) const {
+Quality ContactCase::judge(const WrenchAt& wrench_at, std::size_t shifts, bool by_ten) const {
   Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d)
-    for (std::size_t i = 0; i < kShifts; ++i) {
+    for (std::size_t i = 0; i < shifts; ++i) {
       const auto [a, b] = shifts_m_[i];
       const Wrench w = wrench_at(place(heights_m_[d], a, b));
       const glm::dmat3 back = glm::transpose(body_.rotation * symmetry(a, b));
@@ -550,8 +546,8 @@ Quality ContactCase::judge(const WrenchAt& wrench_at, Method truth) const {
   for (double at = first_m; at < first_m + 3 * thickness_m_; at += 0.01 * s_) {
     offsets_m.push_back(at);
   }
-  const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(truth, d, at); };
-  return judged(measured, true_wrench, offsets_m, part_radius_m_);
+  const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(d, at, by_ten); };
+  return judged(measured, true_wrench, {middle_m_, depths_m_, s_ / 4}, offsets_m, part_radius_m_);
 }
 
 }  // namespace forcelayer::bench

@@ -81,8 +81,10 @@ class ContactCase {
   // The step takes longer than all the rest: NAN where it is not asked for.
   Quality judge(Method method, bool with_step = true) const;
 
-  // The same of any other way to a wrench, but for the step; its unit of force may be any.
-  Quality judge(const WrenchAt& wrench_at) const;
+  // The same of any other way to a wrench, but for the step, at the first so many shifts; its unit
+  // of force may be any. `by_ten`: the truth too is divided by N/10.
+  static constexpr std::size_t kDepths = 12, kShifts = 12;
+  Quality judge(const WrenchAt& wrench_at, std::size_t shifts = kShifts, bool by_ten = false) const;
 
   std::vector<Placed> slide() const;  // the frames of the slide
   const AnalyticStatic& body() const { return body_; }
@@ -106,12 +108,10 @@ class ContactCase {
   template <class Push>
   Wrench sum(const Placed& placed, Push push) const;
   void tabulate_truth();
-  Wrench truth_at(Method method, std::size_t depth, double offset_m) const;
+  Wrench truth_at(std::size_t depth, double offset_m, bool by_ten) const;
   std::array<double, 2> along_slide(int frame) const;
   double worst_step(const WrenchAt& wrench_at) const;
-  Quality judge(const WrenchAt& wrench_at, Method truth) const;
 
-  static constexpr std::size_t kDepths = 12, kShifts = 12;
   static constexpr int kLayers = 2;
 
   Combination combination_;
@@ -124,7 +124,7 @@ class ContactCase {
   glm::dvec3 base_m_{0}, approach_{0, 0, 1};  // local: where height 0 is, and the way out
   double thickness_m_ = 0, middle_m_ = 0;     // of the force layer; its distance from the surface
   double rate_ = 1;                           // height over distance
-  std::vector<double> heights_m_;
+  std::vector<double> depths_m_, heights_m_;
   std::vector<std::array<double, 2>> shifts_m_;
   std::unique_ptr<test::VoxelScene> scene_;
   std::unique_ptr<Voxmap> voxmap_;

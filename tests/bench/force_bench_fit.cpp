@@ -44,27 +44,50 @@ Fit fitted(const std::vector<glm::dvec3>& mean, const TruthAt& truth_at,
   return fit;
 }
 
-// With offset and gain fitted: force, its deviation, torque.
-void judge_fitted(const Measured& measured, const std::vector<glm::dvec3>& mean, const Fit& fit,
-                  const TruthAt& truth_at, double part_radius_m, Quality& q) {
-  double error2 = 0, true2 = 0, deviation2 = 0, torque_error2 = 0, torque2 = 0;
-  for (std::size_t d = 0; d < measured.size(); ++d) {
-    const Wrench t = truth_at(d, fit.free_offset_m);
-    const glm::dvec3 f = fit.stiffness * t.force_n, m = fit.stiffness * t.torque_nm;
-    for (const Wrench& w : measured[d]) {
-      error2 += glm::dot(w.force_n - f, w.force_n - f), true2 += glm::dot(f, f);
-      deviation2 += glm::dot(mean[d] - f, mean[d] - f);
-      torque_error2 += glm::dot(w.torque_nm - m, w.torque_nm - m), torque2 += glm::dot(m, m);
+// Sums over poses of what is left of a wrench, and of the true one.
+struct Left {
+  double error2 = 0, true2 = 0, torque_error2 = 0, torque2 = 0;
+
+  void add(const std::vector<Wrench>& measured, const glm::dvec3& force, const glm::dvec3& torque) {
+    for (const Wrench& w : measured) {
+      error2 += glm::dot(w.force_n - force, w.force_n - force), true2 += glm::dot(force, force);
+      torque_error2 += glm::dot(w.torque_nm - torque, w.torque_nm - torque);
+      torque2 += glm::dot(torque, torque);
     }
   }
-  if (!(true2 > 0)) {  // nothing is felt where there is something: all of it is error
-    q.force_error = q.deviation = 1, q.torque_error = NAN;
-    return;
+  // Where nothing is felt and something is there, all of it is error.
+  double force_error() const { return true2 > 0 ? std::sqrt(error2 / true2) : 1; }
+  double torque_error(double part_radius_m) const {
+    const bool has_torque = torque2 > true2 * std::pow(kLeastArm * part_radius_m, 2);
+    return has_torque ? std::sqrt(torque_error2 / torque2) : NAN;
   }
-  const bool has_torque = torque2 > true2 * std::pow(kLeastArm * part_radius_m, 2);
-  q.force_error = std::sqrt(error2 / true2);
-  q.deviation = std::sqrt(deviation2 / true2);
-  q.torque_error = has_torque ? std::sqrt(torque_error2 / torque2) : NAN;
+};
+
+// The errors of force and torque, with offset and gain fitted and without.
+void judge_errors(const Measured& measured, const std::vector<glm::dvec3>& mean, const Fit& fit,
+                  const TruthAt& truth_at, const Nominal& nominal, double part_radius_m,
+                  Quality& q) {
+  Left fitted, raw, pressing, touching;
+  double deviation2 = 0;
+  for (std::size_t d = 0; d < measured.size(); ++d) {
+    const Wrench t = truth_at(d, fit.free_offset_m), plain = truth_at(d, nominal.offset_m);
+    const glm::dvec3 f = fit.stiffness * t.force_n, m = fit.stiffness * t.torque_nm;
+    fitted.add(measured[d], f, m);
+    raw.add(measured[d], plain.force_n, plain.torque_nm);
+    if (nominal.depths_m[d] >= nominal.pressing_m) {
+      pressing.add(measured[d], f, m);
+    } else if (nominal.depths_m[d] > 0) {
+      touching.add(measured[d], f, m);
+    }
+    deviation2 += static_cast<double>(measured[d].size()) * glm::dot(mean[d] - f, mean[d] - f);
+  }
+  q.force_error = fitted.force_error();
+  q.deviation = fitted.true2 > 0 ? std::sqrt(deviation2 / fitted.true2) : 1;
+  q.torque_error = fitted.torque_error(part_radius_m);
+  q.raw_error = raw.force_error();
+  q.raw_torque_error = raw.torque_error(part_radius_m);
+  q.pressing_error = pressing.force_error();
+  q.touching_error = touching.force_error();
 }
 
 }  // namespace
@@ -114,7 +137,7 @@ double TruthTable::area_at(double offset_m) const {
   return area[i] * (1 - f) + area[i + 1] * f;
 }
 
-Quality judged(const Measured& measured, const TruthAt& truth_at,
+Quality judged(const Measured& measured, const TruthAt& truth_at, const Nominal& nominal,
                const std::vector<double>& offsets_m, double part_radius_m) {
   Quality q{};
   q.step = NAN;
@@ -126,7 +149,7 @@ Quality judged(const Measured& measured, const TruthAt& truth_at,
   }
   const Fit fit = fitted(mean, truth_at, offsets_m);
   q.stiffness = fit.stiffness;
-  judge_fitted(measured, mean, fit, truth_at, part_radius_m, q);
+  judge_errors(measured, mean, fit, truth_at, nominal, part_radius_m, q);
   double true2 = 0, bias2 = 0, noise2 = 0, most = 0;
   for (std::size_t d = 0; d < measured.size(); ++d) {
     const double length = glm::length(truth_at(d, fit.offset_m).force_n);

@@ -21,6 +21,11 @@ struct Quality {
   double force_error;    // RMS error of the force vector over the true RMS, offset and gain fitted
   double deviation;      // of that, what the mean over shifts has; the rest is noise
   double torque_error;   // as force_error, of the torque; NAN where the truth has next to none
+  double raw_error;      // as force_error, with neither offset nor gain fitted
+  double raw_torque_error;
+  // As force_error, with offset and gain of all poses: over the poses that press, over those that
+  // barely touch (Nominal), each over the true RMS force of the same poses.
+  double pressing_error, touching_error;
 };
 
 // A piece of the part's exact surface at some pose.
@@ -50,8 +55,16 @@ struct TruthTable {
 using Measured = std::vector<std::vector<Wrench>>;  // [depth][shift]
 using TruthAt = std::function<Wrench(std::size_t depth, double offset_m)>;
 
+// Where a method says that its force begins, and how deep the poses are below that surface by the
+// exact distance: from `pressing_m` on a pose presses, less deep it barely touches.
+struct Nominal {
+  double offset_m;
+  std::vector<double> depths_m;
+  double pressing_m;
+};
+
 // Fits one offset of `offsets_m` and judges; `step` is left NAN.
-Quality judged(const Measured& measured, const TruthAt& truth_at,
+Quality judged(const Measured& measured, const TruthAt& truth_at, const Nominal& nominal,
                const std::vector<double>& offsets_m, double part_radius_m);
 
 }  // namespace forcelayer::bench

@@ -15,6 +15,7 @@ Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m) {
     const auto& p = shell.points_m[i];
     const auto& n = shell.normals[i];
     part.add({p.x, p.y, p.z}, {n.x, n.y, n.z});
+    part.areas_m2.push_back(static_cast<float>(shell.areas_m2[i]));
   }
   return test::make_pshell(part);
 }

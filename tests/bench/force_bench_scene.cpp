@@ -197,18 +197,10 @@ test::VoxelScene bake(const AnalyticStatic& body, double s, int layers, const gl
     return VoxelValue::kFree;
   });
   scene.layers = static_cast<std::uint32_t>(layers);
-  const std::size_t strides[3] = {static_cast<std::size_t>(dims[1] * dims[2]),
-                                  static_cast<std::size_t>(dims[2]), 1};
   for (int reach = 1; reach <= layers + 1; ++reach) {
     std::vector<std::uint8_t> near(steps.size());
     for (std::size_t i = 0; i < steps.size(); ++i) near[i] = steps[i] < reach;
-    for (const std::size_t stride : strides) {
-      std::vector<std::uint8_t> grown = near;
-      for (std::size_t i = stride; i + stride < near.size(); ++i) {
-        grown[i] = near[i - stride] | near[i] | near[i + stride];
-      }
-      near.swap(grown);
-    }
+    near = test::grown(near, dims);
     for (std::size_t i = 0; i < steps.size(); ++i) {
       if (near[i] && steps[i] == kFar) steps[i] = static_cast<std::uint8_t>(reach);
     }

@@ -56,7 +56,7 @@ QUERY_LOOKS = {
 }
 
 
-def query(rows):
+def query(rows, _):
     figure, axes = pyplot.subplots(figsize=(8, 4.2))
     for method, look in QUERY_LOOKS.items():
         curve = [r for r in rows if r["motion"] == "wall" and r["method"] == method]
@@ -71,46 +71,141 @@ def query(rows):
     return figure
 
 
-WRENCH_LOOKS = {"default": "o", "default, Euclidean layers": "p", "default, distances": "*",
-                "level field": "v", "paper: tangent plane, N/10": "s", "shell in a trilinear level set": "^",
-                "FCL mesh contacts": "D", "Bullet mesh contacts": "X"}
-NOTICEABLE_FORCE = 0.07  # the least of the published range (wrench.md)
+# Ours in blue; peers that share our query in orange and red, mesh colliders in green.
+WRENCH_LOOKS = {
+    "default, distances": dict(color="#08519c", marker="o", label="Forcelayer: stored distances (default)"),
+    "default, Euclidean layers": dict(color="#4292c6", marker="s", label="Forcelayer: Euclidean layers (--lean)"),
+    "default, Chebyshev layers": dict(color="#9ecae1", marker="v", label="Forcelayer: Chebyshev layers"),
+    "paper: tangent plane, N/10": dict(color="#969696", marker="P", label="the paper's model"),
+    "dense float distances, our query": dict(color="#fd8d3c", marker="D", label="dense float distances, our query"),
+    "exact closest points, our query": dict(color="#b30000", marker="*", label="exact closest points, our query"),
+    "OpenVDB level set, as people use it": dict(color="#756bb1", marker="^", label="OpenVDB level set, as people use it"),
+    "FCL contacts": dict(color="#74c476", marker="<", label="FCL contacts"),
+    "FCL distance": dict(color="#006d2c", marker=">", label="FCL distance"),
+    "Bullet contacts": dict(color="#252525", marker="X", label="Bullet contacts"),
+}
+NOTICEABLE_FORCE = 0.07  # Pang, Tan and Durlach 1991 (wrench.md)
 
 
-def front(points):
-    """The points that no other beats in both time and error, in the order of time."""
-    best = []
-    for point in sorted(points):
-        if not best or point[1] < best[-1][1]:
-            best.append(point)
-    return best
+def spreads(rows):
+    """The figures of wrench.csv, by contacts, method, voxel size and name."""
+    figures = {}
+    for r in rows:
+        figures.setdefault((r["contacts"], r["method"]), {}).setdefault(r["voxel_m"], {})[r["figure"]] = r
+    return figures
 
 
-def wrench(rows):
-    groups = unique(rows, "contacts")
-    figure, axes = pyplot.subplots(1, len(groups), figsize=(11, 4.8), sharey=True, squeeze=False)
-    for axis, group in zip(axes[0], groups):
-        every = []
-        for method, marker in WRENCH_LOOKS.items():
-            points = [r for r in rows if (r["contacts"], r["method"]) == (group, method) and r["force_error"] is not None]
-            if not points:
+def quartile_bars(force):
+    """Around the medians, percent, as errorbar() takes them."""
+    return [[100 * (f["p50"] - f["p25"]) for f in force], [100 * (f["p75"] - f["p50"]) for f in force]]
+
+
+def wrench(rows, _):
+    figures = spreads(rows)
+    figure, axes = pyplot.subplots(1, len(bench_csv.WRENCH_GROUPS), figsize=(11, 5.6), sharey=True)
+    for axis, group in zip(axes, bench_csv.WRENCH_GROUPS):
+        for method, look in WRENCH_LOOKS.items():
+            sizes = sorted(figures.get((group, method), {}).items(), reverse=True)
+            if not sizes:
                 continue
-            x, y = values(points, "frame_p50_us"), values(points, "force_error", 100)
-            every += zip(x, y)
-            look = {"marker": marker, "color": f"C{list(WRENCH_LOOKS).index(method)}", "ls": ""}
-            axis.plot(x, y, lw=1, color=look["color"])
-            finest = min(values(rows, "voxel_m"))
-            for row, *at in zip(points, x, y):
-                axis.plot(*at, **look, **({"label": method} if row["voxel_m"] == finest else {"mfc": "white"}))
-        pareto = front(every)
-        axis.step([p[0] for p in pareto], [p[1] for p in pareto], where="post", color="0.6", lw=4, alpha=0.5, zorder=0,
-                  label="not beaten in both")
-        axis.axhline(100 * NOTICEABLE_FORCE, color="0.4", lw=0.8, ls=":", label="the least that a hand notices")
-        axis.set(xscale="log", yscale="log", title=group, xlabel="median time of a frame (us, one core)")
+            force = [of["force"] for _, of in sizes]
+            at = [of["frame, us"]["p50"] for _, of in sizes]
+            error = [100 * f["p50"] for f in force]
+            axis.errorbar(at, error, yerr=quartile_bars(force), fmt="none", ecolor=look["color"], elinewidth=0.7, alpha=0.6)
+            axis.plot(at, error, color=look["color"], lw=2 if method == "default, distances" else 1)
+            axis.plot([], [], color=look["color"], marker=look["marker"], ms=5, label=look["label"])
+            for (voxel_m, _), x, y in zip(sizes, at, error):
+                axis.plot(x, y, ls="", marker=look["marker"], color=look["color"], ms=3 + 2.5 * math.log2(voxel_m / 0.00125) / 1.5)
+        axis.axhline(100 * NOTICEABLE_FORCE, color="black", lw=1, ls=":", label="least noticeable difference, 7%")
+        axis.set(xscale="log", yscale="log", title=group, xlabel="time of a frame, one core (us)")
+        axis.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
         axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
-    axes[0][0].set_ylabel("error of the force (percent of the true force)")
-    figure.suptitle("Voxels of 5 mm (filled) and 10 mm (open)", fontsize=9)
-    legend_below(figure, axes[0], 4, 0.13)
+    axes[0].set_ylabel("error of the force (percent of the true force)")
+    sizes = ", ".join(f"{1e3 * v:g}" for v in sorted({r["voxel_m"] for r in rows}, reverse=True))
+    figure.suptitle(f"Medians, bars are quartiles; voxels of {sizes} mm, the large marker is the coarse one", fontsize=9)
+    legend_below(figure, axes, 3, 0.17)
+    return figure
+
+
+# The methods of the kinds of files that voxelize writes.
+FILE_METHODS = {"full": "default, distances", "lean": "default, Euclidean layers", "chebyshev": "default, Chebyshev layers"}
+
+
+def wrench_files(rows, read):
+    """Time of a bake against error of the force, by pair of meshes and kind of file."""
+    figures, pairs = spreads(read("wrench")), unique(rows, "pair")
+    figure, axes = pyplot.subplots(1, len(pairs), figsize=(11, 3.9), sharey=True, squeeze=False)
+    for axis, pair in zip(axes[0], pairs):
+        for kind, method in FILE_METHODS.items():
+            look = WRENCH_LOOKS[method]
+            curve = [r for r in rows if (r["pair"], r["kind"]) == (pair, kind) and r["voxel_m"] in figures.get((pair, method), {})]
+            curve.sort(key=lambda r: -r["voxel_m"])
+            force = [figures[pair, method][r["voxel_m"]]["force"] for r in curve]
+            x, y = values(curve, "bake_cpu_s", 1e3), [100 * f["p50"] for f in force]
+            axis.errorbar(x, y, yerr=quartile_bars(force), color=look["color"], marker=look["marker"], ms=4, elinewidth=0.7,
+                          label=look["label"])
+            for r, at, error in zip(curve, x, y):
+                if kind == "full":
+                    axis.annotate(f"{1e3 * r['voxel_m']:g} mm", (at, error), textcoords="offset points", xytext=(4, -10), fontsize=7)
+        axis.axhline(100 * NOTICEABLE_FORCE, color="black", lw=0.8, ls=":")
+        axis.set(xscale="log", yscale="log", title=pair, xlabel="bake (ms of processor time)")
+        axis.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+        axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+    axes[0][0].set_ylabel("error of the force (percent)")
+    legend_below(figure, axes[0][:1], 3, 0.07)
+    return figure
+
+
+def clearance(rows, read):
+    """Slack of the proven clearance by exact distance; and against the time of a bake, by voxel size."""
+    bakes = [r for r in read("wrench_files") if r["kind"] == "full"]
+    figure, axes = pyplot.subplots(1, 2 if bakes else 1, figsize=(11 if bakes else 6, 3.8), squeeze=False)
+    # Bands with an end; the whole band beyond 1.2 voxels is for the second plot.
+    bands = [r for r in rows if r["scenes"] == "all" and r["to_voxels"] is not None]
+    label = [f"{r['from_voxels']:g} - {r['to_voxels']:g}" for r in bands]
+    for n, (name, key) in enumerate((("claimed in a frame", "slack"), ("most that the files prove", "provable"),
+                                     ("were all points exact", "by_points"))):
+        known = [(i, r) for i, r in enumerate(bands) if r[f"{key}_median"] is not None]
+        place = [i + 0.18 * (n - 1) for i, _ in known]
+        median, p99 = ([r[f"{key}_{q}"] for _, r in known] for q in ("median", "p99"))
+        axes[0][0].vlines(place, median, p99, color=f"C{n}", lw=1)
+        axes[0][0].plot(place, median, "o", color=f"C{n}", ms=5, label=f"{name}: median, line to 99%")
+    axes[0][0].set(xlabel="exact distance (voxels)", ylabel="slack: exact less proven (voxels)", ylim=(0, 1.9))
+    plain(axes[0][0].xaxis, range(len(bands)), label)
+    axes[0][0].legend(loc="upper left")
+    if bakes:
+        (slack,) = [r["slack_median"] for r in rows if r["scenes"] == "all" and r["from_voxels"] == 1.2 and r["to_voxels"] is None]
+        for n, pair in enumerate(unique(bakes, "pair")):
+            curve = [r for r in bakes if r["pair"] == pair]
+            axes[0][1].plot(values(curve, "bake_cpu_s"), values(curve, "voxel_m", 1e3 * slack), marker="os^vD"[n % 5], ms=4, label=pair)
+        axes[0][1].set(xscale="log", yscale="log", xlabel="bake (s of processor time)",
+                       ylabel="median slack beyond 1.2 voxels (mm)")
+        axes[0][1].xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+        plain(axes[0][1].yaxis, values(curve, "voxel_m", 1e3 * slack),
+              [f"{1e3 * slack * r['voxel_m']:.2g}, voxels of {1e3 * r['voxel_m']:g} mm" for r in curve])
+        axes[0][1].set_xlim(left=min(values(bakes, "bake_cpu_s")) / 6)
+        axes[0][1].legend(loc="lower left")
+    figure.tight_layout()
+    return figure
+
+
+def narrow_gaps(rows, _):
+    """Room that a part needs in a gap, by standoff: from where some pass to where all do."""
+    figure, axis = pyplot.subplots(figsize=(7, 4.2))
+    standoffs = {"full": 2.87, "lean": 2.73}  # of two layers (voxmap_format.md)
+    def standoff(row):
+        return standoffs.get(row["map"]) or float(row["map"].split()[1])
+    for n, (case, covering) in enumerate(dict.fromkeys((r["case"], r["covering_voxels"]) for r in rows)):
+        curve = sorted((r for r in rows if (r["case"], r["covering_voxels"]) == (case, covering)), key=standoff)
+        x = [standoff(r) + 0.02 * (n - 1.5) for r in curve]
+        axis.vlines(x, values(curve, "some_pass_voxels"), values(curve, "all_pass_voxels"), color=f"C{n}", lw=1.5)
+        axis.plot(x, values(curve, "all_pass_voxels"), "osv^"[n % 4], color=f"C{n}", ms=5, label=f"{case}, covering radius {covering:g}")
+    far = max(map(standoff, rows))
+    axis.plot([0.9, far], [1.8, 2 * far], color="0.5", ls=":", label="twice the standoff")
+    axis.set(xlabel="standoff (voxels)", ylabel="room: gap less part (voxels)",
+             title="Markers: all pass from there; lines down to where none passes")
+    axis.legend()
+    figure.tight_layout()
     return figure
 
 
@@ -119,7 +214,7 @@ BAKE_LOOKS = {"voxelize": ("Forcelayer: whole bake, into the file", "o"),
               "mesh-to-volume-0.866": ("meshToVolume, within 0.866 voxel", "^"), "vtk": ("vtkVoxelModeller", "D")}
 
 
-def bake_error(rows):
+def bake_error(rows, _):
     scenes = unique(rows, "scene")
     figure, axes = pyplot.subplots(1, len(scenes), figsize=(11, 3.8), sharex=True, sharey=True, squeeze=False)
     for axis, scene in zip(axes[0], scenes):
@@ -137,7 +232,7 @@ def bake_error(rows):
     return figure
 
 
-def bake_growth(rows):
+def bake_growth(rows, _):
     figure, axes = pyplot.subplots(2, 2, figsize=(9, 6.2))
     curves = [("triangles", "triangles", scene) for scene in unique(rows, "scene")]
     curves += [("resolution", "voxels", scene) for scene in unique(rows, "scene")]
@@ -164,7 +259,7 @@ def bake_growth(rows):
     return figure
 
 
-def bake_streams(rows):
+def bake_streams(rows, _):
     figure, axis = pyplot.subplots(figsize=(6, 3.4))
     count = values(rows, "triangles")
     axis.plot(count, values(rows, "peak_bytes", 1e-6), marker="o", color="#08519c", label="peak memory")
@@ -188,7 +283,7 @@ def trajectory_label(row):
     return ", ".join(words)
 
 
-def trajectory(rows):
+def trajectory(rows, _):
     motions, labels = unique(rows, "motion"), list(dict.fromkeys(map(trajectory_label, rows)))
     figure, axes = pyplot.subplots(1, len(motions), figsize=(10, 4.2), sharey=True, squeeze=False)
     for axis, motion in zip(axes[0], motions):
@@ -221,7 +316,8 @@ def save(figure, path):
     print(f"wrote {path}")
 
 
-PLOTS = (query, wrench, bake_error, bake_growth, bake_streams, trajectory)
+# Each gets the rows of the file of its name, and a way to read those of another of the same machine.
+PLOTS = (query, wrench, wrench_files, bake_error, bake_growth, bake_streams, trajectory, clearance, narrow_gaps)
 
 
 def main():
@@ -229,7 +325,10 @@ def main():
         for plot in PLOTS:
             source = folder / f"{plot.__name__}.csv"
             if source.exists():
-                figure = plot(bench_csv.Table(source).rows)
+                def read(name, folder=folder):
+                    other = folder / f"{name}.csv"
+                    return bench_csv.Table(other).rows if other.exists() else []
+                figure = plot(read(plot.__name__), read)
                 save(figure, source.with_suffix(".svg"))
                 pyplot.close(figure)
 

@@ -87,6 +87,28 @@ def pivoted(column, *keys, then=lambda rows: rows):
     return lambda rows: by(column, keys, then(rows))
 
 
+def wrench_rows(rows):
+    """One row for each group and method at 5 mm, with `of`, its figures."""
+    groups = bench_csv.WRENCH_GROUPS
+    return by("figure", ("contacts", "method"), sorted(where(voxel_m=0.005, contacts=groups)(rows),
+                                                       key=lambda r: groups.index(r["contacts"])))
+
+
+def median_of(spread, write=percent):
+    """The median, and the interval that holds it with 95%."""
+    low, high = spread["median_low"], spread["median_high"]
+    return write(spread["p50"]) + ("" if low is None else f" ({write(low)} - {write(high)})")
+
+
+def told(figure, write=percent):
+    """A figure of wrench_rows()."""
+    return lambda row: median_of(row["of"][figure], write) if figure in row["of"] else ""
+
+
+def quartiles(figure, low="p25", high="p75"):
+    return lambda row: f"{percent(row['of'][figure][low])} - {percent(row['of'][figure][high])}"
+
+
 def of_kind(row, kind):
     """Processor time, s, and size, MB, of a kind of map."""
     return row["of"][kind]["cpu_s"], row["of"][kind]["file_bytes"] / 1e6
@@ -352,16 +374,25 @@ TABLES = {
         ("collected points", text("collected_points")), ("points in the band", text("band_points")),
         ("ns a point", scaled("ns_per_point", 1, 2)), ("every brick new, ns a point", scaled("ns_per_point_new_bricks", 1, 2)),
         ("query, us", scaled("query_us", 1, 2))]),
-    "wrench": ("wrench", where(voxel_m=0.005), [
-        ("contacts", text("contacts")), ("method", text("method")), ("cases", text("cases")),
-        ("error", share("force_error")), ("deviation", share("deviation")), ("noise", share("noise")),
-        ("direction, deg", scaled("direction_deg", 1, 2)), ("torque error", share("torque_error")),
-        ("of noticeable", scaled("force_of_noticeable", 1, 2)), ("frame, us", scaled("frame_p50_us", 1, 2))]),
+    "wrench": ("wrench", wrench_rows, [
+        ("contacts", text("contacts")), ("method", text("method")), ("skips", text("skips")), ("n", lambda r: str(r["of"]["force"]["n"])),
+        ("force error", told("force")), ("quartiles", quartiles("force")), ("5%, 95%", quartiles("force", "p5", "p95")),
+        ("frame, us", told("frame, us", digits)), ("n of frame", lambda r: str(r["of"]["frame, us"]["n"]))]),
+    "wrench_more": ("wrench", wrench_rows, [
+        ("contacts", text("contacts")), ("method", text("method")),
+        *((figure, told(figure)) for figure in ("raw force", "pressing", "touching", "torque", "raw torque", "deviation", "noise")),
+        ("direction, deg", told("direction, deg", digits))]),
+    "wrench_pairs": ("wrench", lambda rows: by("method", ("contacts",), [
+        r for r in rows if r["voxel_m"] == 0.005 and r["figure"] == "force" and r["contacts"] not in bench_csv.WRENCH_GROUPS]), [
+        ("pair", text("contacts")), ("n", lambda r: str(r["n"])),
+        *((label, lambda r, m=method: median_of(r["of"][m]))
+          for method, label in (("default, distances", "default"), ("dense float distances, our query", "dense floats"),
+                                ("exact closest points, our query", "exact points"),
+                                ("default, Euclidean layers", "Euclidean layers"), ("default, Chebyshev layers", "Chebyshev layers"),
+                                ("FCL contacts", "FCL contacts"), ("FCL distance", "FCL distance")))]),
     "wrench_files": ("wrench_files", where(voxel_m=0.005), [
-        ("pair", text("pair")), ("kind", text("kind")), ("force-layer voxels", text("force_layer_voxels")),
-        ("file, MB", scaled("file_bytes", 1e-6, 2)),
-        ("bytes a force-layer voxel", lambda r: times(r["file_bytes"], r["force_layer_voxels"])),
-        ("bake, ms", scaled("bake_s", 1e3, 2))]),
+        ("pair", text("pair")), ("kind", text("kind")), ("file, MB", scaled("file_bytes", 1e-6, 2)),
+        ("bake, ms of processor time", scaled("bake_cpu_s", 1e3, 2))]),
     "motion": ("motion", pivoted("step_s", "experiment", "model"), [
         ("experiment", text("experiment")), ("model", text("model")),
         *((f"{1e3 * step:g} ms", lambda r, step=step: f"{r['of'][step]['error']:.1e}") for step in STEPS),
@@ -560,12 +591,15 @@ def summary():
                 f"{digits(lean['cpu_s'])} s, {digits(lean['file_bytes'] / 1e6)} MB")
 
     def wrench_row(contacts, label):
-        of = by("method", ("contacts",), where(voxel_m=0.005, contacts=contacts)(rows("wrench")))[0]["of"]
+        of = by("method", ("contacts",), by("figure", ("contacts", "method"), where(voxel_m=0.005, contacts=contacts)(rows("wrench"))))
+        of = {method: row["of"] for method, row in of[0]["of"].items()}
 
         def said(method):
-            return f"{percent(of[method]['force_error'])} in {digits(of[method]['frame_p50_us'])} us"
-        return [f"{label}, {of['default']['cases']} cases", f"{said('default, distances')}; `--metric chebyshev`: {said('default')}",
-                f"trilinear level set {said('shell in a trilinear level set')}; FCL {said('FCL mesh contacts')}", "wrench"]
+            force = of[method]["force"]
+            return f"{median_of(force)} in {digits(of[method]['frame, us']['p50'])} us"
+        return [f"{label}, {of['default, distances']['force']['n']} cases",
+                f"{said('default, distances')}; `--metric chebyshev`: {said('default, Chebyshev layers')}",
+                f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}", "wrench"]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
          f"OpenVDB `ValueAccessor` {digits(vdb)} us; FCL {digits(fcl)} us", "query"],

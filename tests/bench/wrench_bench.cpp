@@ -1,15 +1,16 @@
-// Contact wrench against truth, and what a frame costs, beside mesh colliders: every method on the
-// same contacts, poses and offset surface, one offset and one gain fitted to each.
+// Contact wrench against truth, and what a frame costs, beside distance fields, exact closest
+// points and mesh colliders: every method on the same contacts, poses and offset surface.
 //
 //   wrench_bench [--contact NAME]... [--s S]... [--orientations N] [--pair-cases N]
 //                [--models FOLDER] [--json FILE]
 //
 // S are voxel sizes in units of 10 mm. wrench.md says what the oracles are.
+#include <oneapi/tbb/global_control.h>
+#include <openvdb/openvdb.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <deque>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
@@ -20,309 +21,404 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/bench/force_bench_frame.h"
+#include "tests/bench/spread.h"
 #include "tests/bench/wrench_bench_level_set.h"
 #include "tests/bench/wrench_bench_meshes.h"
 #include "tests/bench/wrench_bench_pairs.h"
 #include "tests/bench/wrench_bench_peers.h"
+#include "tests/stress/baked.h"
 #include "tests/support/places.h"
 
 namespace forcelayer::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using test::VoxelKind;
 
 // A mesh deviates from the body by at most this share of a voxel: far below what is measured.
 constexpr double kDeviationVoxels = 0.02;
+constexpr VoxelKind kKinds[] = {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull};
 
-// What a hand can just tell apart: the least of the published ranges (wrench.md).
-constexpr double kNoticeableForce = 0.07, kNoticeableTorque = 0.13, kNoticeableDeg = 20;
+// The methods that are compared. `skips`: how it avoids looking at every point or triangle.
+struct Contender {
+  const char* name;
+  const char* skips;
+  VoxelKind kind;            // whose force layer it is judged in
+  std::size_t shifts;        // fewer where the lattice says nothing
+  bool by_ten = false;       // the truth is divided by N/10 too
+  bool has_our_unit = true;  // of force, so that it can be judged raw
+};
+constexpr std::size_t kAll = 100;
+constexpr Contender kContenders[] = {
+    {"default, distances", "blocks and rows", VoxelKind::kFull, kAll},
+    {"default, Euclidean layers", "blocks and rows", VoxelKind::kLean, kAll},
+    {"default, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
+    {"level field, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
+    {"paper: tangent plane, N/10", "blocks and rows", VoxelKind::kChebyshev, kAll, true},
+    {"dense float distances, our query", "blocks and rows", VoxelKind::kFull, kAll},
+    {"exact closest points, our query", "blocks and rows", VoxelKind::kFull, kAll},
+    {"OpenVDB level set, as people use it", "nothing", VoxelKind::kFull, kAll},
+    {"FCL contacts", "by a tree", VoxelKind::kFull, 2, false, false},
+    {"FCL distance", "by a tree", VoxelKind::kFull, 2, false, false},
+    {"Bullet contacts", "by a tree", VoxelKind::kFull, 1, false, false}};
+enum Name : std::size_t {
+  kDistances,
+  kEuclidean,
+  kChebyshev,
+  kLevel,
+  kPaper,
+  kDense,
+  kExact,
+  kLevelSet,
+  kFclContacts,
+  kFclDistance,
+  kBullet
+};
 
-Pose pose_of(const ContactCase::Placed& placed) {
-  return {placed.position_m, glm::quat_cast(placed.rotation)};
-}
+// What is told of a method in a case.
+struct Figure {
+  const char* name;
+  double Quality::*value;
+  bool raw = false;
+};
+constexpr Figure kFigures[] = {{"force", &Quality::force_error},
+                               {"raw force", &Quality::raw_error, true},
+                               {"pressing", &Quality::pressing_error},
+                               {"touching", &Quality::touching_error},
+                               {"deviation", &Quality::deviation},
+                               {"noise", &Quality::noise},
+                               {"direction, deg", &Quality::direction_deg},
+                               {"torque", &Quality::torque_error},
+                               {"raw torque", &Quality::raw_torque_error, true}};
+constexpr const char* kFrameUs = "frame, us";  // median of the frames of a case
 
-// The exact distance at the voxel centers around the contact.
-openvdb::FloatGrid::Ptr distance_grid(const ContactCase& contact) {
-  const test::VoxelScene& box = contact.dense().scene;
-  const double s = contact.voxmap().voxel_size_m();
-  auto grid = openvdb::FloatGrid::create(static_cast<float>(4 * s + contact.middle_m()));
-  auto accessor = grid->getAccessor();
-  openvdb::Coord c;
-  for (std::int64_t x = 0; x < box.dims[0]; ++x) {
-    for (std::int64_t y = 0; y < box.dims[1]; ++y) {
-      for (std::int64_t z = 0; z < box.dims[2]; ++z) {
-        const glm::ivec3 v(box.min[0] + x, box.min[1] + y, box.min[2] + z);
-        const float distance_m = contact.dense().distance_at(v);
-        if (distance_m > grid->background()) continue;
-        c.reset(v.x, v.y, v.z);
-        accessor.setValueOn(c, distance_m);
+using Values = std::map<std::string, std::map<std::string, std::vector<double>>>;  // by figure
+
+// All that was measured at one voxel size.
+struct Samples {
+  std::map<std::string, Values> groups;  // [contacts]: figures by method
+  Json cases = Json::array();            // one by one
+
+  void add(const std::string& group, const std::string& contact, int number,
+           const std::map<std::size_t, Quality>& qualities,
+           const std::map<std::size_t, double>& frames_us) {
+    Json row{{"contacts", group}, {"contact", contact}, {"case", number}};
+    const auto put = [&](const char* method, const char* figure, double value) {
+      for (const std::string& of : {group, contact}) groups[of][method][figure].push_back(value);
+      row[figure][method] = value;
+    };
+    for (const auto& [m, quality] : qualities) {
+      for (const Figure& figure : kFigures) {
+        if (figure.raw && !kContenders[m].has_our_unit) continue;
+        put(kContenders[m].name, figure.name, quality.*figure.value);
       }
     }
-  }
-  return grid;
-}
-
-// What was measured of one method, over contacts and orientations.
-struct Sample {
-  std::vector<double> force_error, deviation, noise, direction_deg, torque, torque_error, frame_us;
-
-  void add(const Quality& q) {
-    force_error.push_back(q.force_error);
-    deviation.push_back(q.deviation);
-    noise.push_back(q.noise);
-    direction_deg.push_back(q.direction_deg);
-    torque.push_back(q.torque);
-    torque_error.push_back(q.torque_error);
-  }
-  void add(const Sample& other) {
-    for (auto member :
-         {&Sample::force_error, &Sample::deviation, &Sample::noise, &Sample::direction_deg,
-          &Sample::torque, &Sample::torque_error, &Sample::frame_us}) {
-      const auto& from = other.*member;
-      (this->*member).insert((this->*member).end(), from.begin(), from.end());
-    }
+    for (const auto& [m, us] : frames_us) put(kContenders[m].name, kFrameUs, us);
+    cases.push_back(std::move(row));
   }
 };
 
-using Samples = std::map<std::string, std::map<std::string, Sample>>;  // [group][method]
-
-constexpr const char* kPaper = "paper: tangent plane, N/10";
-constexpr const char* kLevel = "level field";
-constexpr const char* kDefault = "default";
-constexpr const char* kLevelSet = "shell in a trilinear level set";
-constexpr const char* kFcl = "FCL mesh contacts";
-constexpr const char* kBullet = "Bullet mesh contacts";
-
-double middle(std::vector<double> values) {
-  std::erase_if(values, [](double x) { return !std::isfinite(x); });
-  return values.empty() ? NAN : percentiles(std::move(values)).p50;
+Json to_json(const Spread& s) {
+  return {{"n", s.n},
+          {"p5", s.p5},
+          {"p25", s.p25},
+          {"p50", s.p50},
+          {"p75", s.p75},
+          {"p95", s.p95},
+          {"median_low", s.median_low},
+          {"median_high", s.median_high}};
 }
 
-Json to_json(const Sample& sample) {
-  const double force = middle(sample.force_error), degrees = middle(sample.direction_deg);
-  const double torque = middle(sample.torque_error);
-  return {{"force_error", force},
-          {"deviation", middle(sample.deviation)},
-          {"noise", middle(sample.noise)},
-          {"direction_deg", degrees},
-          {"torque", middle(sample.torque)},
-          {"torque_error", torque},
-          {"of_noticeable",
-           {{"force", force / kNoticeableForce},
-            {"torque", torque / kNoticeableTorque},
-            {"direction", degrees / kNoticeableDeg}}},
-          {"cases", sample.force_error.size()},
-          {"frame_us", to_json(percentiles(sample.frame_us))}};
+Json to_json(const Values& methods) {
+  Json all;
+  for (const Contender& method : kContenders) {
+    const auto found = methods.find(method.name);
+    if (found == methods.end()) continue;
+    Json& row = all[method.name];
+    row["skips"] = method.skips;
+    for (const auto& [figure, values] : found->second) {
+      row["figures"][figure] = to_json(spread(values));
+    }
+  }
+  return all;
 }
 
-constexpr double kTimedS = 0.25;  // that a method may take in one contact
-constexpr std::size_t kLeastFrames = 40;
+constexpr double kTimedS = 0.02;  // that a method may take in one contact, but for the least frames
+constexpr std::size_t kLeastFrames = 5;
 
-// Times a method along poses, evenly spread over them where it is slow.
-template <class Poses, class WrenchAt>
-void time_frames(const Poses& poses, const WrenchAt& wrench_at, Sample& sample) {
+// The median time of frames along poses, evenly spread over them where a method is slow, us.
+template <class WrenchAt>
+double frame_us(const std::vector<Pose>& poses, const WrenchAt& wrench_at) {
   const double first_s = now_s();
   wrench_at(poses[0]);
   const double fits = kTimedS / std::max(now_s() - first_s, 1e-9);
   const auto stride =
       static_cast<std::size_t>(std::clamp(static_cast<double>(poses.size()) / fits, 1.0,
                                           static_cast<double>(poses.size() / kLeastFrames)));
+  std::vector<double> us;
   for (std::size_t i = 0; i < poses.size(); i += stride) {
     const double start_s = now_s();
     wrench_at(poses[i]);
-    sample.frame_us.push_back(1e6 * (now_s() - start_s));
+    us.push_back(1e6 * (now_s() - start_s));
   }
+  return percentiles(std::move(us)).p50;
 }
 
-struct MethodRun {
-  const char* name;
-  ContactCase::WrenchAt wrench_at;  // timed, and judged where `judged_as` is none
-  std::optional<Method> judged_as;
+// The fields over one map, and the frames of the methods that read it.
+class MapFrames {
+ public:
+  MapFrames(VoxelKind kind, const Voxmap& voxmap, const Pshell& shell)
+      : shell_(shell), voxmap_(voxmap), tangent_plane_(voxmap.voxel_size_m()) {
+    auto usual = field::make_force_field(Model::kDefault,
+                                         field::usual_force(Model::kDefault, voxmap), voxmap);
+    if (!usual) throw std::runtime_error(to_line(usual.error()));
+    usual_ = std::move(*usual);
+    if (kind == VoxelKind::kFull) add(kDistances, *usual_, Averaging::kDirections);
+    if (kind == VoxelKind::kLean) add(kEuclidean, *usual_, Averaging::kDirections);
+    if (kind != VoxelKind::kChebyshev) return;
+    add(kChebyshev, *usual_, Averaging::kDirections);
+    add(kLevel, *usual_, Averaging::kNone);
+    add(kPaper, tangent_plane_, Averaging::kByTen);
+  }
+  MapFrames(const MapFrames&) = delete;  // the frames know the other members
+
+  void add(std::size_t method, const field::ForceField& field, Averaging averaging) {
+    auto& frame =
+        frames_.emplace(method, std::make_unique<ModelFrame>(voxmap_, shell_, field, averaging))
+            .first->second;
+    if (averaging != Averaging::kByTen) frame->weigh_by_area();
+  }
+  const std::map<std::size_t, std::unique_ptr<ModelFrame>>& all() const { return frames_; }
+
+ private:
+  const Pshell& shell_;
+  const Voxmap& voxmap_;
+  field::TangentPlaneField tangent_plane_;
+  std::unique_ptr<field::ForceField> usual_;
+  std::map<std::size_t, std::unique_ptr<ModelFrame>> frames_;
 };
 
-// The default model's force in voxels of other kinds, each with the exact offset surface where its
-// force begins.
-struct KindRun {
-  const char* name;
-  VoxelKind voxels;
-  Method judged_as;
-};
-constexpr KindRun kKinds[] = {
-    {"default, Euclidean layers", VoxelKind::kLean, Method::kEuclideanContacts},
-    {"default, distances", VoxelKind::kFull, Method::kDistance8}};
-
-std::unique_ptr<field::ForceField> usual_field(const Voxmap& voxmap) {
-  auto field =
-      field::make_force_field(Model::kDefault, field::usual_force(Model::kDefault, voxmap), voxmap);
-  if (!field) throw std::runtime_error(to_line(field.error()));
-  return std::move(*field);
+Pose pose_of(const ContactCase::Placed& placed) {
+  return {placed.position_m, glm::quat_cast(placed.rotation)};
 }
 
-void judge(const ContactCase& contact, const Combination& combination, const MethodRun& method,
-           Samples& samples) {
-  Sample own;
-  own.add(method.judged_as ? contact.judge(*method.judged_as, false)
-                           : contact.judge(method.wrench_at));
-  time_frames(contact.slide(), method.wrench_at, own);
-  samples[combination.name][method.name].add(own);
-  samples[combination.smooth ? "flush and smooth" : "corners and wedges"][method.name].add(own);
+// The exact distance at the voxel centers around the contact.
+DenseDistances distances_of(const ContactCase& contact) {
+  const test::VoxelScene& scene = contact.dense().scene;
+  DenseDistances box;
+  for (std::size_t d = 0; d < 3; ++d) {
+    box.low[d] = scene.min[d], box.dims[d] = static_cast<std::int32_t>(scene.dims[d]);
+  }
+  const auto far_m = static_cast<float>(contact.middle_m() + 4 * scene.voxel_size_m);
+  for (std::int64_t x = 0; x < scene.dims[0]; ++x) {
+    for (std::int64_t y = 0; y < scene.dims[1]; ++y) {
+      for (std::int64_t z = 0; z < scene.dims[2]; ++z) {
+        const glm::ivec3 voxel(scene.min[0] + x, scene.min[1] + y, scene.min[2] + z);
+        box.distance_m.push_back(std::min(contact.dense().distance_at(voxel), far_m));
+      }
+    }
+  }
+  return box;
 }
+
+constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
-           std::mt19937_64& random, Samples& samples) {
+           int number, std::mt19937_64& random, Samples& samples) {
+  std::map<std::size_t, Quality> qualities;
+  std::map<std::size_t, double> frames_us;
   const std::mt19937_64 same = random;
-  const ContactCase contact(combination, shells, s, random);
-  const double deviation_m = kDeviationVoxels * s;
-  const mesh::Mesh part = part_mesh(combination.part, deviation_m);
-  const mesh::Mesh scene = offset_mesh(contact.body(), contact.middle_m(), deviation_m);
-  const field::LevelField level(contact.voxmap());
-  const field::TangentPlaneField tangent_plane(s);
-  ModelFrame paper(contact.voxmap(), pshell, tangent_plane, Averaging::kByTen);
-  ModelFrame field(contact.voxmap(), pshell, level, Averaging::kNone);
-  ModelFrame standard(contact.voxmap(), pshell, level, Averaging::kDirections);
-  const LevelSetFrame level_set(distance_grid(contact), shells.tested, s, contact.middle_m());
-  const auto fcl = fcl_contacts(scene, part), bullet = bullet_contacts(scene, part);
-  using Placed = ContactCase::Placed;
-  const MethodRun methods[] = {
-      {kPaper, [&](const Placed& p) { return paper.at(pose_of(p)); },
-       Method::kTangentPlaneAveraged},
-      {kLevel, [&](const Placed& p) { return field.at(pose_of(p)); }, Method::kLevel},
-      {kDefault, [&](const Placed& p) { return standard.at(pose_of(p)); }, Method::kContacts},
-      {kLevelSet, [&](const Placed& p) { return level_set.at(pose_of(p)); }, Method::kDistance},
-      {kFcl, [&](const Placed& p) { return fcl->at(pose_of(p)); }, std::nullopt},
-      {kBullet, [&](const Placed& p) { return bullet->at(pose_of(p)); }, std::nullopt}};
-  for (const MethodRun& method : methods) judge(contact, combination, method, samples);
-  for (const KindRun& kind : kKinds) {
-    std::mt19937_64 again = same;
-    const ContactCase other(combination, shells, s, again, kind.voxels);
-    const auto force = usual_field(other.voxmap());
-    ModelFrame frame(other.voxmap(), pshell, *force, Averaging::kDirections);
-    judge(other, combination,
-          {kind.name, [&](const Placed& p) { return frame.at(pose_of(p)); }, kind.judged_as},
-          samples);
-  }
-}
-
-// The same methods between two meshes; the deviation of the colliders' offset surface is returned,
-// in voxels.
-double judge(const MeshPair& pair, const PairPart& part, double s, std::mt19937_64& random,
-             Samples& samples) {
-  const std::mt19937_64 same = random;
-  const PairCase contact(pair, part, s, random);
-  const mesh::Mesh scene = contact.offset_mesh();
-  const auto fcl = fcl_contacts(scene, part.mesh), bullet = bullet_contacts(scene, part.mesh);
-  const field::TangentPlaneField tangent_plane(s);
-  std::vector<std::unique_ptr<field::LevelField>> levels;
-  std::deque<ModelFrame> paper, field, standard;
-  std::vector<LevelSetFrame> level_set;
-  for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
-    const auto& at = contact.placing(i);
-    levels.push_back(std::make_unique<field::LevelField>(at.voxmap));
-    paper.emplace_back(at.voxmap, part.shell, tangent_plane, Averaging::kByTen);
-    field.emplace_back(at.voxmap, part.shell, *levels.back(), Averaging::kNone);
-    standard.emplace_back(at.voxmap, part.shell, *levels.back(), Averaging::kDirections);
-    field.back().weigh_by_area(), standard.back().weigh_by_area();
-    level_set.emplace_back(at.distance_m, part.tested, s, contact.middle_m());
-  }
-  // Colliders know the scene in its own frame.
-  const auto in_scene = [&](const std::unique_ptr<MeshContacts>& contacts, std::size_t shift,
-                            const Pose& pose) {
-    const Pose& world_from_scene = contact.placing(shift).world_from_scene;
-    const Wrench w = contacts->at(inverse(world_from_scene) * pose);
-    return Wrench{world_from_scene.orientation * w.force_n,
-                  world_from_scene.orientation * w.torque_nm};
-  };
-  const std::pair<const char*, PairCase::WrenchAt> methods[] = {
-      {kPaper, [&](std::size_t i, const Pose& p) { return paper[i].at(p); }},
-      {kLevel, [&](std::size_t i, const Pose& p) { return field[i].at(p); }},
-      {kDefault, [&](std::size_t i, const Pose& p) { return standard[i].at(p); }},
-      {kLevelSet, [&](std::size_t i, const Pose& p) { return level_set[i].at(p); }},
-      {kFcl, [&](std::size_t i, const Pose& p) { return in_scene(fcl, i, p); }},
-      {kBullet, [&](std::size_t i, const Pose& p) { return in_scene(bullet, i, p); }}};
-  for (const auto& [name, wrench_at] : methods) {
-    Sample own;
-    own.add(contact.judge(wrench_at, name == kPaper));
-    time_frames(
-        contact.frames(), [&at = wrench_at](const Pose& p) { return at(0, p); }, own);
-    samples[pair.name][name].add(own);
-    samples["mesh pairs"][name].add(own);
-  }
-  for (const KindRun& kind : kKinds) {
-    std::mt19937_64 again = same;
-    const PairCase other(pair, part, s, again, kind.voxels);
-    std::vector<std::unique_ptr<field::ForceField>> fields;
-    std::deque<ModelFrame> frames;
-    for (std::size_t i = 0; i < PairCase::kShifts; ++i) {
-      const Voxmap& voxmap = other.placing(i).voxmap;
-      fields.push_back(usual_field(voxmap));
-      frames.emplace_back(voxmap, part.shell, *fields.back(), Averaging::kDirections)
-          .weigh_by_area();
-    }
-    Sample own;
-    own.add(other.judge([&](std::size_t i, const Pose& p) { return frames[i].at(p); }, false));
-    time_frames(
-        other.frames(), [&](const Pose& p) { return frames[0].at(p); }, own);
-    samples[pair.name][kind.name].add(own);
-    samples["mesh pairs"][kind.name].add(own);
-  }
-  return contact.offset_mesh_deviation_m(scene) / s;
-}
-
-// What the kinds of voxels cost on disk and to bake, on the scenes of the pairs as they are: one
-// thread, from mesh in memory to file, the least of three.
-Json bill_of(const std::vector<MeshPair>& pairs, double s) {
-  Json bill;
-  for (const MeshPair& pair : pairs) {
-    double two_bits_s = 0;
-    for (const VoxelKind kind : {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull}) {
-      const test::ScratchFolder folder;
-      double least_s = 1e300;
-      for (int turn = 0; turn < 3; ++turn) {
-        const double start_s = now_s();
-        stress::bake_scene_file(pair.scene, s, kind, folder / "scene.vox");
-        least_s = std::min(least_s, now_s() - start_s);
-      }
-      const auto map = Voxmap::open(folder / "scene.vox");
-      if (!map) throw std::runtime_error(to_line(map.error()));
-      const auto bytes = static_cast<double>(map->header().file.file_bytes);
-      const auto layer = static_cast<double>(map->header().surface_voxels);
-      if (kind == VoxelKind::kChebyshev) two_bits_s = least_s;
-      bill[pair.name][test::name_of(kind)] = {{"file_bytes", bytes},
-                                              {"force_layer_voxels", layer},
-                                              {"bytes_per_force_layer_voxel", bytes / layer},
-                                              {"bake_s", least_s},
-                                              {"bake_of_two_bits", least_s / two_bits_s}};
-      std::printf(
-          "  %-20s %-10s %9.0f bytes, %5.2f a force-layer voxel; bake %7.3f s, %4.1f times\n",
-          pair.name.c_str(), test::name_of(kind), bytes, bytes / layer, least_s,
-          least_s / two_bits_s);
-    }
-  }
-  return bill;
-}
-
-void print(const std::string& group, const Json& rows) {
-  std::printf("%s\n  %-32s %8s %8s %7s %7s %8s %9s %9s\n", group.c_str(), "", "force", "deviat.",
-              "noise", "deg", "torque", "p50 us", "p99 us");
-  for (const auto& [name, row] : rows.items()) {
-    const auto at = [&, &values = row](const char* key) {
-      return values[key].is_null() ? NAN : values[key].template get<double>();
+  for (const VoxelKind kind : kKinds) {
+    random = same;
+    const ContactCase contact(combination, shells, s, random, kind);
+    std::vector<Pose> slide;
+    for (const ContactCase::Placed& placed : contact.slide()) slide.push_back(pose_of(placed));
+    const auto run = [&](std::size_t m, const auto& wrench_at) {
+      qualities[m] = contact.judge(
+          [&](const ContactCase::Placed& placed) { return wrench_at(pose_of(placed)); },
+          std::min(ContactCase::kShifts, kContenders[m].shifts), kContenders[m].by_ten);
+      frames_us[m] = frame_us(slide, wrench_at);
     };
-    std::printf("  %-32s %7.1f%% %7.1f%% %6.1f%% %7.2f %7.1f%% %9.1f %9.1f\n", name.c_str(),
-                100 * at("force_error"), 100 * at("deviation"), 100 * at("noise"),
-                at("direction_deg"), 100 * at("torque_error"), row["frame_us"]["p50"].get<double>(),
-                row["frame_us"]["p99"].get<double>());
+    MapFrames maps(kind, contact.voxmap(), pshell);
+    DenseDistances distances;
+    std::optional<DenseField> dense;
+    if (kind == VoxelKind::kFull) {
+      distances = distances_of(contact);
+      dense.emplace(contact.voxmap(), distances, contact.middle_m());
+      maps.add(kDense, *dense, Averaging::kNone);
+    }
+    for (const auto& [m, frame] : maps.all()) {
+      run(m, [&frame = *frame](const Pose& pose) { return frame.at(pose); });
+    }
+    if (kind != VoxelKind::kFull) continue;
+    const LevelSetFrame level_set(distances, shells.tested, s, contact.middle_m());
+    run(kLevelSet, [&](const Pose& pose) { return level_set.at(pose); });
+    const double deviation_m = kDeviationVoxels * s;
+    const mesh::Mesh part = part_mesh(combination.part, deviation_m);
+    const auto collide = [&](std::size_t m, const std::unique_ptr<MeshContacts>& peer,
+                             double offset_m) {
+      peer->set_scene(offset_mesh(contact.body(), offset_m, deviation_m));
+      run(m, [&](const Pose& pose) { return peer->at(pose); });
+    };
+    collide(kFclContacts, fcl_contacts(part), contact.middle_m());
+    collide(kFclDistance, fcl_distance(part, contact.middle_m()), 0);
+    collide(kBullet, bullet_contacts(part), contact.middle_m());
+  }
+  samples.add(kGroups[combination.smooth ? 0 : 1], combination.name, number, qualities, frames_us);
+}
+
+// The colliders of a pair: they know the scene in its own frame.
+struct PairColliders {
+  PairColliders(const MeshPair& pair, const PairPart& part, double offset_m)
+      : contacts(fcl_contacts(part.mesh)),
+        distance(fcl_distance(part.mesh, offset_m)),
+        bullet(bullet_contacts(part.mesh)) {
+    distance->set_scene(pair.scene);
+  }
+  void set_offset_mesh(const mesh::Mesh& mesh) {
+    contacts->set_scene(mesh);
+    bullet->set_scene(mesh);
+  }
+  std::unique_ptr<MeshContacts> contacts, distance, bullet;
+};
+
+// One of the maps that a contact is judged in, and what reads it.
+struct PairMap {
+  explicit PairMap(Voxmap map) : voxmap(std::move(map)) {}
+
+  Voxmap voxmap;
+  DenseDistances distances;
+  std::optional<DenseField> dense;
+  std::optional<ExactField> exact;
+  std::optional<LevelSetFrame> level_set;
+  std::optional<MapFrames> frames;
+};
+
+// Judges all methods; times them where `timed`, over the whole map.
+void judge(const PairContact& contact, const PairPart& part, const ExactDistance& distance,
+           PairColliders& colliders, double s, bool timed,
+           std::map<std::size_t, Quality>& qualities, std::map<std::size_t, double>& frames_us) {
+  const auto run = [&](std::size_t m, const PairContact::WrenchAt& wrench_at) {
+    const Contender& method = kContenders[m];
+    qualities[m] = contact.judge(method.kind, wrench_at,
+                                 std::min(PairContact::kShifts, method.shifts), method.by_ten);
+    if (!timed) return;
+    frames_us[m] =
+        frame_us(contact.frames(method.kind), [&](const Pose& pose) { return wrench_at(0, pose); });
+  };
+  for (const VoxelKind kind : kKinds) {
+    std::vector<std::unique_ptr<PairMap>> at;
+    const double offset_m = contact.offset_m(kind);
+    for (std::size_t i = 0; i < PairContact::kShifts; ++i) {
+      at.push_back(std::make_unique<PairMap>(contact.bake(kind, i, timed && i == 0)));
+      PairMap& here = *at.back();
+      here.frames.emplace(kind, here.voxmap, part.shell);
+      if (kind != VoxelKind::kFull) continue;
+      here.distances = contact.distances(i);
+      here.dense.emplace(here.voxmap, here.distances, offset_m);
+      here.exact.emplace(here.voxmap, distance, contact.world_from_scene(i), offset_m);
+      here.level_set.emplace(here.distances, part.tested, s, offset_m);
+      here.frames->add(kDense, *here.dense, Averaging::kNone);
+      here.frames->add(kExact, *here.exact, Averaging::kNone);
+    }
+    for (const auto& [m, first] : at[0]->frames->all()) {
+      run(m, [&, method = m](std::size_t i, const Pose& pose) {
+        return at[i]->frames->all().at(method)->at(pose);
+      });
+    }
+    if (kind != VoxelKind::kFull) continue;
+    run(kLevelSet, [&](std::size_t i, const Pose& pose) { return at[i]->level_set->at(pose); });
+  }
+  const auto collide = [&](std::size_t m, MeshContacts& peer) {
+    run(m, [&](std::size_t i, const Pose& pose) {
+      const Pose& world_from_scene = contact.world_from_scene(i);
+      const Wrench w = peer.at(inverse(world_from_scene) * pose);
+      return Wrench{world_from_scene.orientation * w.force_n,
+                    world_from_scene.orientation * w.torque_nm};
+    });
+  };
+  collide(kFclContacts, *colliders.contacts);
+  collide(kFclDistance, *colliders.distance);
+  collide(kBullet, *colliders.bullet);
+}
+
+constexpr int kTimedEvery = 10;  // cases
+constexpr std::size_t kCheckedPlaces = 200;
+
+// The deviation of the colliders' offset surfaces is returned, in voxels.
+double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samples& samples,
+             Json& points) {
+  std::mt19937_64 random(seed);
+  const PairPart part(pair, s);
+  points[pair.name] = part.tested.points_m.size();
+  const ExactDistance distance(pair.scene);
+  distance.check(kCheckedPlaces, 10 * s, random);
+  std::optional<PairColliders> colliders;
+  double deviation_m = 0;
+  for (int number = 0; number < cases; ++number) {
+    const PairContact contact(pair.scene, distance, part, s, random);
+    if (!colliders) colliders.emplace(pair, part, contact.offset_m(VoxelKind::kFull));
+    const mesh::Mesh offset_mesh = contact.offset_mesh();
+    colliders->set_offset_mesh(offset_mesh);
+    const bool timed = number % kTimedEvery == 0;
+    std::map<std::size_t, Quality> qualities, cropped;
+    std::map<std::size_t, double> frames_us;
+    judge(contact, part, distance, *colliders, s, timed, qualities, frames_us);
+    if (timed) deviation_m = std::max(deviation_m, contact.offset_mesh_deviation_m(offset_mesh));
+    if (number == 0) {  // a map around the contact tells what the whole one does
+      judge(contact, part, distance, *colliders, s, false, cropped, frames_us);
+      for (const auto& [m, quality] : cropped) {
+        if (std::abs(quality.force_error - qualities[m].force_error) < 1e-4) continue;
+        throw std::runtime_error(pair.name + ": the cropped map differs: " + kContenders[m].name);
+      }
+    }
+    samples.add(kGroups[2], pair.name, number, qualities, frames_us);
+  }
+  return deviation_m / s;
+}
+
+// What the kinds of voxels cost on disk and to bake: from mesh in memory to file, the least
+// processor time of three.
+Json files_of(const MeshPair& pair, double s) {
+  Json files;
+  for (const VoxelKind kind : kKinds) {
+    const test::ScratchFolder folder;
+    double least_s = 1e300;
+    for (int turn = 0; turn < 3; ++turn) {
+      const double start_s = cpu_s();
+      stress::bake_scene_file(pair.scene, s, kind, folder / "scene.vox");
+      least_s = std::min(least_s, cpu_s() - start_s);
+    }
+    files[test::name_of(kind)] = {{"file_bytes", std::filesystem::file_size(folder / "scene.vox")},
+                                  {"bake_cpu_s", least_s}};
+  }
+  return files;
+}
+
+void print(const std::string& group, const Json& methods) {
+  std::printf("%s%*s%8s %15s %8s %8s %8s %8s %8s\n", group.c_str(),
+              40 - static_cast<int>(group.size()), "", "force", "95%", "raw", "pressing", "torque",
+              "n", "us");
+  for (const auto& [name, row] : methods.items()) {
+    const auto at = [&figures = row["figures"]](const char* figure, const char* key) {
+      if (!figures.contains(figure) || figures[figure][key].is_null()) return std::nan("");
+      return figures[figure][key].template get<double>();
+    };
+    std::printf("  %-38s%7.2f%% %6.2f - %6.2f %7.2f%% %7.2f%% %7.2f%% %8.0f %8.1f\n", name.c_str(),
+                100 * at("force", "p50"), 100 * at("force", "median_low"),
+                100 * at("force", "median_high"), 100 * at("raw force", "p50"),
+                100 * at("pressing", "p50"), 100 * at("torque", "p50"), at("force", "n"),
+                at(kFrameUs, "p50"));
   }
   std::fflush(stdout);
 }
 
-constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
 constexpr const char* kPartNames[] = {"sphere", "box", "cylinder", "cone", "torus"};
 
 struct Choice {
   std::vector<double> sizes = {1, 0.5, 0.25};
-  int orientations = 4, pair_cases = 4;
+  int orientations = 1, pair_cases = 4;
   std::vector<std::string> only;
   std::string models = test::source_path("../shared/models"), json;
 
@@ -333,7 +429,7 @@ struct Choice {
 
 Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units) {
   const double s = units * kUnitM;
-  Json points;
+  Json points, files = Json::object();
   std::map<Part, PartShells> shells;
   std::map<Part, Pshell> pshells;
   for (const Part part : kParts) {
@@ -347,35 +443,29 @@ Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
     if (combination.standoff) continue;  // judged by what the map holds: for our fields alone
     if (!choice.wants(combination.name)) continue;
     for (int i = 0; i < choice.orientations; ++i) {
-      judge(combination, shells[combination.part], pshells.at(combination.part), s, random,
+      judge(combination, shells[combination.part], pshells.at(combination.part), s, i, random,
             samples);
     }
   }
   double deviation_voxels = 0;
   for (const MeshPair& pair : pairs) {
-    if (!choice.wants(pair.name)) continue;
-    const PairPart part(pair, s);
-    points[pair.name] = part.tested.points_m.size();
-    for (int i = 0; i < choice.pair_cases; ++i) {
-      deviation_voxels = std::max(deviation_voxels, judge(pair, part, s, random, samples));
-    }
+    // One seed, so that every choice of sizes, pairs and cases begins with the same contacts.
+    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, points);
+    deviation_voxels = std::max(deviation_voxels, deviated);
+    files[pair.name] = files_of(pair, s);
   }
   Json groups;
-  for (const auto& [group, methods] : samples) {
-    for (const auto& [method, sample] : methods) groups[group][method] = to_json(sample);
-  }
+  for (const auto& [group, methods] : samples.groups) groups[group] = to_json(methods);
   std::printf("s = %g (%g mm)\n", units, 1000 * s);
   for (const char* group : kGroups) {
     if (groups.contains(group)) print(group, groups[group]);
   }
-  return {{"s", units},
-          {"voxel_size_m", s},
-          {"orientations", choice.orientations},
-          {"pair_cases", choice.pair_cases},
+  return {{"voxel_size_m", s},
           {"shell_points", points},
           {"pair_offset_deviation_voxels", deviation_voxels},
-          {"bill", bill_of(pairs, s)},
-          {"contacts", groups}};
+          {"files", files},
+          {"contacts", groups},
+          {"cases", samples.cases}};
 }
 
 int run(int argc, char** argv) {
@@ -392,8 +482,15 @@ int run(int argc, char** argv) {
   app.add_option("--json", choice.json, "where to write the figures");
   CLI11_PARSE(app, argc, argv);
 
+  const oneapi::tbb::global_control one_core(oneapi::tbb::global_control::max_allowed_parallelism,
+                                             1);
   openvdb::initialize();
-  const std::vector<MeshPair> pairs = mesh_pairs(choice.models);
+  std::vector<MeshPair> pairs;
+  for (const char* name : kPairNames) {
+    if (choice.pair_cases > 0 && choice.wants(name)) {
+      pairs.push_back(mesh_pair(name, choice.models));
+    }
+  }
   Json results = Json::array();
   for (const double units : choice.sizes) results.push_back(judge_size(choice, pairs, units));
   write_report("wrench", argc, argv, results, choice.json);

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <stdexcept>
 
 #include "tests/bench/wrench_bench_peers.h"
 
@@ -53,12 +54,10 @@ struct Sum : btCollisionWorld::ContactResultCallback {
   }
 };
 
-class BulletContacts : public MeshContacts {
+class BulletContacts final : public MeshContacts {
  public:
-  BulletContacts(const mesh::Mesh& scene, const mesh::Mesh& part)
-      : scene_triangles_(triangles_of(scene)),
-        part_triangles_(triangles_of(part)),
-        scene_shape_(scene_triangles_.get(), true),
+  explicit BulletContacts(const mesh::Mesh& part)
+      : part_triangles_(triangles_of(part)),
         part_shape_(part_triangles_.get()),
         dispatcher_(&configuration_),
         world_(&dispatcher_, &broadphase_, &configuration_) {
@@ -67,17 +66,28 @@ class BulletContacts : public MeshContacts {
       dispatcher_.registerClosestPointsCreateFunc(GIMPACT_SHAPE_PROXYTYPE, type, &create_);
       dispatcher_.registerClosestPointsCreateFunc(type, GIMPACT_SHAPE_PROXYTYPE, &create_);
     }
-    scene_shape_.setMargin(kMarginUnits);
     part_shape_.setMargin(kMarginUnits);
     part_shape_.updateBound();
-    scene_.setCollisionShape(&scene_shape_);
     part_.setCollisionShape(&part_shape_);
-    world_.addCollisionObject(&scene_);
     world_.addCollisionObject(&part_);
   }
   ~BulletContacts() override {
     world_.removeCollisionObject(&part_);
-    world_.removeCollisionObject(&scene_);
+    if (scene_shape_) world_.removeCollisionObject(&scene_);
+  }
+
+  void set_scene(const mesh::Mesh& scene) override {
+    constexpr std::size_t kMostTriangles = 1 << 21;  // that its tree numbers; more crash it
+    if (scene.triangles.size() >= kMostTriangles) {
+      throw std::runtime_error("a mesh has more triangles than Bullet can number");
+    }
+    if (scene_shape_) world_.removeCollisionObject(&scene_);
+    scene_shape_.reset();
+    scene_triangles_ = triangles_of(scene);
+    scene_shape_ = std::make_unique<btBvhTriangleMeshShape>(scene_triangles_.get(), true);
+    scene_shape_->setMargin(kMarginUnits);
+    scene_.setCollisionShape(scene_shape_.get());
+    world_.addCollisionObject(&scene_);
   }
 
   Wrench at(const Pose& world_from_part) override {
@@ -96,7 +106,7 @@ class BulletContacts : public MeshContacts {
 
  private:
   std::unique_ptr<btTriangleMesh> scene_triangles_, part_triangles_;
-  btBvhTriangleMeshShape scene_shape_;
+  std::unique_ptr<btBvhTriangleMeshShape> scene_shape_;
   btGImpactMeshShape part_shape_;
   btGImpactCollisionAlgorithm::CreateFunc create_;
   btDefaultCollisionConfiguration configuration_;
@@ -108,8 +118,8 @@ class BulletContacts : public MeshContacts {
 
 }  // namespace
 
-std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& scene, const mesh::Mesh& part) {
-  return std::make_unique<BulletContacts>(scene, part);
+std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& part) {
+  return std::make_unique<BulletContacts>(part);
 }
 
 }  // namespace forcelayer::bench

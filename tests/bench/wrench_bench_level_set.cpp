@@ -2,8 +2,10 @@
 
 #include <openvdb/tools/Interpolation.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <numeric>
 
 namespace forcelayer::bench {
 namespace {
@@ -19,11 +21,35 @@ glm::dvec3 slope(const float (&data)[2][2][2], const glm::dvec3& f) {
   return sum;
 }
 
+openvdb::FloatGrid::Ptr grid_of(const DenseDistances& box) {
+  const float far_m = *std::max_element(box.distance_m.begin(), box.distance_m.end());
+  auto grid = openvdb::FloatGrid::create(far_m);
+  auto accessor = grid->getAccessor();
+  const float* distance_m = box.distance_m.data();
+  for (std::int32_t x = 0; x < box.dims[0]; ++x) {
+    for (std::int32_t y = 0; y < box.dims[1]; ++y) {
+      for (std::int32_t z = 0; z < box.dims[2]; ++z, ++distance_m) {
+        if (*distance_m == far_m) continue;
+        accessor.setValueOn(
+            openvdb::Coord(static_cast<int>(box.low[0]) + x, static_cast<int>(box.low[1]) + y,
+                           static_cast<int>(box.low[2]) + z),
+            *distance_m);
+      }
+    }
+  }
+  return grid;
+}
+
 }  // namespace
 
-LevelSetFrame::LevelSetFrame(openvdb::FloatGrid::Ptr distance_m, const AnalyticShell& shell,
+LevelSetFrame::LevelSetFrame(const DenseDistances& distances, const AnalyticShell& shell,
                              double voxel_size_m, double offset_m)
-    : distance_m_(std::move(distance_m)), shell_(shell), s_(voxel_size_m), offset_m_(offset_m) {}
+    : distance_m_(grid_of(distances)),
+      shell_(shell),
+      s_(voxel_size_m),
+      offset_m_(offset_m),
+      mean_area_m2_(std::accumulate(shell.areas_m2.begin(), shell.areas_m2.end(), 0.0) /
+                    static_cast<double>(shell.areas_m2.size())) {}
 
 Wrench LevelSetFrame::at(const Pose& world_from_center) const {
   const auto accessor = distance_m_->getConstAccessor();
@@ -40,8 +66,8 @@ Wrench LevelSetFrame::at(const Pose& world_from_center) const {
     const double distance_m =
         openvdb::tools::BoxSampler::trilinearInterpolation(data, openvdb::Vec3R(f.x, f.y, f.z));
     if (!(distance_m < offset_m_)) continue;
-    const glm::dvec3 force =
-        shell_.areas_m2[i] * (offset_m_ - distance_m) * glm::normalize(slope(data, f));
+    const glm::dvec3 force = shell_.areas_m2[i] / mean_area_m2_ * (offset_m_ - distance_m) *
+                             glm::normalize(slope(data, f));
     sum.force_n += force;
     sum.torque_nm += glm::cross(arm, force);
   }

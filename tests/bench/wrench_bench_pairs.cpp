@@ -1,5 +1,6 @@
 #include "tests/bench/wrench_bench_pairs.h"
 
+#include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
@@ -13,19 +14,26 @@
 #include "formats/mesh/scene.h"
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/force_bench_scene.h"
+#include "tests/stress/baked.h"
 #include "tests/stress/shapes.h"
+#include "tests/support/curve_order.h"
 #include "tests/support/places.h"
+#include "tests/support/scratch_folder.h"
 
 namespace forcelayer::bench {
 namespace {
 
+using test::VoxelKind;
+
 constexpr int kLayers = 2;
-constexpr double kFineVoxels = 0.35;            // edge of the pieces of the exact surface
-constexpr double kNearVoxels = 9;               // beyond the force layer: points that never matter
+constexpr double kFineVoxels = 0.5;  // edge of the pieces of the exact surface
+constexpr std::size_t kBlockPoints = 64;
+constexpr double kFitThicknesses = 1;           // offsets that are tried, each side
 constexpr double kTouchM = 1e-7;                // of the approach
 constexpr double kSceneM = 0.6, kPartM = 0.15;  // longest sides of models
-constexpr int kCheckedPoints = 100;
 constexpr double kCellsPerVoxel = 3;  // of the grid from which the offset surface is drawn
+constexpr double kKeptVoxels = 10;    // of a cropped map, around what comes near
+constexpr VoxelKind kKinds[] = {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull};
 
 template <class T>
 T value_of(Result<T> result) {
@@ -49,10 +57,6 @@ glm::dquat random_turn(std::mt19937_64& random) {
   return glm::normalize(glm::dquat(w, x, y, z));
 }
 
-mesh::Mesh read_mesh(const std::string& path, std::optional<double> unit_m) {
-  return merged(value_of(mesh::read_scene(std::span(&path, 1), unit_m)));
-}
-
 // Scaled so that its longest side is this, m.
 mesh::Mesh of_size(mesh::Mesh mesh, double longest_m) {
   const double scale = longest_m / longest_side(mesh);
@@ -60,15 +64,6 @@ mesh::Mesh of_size(mesh::Mesh mesh, double longest_m) {
     for (double& x : v) x *= scale;
   }
   return mesh;
-}
-
-forcelayer::part::Part soup_of(const mesh::Mesh& mesh) {
-  mesh::Assembly assembly;
-  assembly.meshes = {mesh};
-  assembly.instances = {{0, "scene", {}}};
-  assembly.meters_per_unit = 1;
-  const part::PartInput input{&assembly, 1};
-  return value_of(part::assemble_part({&input, 1}));
 }
 
 // Cuts a triangle at its longest side until no side is longer.
@@ -88,24 +83,35 @@ void cut(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double l
 
 }  // namespace
 
-std::vector<MeshPair> mesh_pairs(const std::string& models) {
-  const std::string sample = test::source_path("sample_data/");
-  std::vector<MeshPair> pairs;
-  pairs.push_back({"pump on bay", read_mesh(sample + "bay.json", std::nullopt),
-                   read_mesh(sample + "part.obj", 1e-3)});
-  const auto add = [&](const char* name, const std::string& scene, const std::string& part,
-                       std::optional<double> scene_unit) {
-    for (const std::string& file : {scene, part}) {
-      if (std::filesystem::exists(models + "/" + file)) continue;
-      std::printf("%s left out: no %s in %s\n", name, file.c_str(), models.c_str());
-      return;
+MeshPair mesh_pair(const std::string& name, const std::string& models) {
+  const auto read = [](const std::string& path, std::optional<double> unit_m) {
+    if (!std::filesystem::exists(path)) {
+      throw std::runtime_error("no file " + path +
+                               " (--models FOLDER, or --contact for the pairs that are there)");
     }
-    pairs.push_back({name, of_size(read_mesh(models + "/" + scene, scene_unit), kSceneM),
-                     of_size(read_mesh(models + "/" + part, 1.0), kPartM)});
+    return merged(value_of(mesh::read_scene(std::span(&path, 1), unit_m)));
   };
-  add("teapot on dragon", "scan/dragon-100k.obj", "scan/teapot.obj", 1.0);
-  add("bunny on engine", "cad/2CylinderEngine.glb", "scan/stanford-bunny.obj", std::nullopt);
-  return pairs;
+  const std::string sample = test::source_path("sample_data/"), shared = models + "/";
+  if (name == "pump on bay") {
+    return {name, read(sample + "bay.json", std::nullopt), read(sample + "part.obj", 1e-3)};
+  }
+  const auto pair = [&](const std::string& scene, std::optional<double> unit_m,
+                        const std::string& part) -> MeshPair {
+    return {name, of_size(read(scene, unit_m), kSceneM), of_size(read(shared + part, 1.0), kPartM)};
+  };
+  if (name == "bracket on gearbox") {
+    return pair(sample + "gearbox.glb", std::nullopt, "cad/featuretype.stl");
+  }
+  if (name == "teapot on dragon") {
+    return pair(shared + "scan/dragon-100k.obj", 1.0, "scan/teapot.obj");
+  }
+  if (name == "bunny on engine") {
+    return pair(shared + "cad/2CylinderEngine.glb", std::nullopt, "scan/stanford-bunny.obj");
+  }
+  if (name == "module on counter") {
+    return pair(shared + "cad/counter.unitsmm.stl", 1e-3, "cad/ADIS16480.stl");
+  }
+  throw std::runtime_error("no pair of meshes is named " + name);
 }
 
 PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
@@ -124,72 +130,78 @@ PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
   tested.covering_radius_m = shell.header().covering_radius_m;
   tested.radius_m = shell.header().bounding_radius_m;
   tested.area_m2 = shell.header().area_m2;
+  std::vector<glm::dvec3> middles;
+  std::vector<double> areas;
   for (const mesh::Triangle& t : mesh.triangles) {
     cut(glm_of(mesh.vertices[t[0]]), glm_of(mesh.vertices[t[1]]), glm_of(mesh.vertices[t[2]]),
-        kFineVoxels * voxel_size_m, fine_m, fine_area);
+        kFineVoxels * voxel_size_m, middles, areas);
   }
-  for (double& area : fine_area) area /= mean;
+  for (const std::uint32_t i : test::curve_order(middles, tested.radius_m)) {
+    fine_m.push_back(middles[i]);
+    fine_area.push_back(areas[i] / mean);
+  }
+  for (std::size_t first = 0; first < fine_m.size(); first += kBlockPoints) {
+    Block block{first, std::min(kBlockPoints, fine_m.size() - first), glm::dvec3(0), 0};
+    for (std::size_t i = first; i < first + block.count; ++i) {
+      block.center_m += fine_m[i] / static_cast<double>(block.count);
+    }
+    for (std::size_t i = first; i < first + block.count; ++i) {
+      block.radius_m = std::max(block.radius_m, glm::distance(fine_m[i], block.center_m));
+    }
+    blocks.push_back(block);
+  }
 }
 
-PairCase::PairCase(const MeshPair& pair, const PairPart& part, double voxel_size_m,
-                   std::mt19937_64& random, test::VoxelKind kind)
-    : pair_(pair),
+PairContact::PairContact(const mesh::Mesh& scene, const ExactDistance& distance,
+                         const PairPart& part, double voxel_size_m, std::mt19937_64& random)
+    : scene_(scene),
+      distance_(distance),
       part_(part),
       s_(voxel_size_m),
-      kind_(kind),
-      soup_(soup_of(pair.scene)),
-      tree_(std::make_unique<part::TriangleTree>(soup_)),
-      world_from_scene_turn_(random_turn(random)),
-      reach_m_(2 * longest_side(pair.scene) + part.tested.radius_m) {
-  check_tree(random);
+      reach_m_(2 * longest_side(scene) + part.tested.radius_m) {
+  const glm::dquat world_from_scene_turn = random_turn(random);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (std::size_t i = 0; i < kShifts; ++i) {
+    const double x = share(random), y = share(random), z = share(random);
+    world_from_scene_.push_back({glm::dvec3(x, y, z) * s_, world_from_scene_turn});
+  }
   for (int tries = 0; !approach(random); ++tries) {
-    if (tries > 100) throw std::runtime_error(pair.name + ": the part does not meet the scene");
+    if (tries > 100) throw std::runtime_error("the part does not meet the scene");
   }
   keep_near_points();
   tabulate_truth();
-  place(random);
 }
 
-PairCase::Foot PairCase::foot(const glm::dvec3& place) const {
-  const auto nearest = tree_->nearest(vec3_of(place));
-  const glm::dvec3 away = place - glm_of(nearest.point.position);
-  const double distance = std::sqrt(nearest.distance_squared);
-  return {distance, distance > 0 ? away / distance : glm::dvec3(0)};
-}
+Pose PairContact::at_height(double height_m) const { return {aim_m_ + height_m * line_, turn_}; }
 
-// The oracle's twin: every triangle.
-void PairCase::check_tree(std::mt19937_64& random) const {
-  std::uniform_int_distribution<std::size_t> some(0, soup_.vertices.size() - 1);
-  for (int i = 0; i < kCheckedPoints; ++i) {
-    const glm::dvec3 place =
-        glm_of(soup_.vertices[some(random)]) + 10.0 * s_ * random_direction(random);
-    double least2 = 1e300;
-    for (const mesh::Triangle& t : soup_.triangles) {
-      const part::Vec3 on = part::nearest_on_triangle(vec3_of(place), soup_.vertices[t[0]],
-                                                      soup_.vertices[t[1]], soup_.vertices[t[2]]);
-      least2 = std::min(least2, part::length_squared(on - vec3_of(place)));
-    }
-    if (std::abs(std::sqrt(least2) - foot(place).distance_m) > 1e-12) {
-      throw std::runtime_error(pair_.name + ": the tree's distance is not that of all triangles");
-    }
-  }
+glm::dvec3 PairContact::placed(const glm::dvec3& on_part_m, double height_m) const {
+  return turn_ * on_part_m + aim_m_ + height_m * line_;
 }
-
-Pose PairCase::at_height(double height_m) const { return {aim_m_ + height_m * line_, turn_}; }
 
 // Comes down from `height_m` until the least distance of the part is `distance_m`: steps by what is
 // surely free. The height, or minus infinity where it passes by or begins too near.
-double PairCase::advanced_to(double height_m, double distance_m) {
+double PairContact::advanced_to(double height_m, double distance_m) {
   for (;;) {
-    const Pose pose = at_height(height_m);
     double least = 1e300;
-    for (std::size_t i = 0; i < part_.fine_m.size(); ++i) {
-      const double moved_m = std::abs(measured_at_m_[i] - height_m);
-      if (measured_m_[i] - moved_m >= least) continue;
-      const glm::dvec3 place = pose.orientation * part_.fine_m[i] + pose.position_m;
-      measured_m_[i] = foot(place).distance_m;
-      measured_at_m_[i] = height_m;
-      least = std::min(least, measured_m_[i]);
+    // The least that a distance can be now, measured anew where that is below `least`, and then not
+    // much farther than matters.
+    const auto at_least = [&](Measured& last, const glm::dvec3& on_part_m, double radius_m) {
+      const auto now = [&] {
+        return last.distance_m - std::abs(last.height_m - height_m) - radius_m;
+      };
+      if (now() >= least) return now();
+      const double within_m = 3 * least + radius_m;  // of use for a while
+      const auto foot = distance_.foot(placed(on_part_m, height_m), within_m);
+      last = {std::min(foot.distance_m, within_m), height_m};
+      return now();
+    };
+    for (std::size_t b = 0; b < part_.blocks.size(); ++b) {
+      const PairPart::Block& block = part_.blocks[b];
+      if (at_least(block_at_[b], block.center_m, block.radius_m) >= least) continue;
+      for (std::size_t i = block.first; i < block.first + block.count; ++i) {
+        const double distance = at_least(point_at_[i], part_.fine_m[i], 0);
+        if (distance < least) least = distance, nearest_ = i;
+      }
     }
     if (least < distance_m - kTouchM) return -INFINITY;  // it was nearer before it began
     if (least <= distance_m + kTouchM) return height_m;
@@ -198,165 +210,222 @@ double PairCase::advanced_to(double height_m, double distance_m) {
   }
 }
 
-bool PairCase::approach(std::mt19937_64& random) {
-  std::uniform_int_distribution<std::size_t> some(0, soup_.triangles.size() - 1);
-  const mesh::Triangle& t = soup_.triangles[some(random)];
-  aim_m_ = glm_of(soup_.vertices[t[0]]);
+bool PairContact::approach(std::mt19937_64& random) {
+  std::uniform_int_distribution<std::size_t> some(0, distance_.soup().triangles.size() - 1);
+  const mesh::Triangle& t = distance_.soup().triangles[some(random)];
+  aim_m_ = glm_of(distance_.soup().vertices[t[0]]);
   line_ = random_direction(random);
   turn_ = random_turn(random);
-  measured_m_.assign(part_.fine_m.size(), -1e300);
-  measured_at_m_.assign(part_.fine_m.size(), 0);
-  const double touched = advanced_to(reach_m_, 2.5 * s_);
-  if (!std::isfinite(touched)) return false;
-  const Pose pose = at_height(touched);
-  double least = 1e300;
-  glm::dvec3 normal(0);
-  for (std::size_t i = 0; i < part_.fine_m.size(); ++i) {
-    if (measured_m_[i] - std::abs(measured_at_m_[i] - touched) >= least) continue;
-    const Foot near = foot(pose.orientation * part_.fine_m[i] + pose.position_m);
-    if (near.distance_m < least) least = near.distance_m, normal = near.direction;
+  block_at_.assign(part_.blocks.size(), {-1e300, 0});
+  point_at_.assign(part_.fine_m.size(), {-1e300, 0});
+  double height = reach_m_;
+  for (double gap_m = reach_m_; gap_m > 4 * s_; height -= gap_m - 3 * s_) {  // by its sphere alone
+    if (height < -reach_m_) return false;
+    gap_m = distance_.foot(placed(glm::dvec3(0), height)).distance_m - part_.tested.radius_m;
   }
-  const glm::dvec3 slanted = world_from_scene_turn_ * normal;
-  thickness_m_ = norm1(slanted) * s_;
-  middle_m_ = zero_force_voxels(kind_, kLayers, slanted) * s_;
-  measured_m_.assign(part_.fine_m.size(), -1e300);
-  heights_m_.assign(kDepths, 0);
-  double height = touched + 4 * s_;  // above the outermost depth, on a line that was free
-  for (std::size_t d = kDepths; d-- > 0;) {
-    const double share = (static_cast<double>(d) + 0.5) / kDepths - 0.5;
-    height = advanced_to(height, middle_m_ + share * thickness_m_);
+  height = advanced_to(height, 2.5 * s_);
+  if (!std::isfinite(height)) return false;
+  const glm::dvec3 normal = world_from_scene_[0].orientation *
+                            distance_.foot(placed(part_.fine_m[nearest_], height)).direction;
+  thickness_m_ = norm1(normal) * s_;
+  std::vector<std::pair<double, std::size_t>> distances;  // and the kind's number
+  for (std::size_t k = 0; k < layers_.size(); ++k) {
+    layers_[k] = {};
+    layers_[k].offset_m = zero_force_voxels(kKinds[k], kLayers, normal) * s_;
+    for (std::size_t d = 0; d < kDepths; ++d) {
+      const double depth = (0.5 - (static_cast<double>(d) + 0.5) / kDepths) * thickness_m_;
+      layers_[k].depths_m.push_back(depth);
+      distances.emplace_back(layers_[k].offset_m - depth, k);
+    }
+  }
+  height += 4 * s_;  // above the outermost, on a line that was free
+  std::sort(distances.rbegin(), distances.rend());
+  for (const auto& [distance_m, k] : distances) {
+    height = advanced_to(height, distance_m);
     if (!std::isfinite(height)) return false;
-    heights_m_[d] = height;
+    layers_[k].heights_m.insert(layers_[k].heights_m.begin(), height);
   }
   return true;
 }
 
-void PairCase::keep_near_points() {
-  const Pose pose = at_height(heights_m_.back());
-  const double way_m = heights_m_.back() - heights_m_.front();
-  for (std::size_t i = 0; i < part_.fine_m.size(); ++i) {
-    const glm::dvec3 place = pose.orientation * part_.fine_m[i] + pose.position_m;
-    if (foot(place).distance_m < middle_m_ + kNearVoxels * s_ + way_m) near_.push_back(i);
+void PairContact::keep_near_points() {
+  double lowest = 1e300, highest = -1e300, farthest = 0;
+  for (const Layer& layer : layers_) {
+    lowest = std::min(lowest, layer.heights_m.front());
+    highest = std::max(highest, layer.heights_m.back());
+    farthest = std::max(farthest, layer.offset_m + kFitThicknesses * thickness_m_);
   }
-}
-
-void PairCase::tabulate_truth() {
-  for (const double height : heights_m_) {
-    const Pose pose = at_height(height);
-    std::vector<SurfaceSample> samples;
-    for (const std::size_t i : near_) {
-      const glm::dvec3 arm = pose.orientation * part_.fine_m[i];
-      const Foot near = foot(arm + pose.position_m);
-      samples.push_back({near.distance_m, part_.fine_area[i], near.direction, arm});
+  const double reach_m = farthest + (highest - lowest) / 2, middle = (lowest + highest) / 2;
+  const auto is_near = [&](const glm::dvec3& on_part_m, double radius_m) {
+    const double within_m = reach_m + radius_m;
+    return std::isfinite(distance_.foot(placed(on_part_m, middle), within_m).distance_m);
+  };
+  for (const PairPart::Block& block : part_.blocks) {
+    if (!is_near(block.center_m, block.radius_m)) continue;
+    for (std::size_t i = block.first; i < block.first + block.count; ++i) {
+      if (is_near(part_.fine_m[i], 0)) near_.push_back(i);
     }
-    truth_.emplace_back(samples, middle_m_ - 1.5 * thickness_m_, middle_m_ + 1.5 * thickness_m_);
   }
 }
 
-openvdb::FloatGrid::Ptr PairCase::distances_around(const Pose& world_from_scene) const {
-  auto grid = openvdb::FloatGrid::create(static_cast<float>(middle_m_ + 20 * s_));
-  auto accessor = grid->getAccessor();
-  const Pose scene_from_world = inverse(world_from_scene);
-  const double way_m = heights_m_.back() - heights_m_.front();
-  const int steps = 4 * static_cast<int>(std::ceil(way_m / s_)) + 1;
-  for (int n = 0; n <= steps; ++n) {
-    const Pose pose =
-        world_from_scene * at_height(heights_m_.front() + way_m * (double(n) / steps));
-    for (const glm::dvec3& p : part_.tested.points_m) {
-      const glm::dvec3 place = pose.orientation * p + pose.position_m;
-      const glm::dvec3 low = glm::floor(place / s_ - 0.5);
-      // Two voxels around, so that no pose between two of these needs another.
-      const glm::dvec3 in_scene =
-          scene_from_world.orientation * place + scene_from_world.position_m;
-      if (foot(in_scene).distance_m > middle_m_ + 3 * s_) continue;
-      for (int k = 0; k < 64; ++k) {
-        const openvdb::Coord c(static_cast<int>(low.x) + (k >> 4) - 1,
-                               static_cast<int>(low.y) + (k >> 2 & 3) - 1,
-                               static_cast<int>(low.z) + (k & 3) - 1);
-        if (accessor.isValueOn(c)) continue;
-        const glm::dvec3 middle = (glm::dvec3(c.x(), c.y(), c.z()) + 0.5) * s_;
-        accessor.setValueOn(c, static_cast<float>(foot(scene_from_world.orientation * middle +
-                                                       scene_from_world.position_m)
-                                                      .distance_m));
+void PairContact::tabulate_truth() {
+  // A distance changes by no more than the part goes, so one pose bounds the search at the next.
+  std::vector<Measured> last(near_.size(), {1e300, 0});
+  for (Layer& layer : layers_) {
+    const double first_m = layer.offset_m - kFitThicknesses * thickness_m_;
+    const double last_m = layer.offset_m + kFitThicknesses * thickness_m_;
+    for (const double height : layer.heights_m) {
+      std::vector<SurfaceSample> samples;
+      for (std::size_t n = 0; n < near_.size(); ++n) {
+        const std::size_t i = near_[n];
+        const double most_m = last[n].distance_m + std::abs(last[n].height_m - height) + kTouchM;
+        const auto foot = distance_.foot(placed(part_.fine_m[i], height), std::min(most_m, last_m));
+        if (!std::isfinite(foot.distance_m)) continue;
+        last[n] = {foot.distance_m, height};
+        samples.push_back(
+            {foot.distance_m, part_.fine_area[i], foot.direction, turn_ * part_.fine_m[i]});
       }
+      layer.truth.emplace_back(samples, first_m, last_m);
     }
   }
-  return grid;
 }
 
-void PairCase::place(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> share(0, 1);
-  for (std::size_t i = 0; i < kShifts; ++i) {
-    const double x = share(random), y = share(random), z = share(random);
-    const Pose world_from_scene{glm::dvec3(x, y, z) * s_, world_from_scene_turn_};
-    mesh::Mesh placed;
-    stress::append(placed, pair_.scene, world_from_scene);
-    placings_.push_back({world_from_scene, stress::BakedScene(placed, s_).open(kind_),
-                         distances_around(world_from_scene)});
+Voxmap PairContact::bake(VoxelKind kind, std::size_t shift, bool whole) const {
+  const Pose& world_from_scene = world_from_scene_[shift];
+  mesh::Mesh world;
+  stress::append(world, scene_, world_from_scene);
+  std::optional<std::array<double, 6>> kept_m;
+  if (!whole) {
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const std::size_t i : near_) {
+      const glm::dvec3 place =
+          world_from_scene.orientation * placed(part_.fine_m[i], layers_[0].heights_m.front()) +
+          world_from_scene.position_m;
+      low = glm::min(low, place), high = glm::max(high, place);
+    }
+    low -= kKeptVoxels * s_, high += kKeptVoxels * s_;
+    kept_m = {low.x, low.y, low.z, high.x, high.y, high.z};
   }
+  const test::ScratchFolder folder;  // the mapping outlives the file's name
+  stress::bake_scene_file(world, s_, kind, folder / "scene.vox", 0, kept_m);
+  return value_of(Voxmap::open(folder / "scene.vox"));
 }
 
-Quality PairCase::judge(const WrenchAt& wrench_at, bool by_ten) const {
-  Measured measured(kDepths);
+DenseDistances PairContact::distances(std::size_t shift) const {
+  const Layer& full = layer(VoxelKind::kFull);
+  const Pose& world_from_scene = world_from_scene_[shift];
+  const Pose scene_from_world = inverse(world_from_scene);
+  const double deepest = full.heights_m.front(), way_m = full.heights_m.back() - deepest;
+  const int steps = 4 * static_cast<int>(std::ceil(way_m / s_)) + 1;
+  std::vector<glm::ivec3> cells;  // of the points that come near, their lowest voxels
+  for (const glm::dvec3& p : part_.tested.points_m) {
+    const double near_m = full.offset_m + way_m + s_;
+    if (!std::isfinite(distance_.foot(placed(p, deepest), near_m).distance_m)) continue;
+    for (int n = 0; n <= steps; ++n) {
+      const glm::dvec3 place =
+          world_from_scene.orientation * placed(p, deepest + way_m * (double(n) / steps)) +
+          world_from_scene.position_m;
+      cells.emplace_back(glm::floor(place / s_ - 0.5));
+    }
+  }
+  glm::ivec3 low(1 << 30), high(-(1 << 30));
+  for (const glm::ivec3& cell : cells) low = glm::min(low, cell), high = glm::max(high, cell);
+  DenseDistances box;
+  std::size_t count = 1;
+  for (int d = 0; d < 3; ++d) {
+    box.low[static_cast<std::size_t>(d)] = low[d] - 1;
+    box.dims[static_cast<std::size_t>(d)] = high[d] - low[d] + 4;
+    count *= static_cast<std::size_t>(high[d] - low[d] + 4);
+  }
+  constexpr float kUnknown = -1;
+  box.distance_m.assign(count, kUnknown);
+  for (const glm::ivec3& cell : cells) {
+    // A voxel around them too, so that no pose between two steps needs another.
+    for (int k = 0; k < 64; ++k) {
+      const glm::ivec3 voxel = cell + glm::ivec3(k >> 4, k >> 2 & 3, k & 3) - 1;
+      float& distance_m = box.distance_m[box.index({voxel.x, voxel.y, voxel.z})];
+      if (distance_m != kUnknown) continue;
+      const glm::dvec3 middle = (glm::dvec3(voxel) + 0.5) * s_;
+      distance_m = static_cast<float>(
+          distance_.foot(scene_from_world.orientation * middle + scene_from_world.position_m)
+              .distance_m);
+    }
+  }
+  const auto far_m = static_cast<float>(full.offset_m + 20 * s_);
+  std::replace(box.distance_m.begin(), box.distance_m.end(), kUnknown, far_m);
+  return box;
+}
+
+Quality PairContact::judge(VoxelKind kind, const WrenchAt& wrench_at, std::size_t shifts,
+                           bool by_ten) const {
+  const Layer& through = layer(kind);
+  bench::Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d) {
-    for (std::size_t i = 0; i < kShifts; ++i) {
-      const Pose& world_from_scene = placings_[i].world_from_scene;
-      const Wrench w = wrench_at(i, world_from_scene * at_height(heights_m_[d]));
+    for (std::size_t i = 0; i < shifts; ++i) {
+      const Pose& world_from_scene = world_from_scene_[i];
+      const Wrench w = wrench_at(i, world_from_scene * at_height(through.heights_m[d]));
       const glm::dquat back = glm::conjugate(world_from_scene.orientation);
       measured[d].push_back({back * w.force_n, back * w.torque_nm});
     }
   }
   const TruthAt truth_at = [&](std::size_t d, double offset_m) {
-    Wrench w = truth_[d].wrench_at(offset_m);
-    const double points = truth_[d].area_at(offset_m);
+    Wrench w = through.truth[d].wrench_at(offset_m);
+    const double points = through.truth[d].area_at(offset_m);
     if (by_ten && points >= 10) w.force_n *= 10 / points, w.torque_nm *= 10 / points;
     return w;
   };
   std::vector<double> offsets_m;
-  for (double at = -1.5 * thickness_m_; at < 1.5 * thickness_m_; at += 0.01 * s_) {
-    offsets_m.push_back(middle_m_ + at);
+  const double reach_m = kFitThicknesses * thickness_m_;
+  for (double at = -reach_m; at < reach_m; at += 0.01 * s_) {
+    offsets_m.push_back(through.offset_m + at);
   }
-  return judged(measured, truth_at, offsets_m, part_.tested.radius_m);
+  return judged(measured, truth_at, {through.offset_m, through.depths_m, s_ / 4}, offsets_m,
+                part_.tested.radius_m);
 }
 
-std::vector<Pose> PairCase::frames() const {
+std::vector<Pose> PairContact::frames(VoxelKind kind) const {
+  const std::vector<double>& heights_m = layer(kind).heights_m;
   std::vector<Pose> poses;
-  const double way_m = heights_m_.back() - heights_m_.front();
   for (std::size_t n = 0; n < kFrames; ++n) {
     const double share = 1 - static_cast<double>(n) / (kFrames - 1);
-    poses.push_back(placings_[0].world_from_scene * at_height(heights_m_.front() + share * way_m));
+    const double height = heights_m.front() + share * (heights_m.back() - heights_m.front());
+    poses.push_back(world_from_scene_[0] * at_height(height));
   }
   return poses;
 }
 
-mesh::Mesh PairCase::offset_mesh() const {
-  // What can come near: around the part where it touches.
-  const Pose pose = at_height(heights_m_.front());
+mesh::Mesh PairContact::offset_mesh() const {
+  const Layer& full = layer(VoxelKind::kFull);
+  // Around what touches at the deepest pose.
   glm::dvec3 low(1e300), high(-1e300);
   for (const std::size_t i : near_) {
-    const glm::dvec3 place = pose.orientation * part_.fine_m[i] + pose.position_m;
+    const glm::dvec3 place = placed(part_.fine_m[i], full.heights_m.front());
+    if (!std::isfinite(distance_.foot(place, full.offset_m + s_).distance_m)) continue;
     low = glm::min(low, place), high = glm::max(high, place);
   }
-  const double radius_m = glm::distance(low, high) / 2 + middle_m_ + 4 * s_;
+  const double margin_m = full.heights_m.back() - full.heights_m.front() + 2 * s_;
+  low -= margin_m, high += margin_m;
+  const double radius_m = glm::distance(low, high) / 2 + full.offset_m + 4 * s_;
   const double cell_m = s_ / kCellsPerVoxel;
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
-  tree_->visit_near(vec3_of((low + high) / 2.0), radius_m, [&](std::uint32_t t) {
+  distance_.tree().visit_near(vec3_of((low + high) / 2.0), radius_m, [&](std::uint32_t t) {
     const auto first = static_cast<openvdb::Index32>(points.size());
-    for (const std::uint32_t corner : soup_.triangles[t]) {
-      const glm::dvec3 cells = (glm_of(soup_.vertices[corner]) - (low + high) / 2.0) / cell_m;
+    for (const std::uint32_t corner : distance_.soup().triangles[t]) {
+      const glm::dvec3 cells =
+          (glm_of(distance_.soup().vertices[corner]) - (low + high) / 2.0) / cell_m;
       points.emplace_back(static_cast<float>(cells.x), static_cast<float>(cells.y),
                           static_cast<float>(cells.z));
     }
     triangles.emplace_back(first, first + 1, first + 2);
   });
-  const double band = middle_m_ / cell_m + 2;
+  const double band = full.offset_m / cell_m + 2;
   const auto grid = openvdb::tools::meshToUnsignedDistanceField<openvdb::FloatGrid>(
       *openvdb::math::Transform::createLinearTransform(1), points, triangles, {},
       static_cast<float>(band));
   std::vector<openvdb::Vec3s> vertices;
   std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*grid, vertices, quads, middle_m_ / cell_m);
+  openvdb::tools::volumeToMesh(*grid, vertices, quads, full.offset_m / cell_m);
   mesh::Mesh mesh;
   mesh.single_precision = false;
   for (const openvdb::Vec3s& v : vertices) {
@@ -365,8 +434,10 @@ mesh::Mesh PairCase::offset_mesh() const {
   }
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const glm::dvec3 p = glm_of(mesh.vertices[a]), q = glm_of(mesh.vertices[b]),
-                     r = glm_of(mesh.vertices[c]);
-    const bool out = glm::dot(glm::cross(q - p, r - p), foot((p + q + r) / 3.0).direction) >= 0;
+                     r = glm_of(mesh.vertices[c]), middle = (p + q + r) / 3.0;
+    if (glm::clamp(middle, low, high) != middle) return;
+    const glm::dvec3 outwards = distance_.foot(middle).direction;
+    const bool out = glm::dot(glm::cross(q - p, r - p), outwards) >= 0;
     mesh.triangles.push_back(out ? mesh::Triangle{a, b, c} : mesh::Triangle{a, c, b});
   };
   for (const openvdb::Vec4I& q : quads) {
@@ -376,19 +447,19 @@ mesh::Mesh PairCase::offset_mesh() const {
   return mesh;
 }
 
-double PairCase::offset_mesh_deviation_m(const mesh::Mesh& mesh) const {
-  const Pose pose = at_height(heights_m_.front());
+double PairContact::offset_mesh_deviation_m(const mesh::Mesh& mesh) const {
+  const Layer& full = layer(VoxelKind::kFull);
   double largest = 0;
   for (const mesh::Vec3d& v : mesh.vertices) {
     // Near the part alone: at the border of the cut-out the mesh means nothing.
     double to_part2 = 1e300;
     for (std::size_t i = 0; i < near_.size(); i += 8) {
-      const glm::dvec3 place = pose.orientation * part_.fine_m[near_[i]] + pose.position_m;
+      const glm::dvec3 place = placed(part_.fine_m[near_[i]], full.heights_m.front());
       const glm::dvec3 way = place - glm_of(v);
       to_part2 = std::min(to_part2, glm::dot(way, way));
     }
     if (to_part2 > 4 * s_ * s_) continue;
-    largest = std::max(largest, std::abs(foot(glm_of(v)).distance_m - middle_m_));
+    largest = std::max(largest, std::abs(distance_.foot(glm_of(v)).distance_m - full.offset_m));
   }
   return largest;
 }

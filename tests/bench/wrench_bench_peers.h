@@ -14,13 +14,18 @@ namespace forcelayer::bench {
 class MeshContacts {
  public:
   virtual ~MeshContacts() = default;
+  virtual void set_scene(const mesh::Mesh& scene) = 0;  // world, m; first of all
   virtual Wrench at(const Pose& world_from_part) = 0;
 };
 
-// FCL 0.7: collide() of OBBRSS trees with all contacts. `scene` in world, `part` in its frame, m.
-std::unique_ptr<MeshContacts> fcl_contacts(const mesh::Mesh& scene, const mesh::Mesh& part);
+// FCL 0.7: collide() of OBBRSS trees with all contacts. `part` in its frame, m.
+std::unique_ptr<MeshContacts> fcl_contacts(const mesh::Mesh& part);
+
+// FCL 0.7: distance() of OBBRSS trees. One force between the two nearest points, in proportion to
+// how much nearer than `offset_m` they are.
+std::unique_ptr<MeshContacts> fcl_distance(const mesh::Mesh& part, double offset_m);
 
 // Bullet 3: a GImpact mesh in a static triangle mesh, all contact points, margins of a micrometre.
-std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& scene, const mesh::Mesh& part);
+std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& part);
 
 }  // namespace forcelayer::bench

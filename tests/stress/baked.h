@@ -50,7 +50,8 @@ class BakedPart {
 
 // The two bakes, in units of their own: both areas name their options alike.
 void bake_scene_file(const mesh::Mesh& mesh, double voxel_size_m, test::VoxelKind kind,
-                     const std::filesystem::path& path, double standoff_m = 0);
+                     const std::filesystem::path& path, double standoff_m = 0,
+                     const std::optional<std::array<double, 6>>& roi_m = {});
 // Several objects, numbered in their order, with distances; within a region of interest (world box,
 // low corner and high corner, m) where there is one.
 void bake_objects_file(std::span<const mesh::Mesh> objects, double voxel_size_m,

@@ -31,7 +31,8 @@ void bake_to(std::span<const voxelize::SceneObject> objects, voxelize::BakeOptio
 }  // namespace
 
 void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKind kind,
-                     const std::filesystem::path& path, double standoff_m) {
+                     const std::filesystem::path& path, double standoff_m,
+                     const std::optional<std::array<double, 6>>& roi_m) {
   voxelize::SceneObject object;
   object.name = "scene";
   object.mesh = &scene;
@@ -39,6 +40,7 @@ void bake_scene_file(const mesh::Mesh& scene, double voxel_size_m, test::VoxelKi
   options.voxel_size_m = voxel_size_m;
   if (kind == test::VoxelKind::kChebyshev) options.metric = Metric::kChebyshev;
   options.distances = test::stores_distances(kind);
+  options.roi_m = roi_m;
   if (kind == test::VoxelKind::kCovered) options.compliance = covering(voxel_size_m);
   if (kind == test::VoxelKind::kNear) standoff_m = test::kNearStandoffVoxels * voxel_size_m;
   set_standoff(options, standoff_m);

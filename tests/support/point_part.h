@@ -24,6 +24,7 @@ struct PointPart {
   std::uint32_t super_block_blocks = kDefaultSuperBlockBlocks;
   bool two_sided = false;  // whether all points are without an inside
   std::vector<std::array<float, 3>> points, normals;
+  std::vector<float> areas_m2;  // of none: 1e-5 each
 
   void add(const std::array<double, 3>& point, std::array<double, 3> normal) {
     const double length =
@@ -74,7 +75,7 @@ inline BoundingSphere bounding_sphere(const PointPart& part, std::size_t begin, 
 
 inline void save_pshell(const std::filesystem::path& path, const PointPart& part) {
   std::array<std::vector<float>, 7> columns;
-  double bounding_radius_m = 0;
+  double bounding_radius_m = 0, area_m2 = 0;
   for (std::size_t i = 0; i < part.points.size(); ++i) {
     const auto& p = part.points[i];
     bounding_radius_m =
@@ -84,7 +85,8 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
       columns[axis].push_back(p[axis]);
       columns[3 + axis].push_back(part.normals[i][axis]);
     }
-    columns[6].push_back(1e-5f);
+    columns[6].push_back(part.areas_m2.empty() ? 1e-5f : part.areas_m2[i]);
+    area_m2 += part.areas_m2.empty() ? 0 : double{part.areas_m2[i]};
   }
   const std::size_t count = part.points.size();
   std::vector<BoundingSphere> blocks, super_blocks;
@@ -106,7 +108,7 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
   h.voxel_size_m = part.voxel_size_m;
   h.bounding_radius_m = bounding_radius_m * (1 + 1e-12);
   h.center_m = part.center_m;
-  h.area_m2 = 1e-5 * static_cast<double>(count);
+  h.area_m2 = part.areas_m2.empty() ? 1e-5 * static_cast<double>(count) : area_m2;
   h.volume_m3 = 1e-4;
   h.inertia_m2 = part.inertia_m2;
   h.method = static_cast<std::uint32_t>(ShellMethod::kSurface);
