@@ -2,14 +2,15 @@
 # Builds the benchmarks, runs them, and says which figures differ by more than noise from the committed ones of the
 # same machine, and which figures of the README lie outside their stated intervals. The pages in tests/bench say what each
 # measures.
-#   scripts/bench.sh [PART...]               the short form: about ten minutes; results in build/bench/short
-#   scripts/bench.sh --long [PART...]        the long form: over half an hour; results in build/bench/long, and from
-#                                            there in tests/bench/results/<machine> and in the pages
-#   scripts/bench.sh [--long] --out FOLDER   results in FOLDER alone
-# Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly (all of
-# them by default), and by name only: loop (the long form takes half an hour), streams (bakes up to 100 million triangles),
-# and targets (what the speed of bake and query must be, beside what it is). `readme` is all parts that the README's figures
-# come from, but for the loop.
+#   scripts/bench.sh                   the parts that the README's figures come from, in the short form: under ten
+#                                      minutes, without building; results in build/bench/short
+#   scripts/bench.sh PART... | all     these, or all
+#   scripts/bench.sh --long [PART...]  the long form, of all parts unless named: hours; results in build/bench/long, and
+#                                      from there in tests/bench/results/<machine> and in the pages
+#   scripts/bench.sh --out FOLDER ...  results in FOLDER alone
+# Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path
+# verdicts python progress paper gaps assembly, and by name only: loop (the long form takes half an hour), streams (bakes up
+# to 100 million triangles), and targets (what the speed of bake and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
 all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly)
@@ -25,7 +26,7 @@ while [ $# -gt 0 ]; do
     --long) long=yes ;;
     --out) out=${2:?--out needs a folder}; shift ;;
     -h | --help) usage; exit 0 ;;
-    readme) parts+=("${readme_parts[@]}") ;;
+    all) parts+=("${all_parts[@]}") ;;
     *)
       [[ " ${all_parts[*]} loop streams targets " == *" $1 "* ]] || { usage >&2; exit 2; }
       parts+=("$1")
@@ -33,10 +34,10 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-[ ${#parts[@]} -gt 0 ] || parts=("${all_parts[@]}")
-
 # either SHORT LONG: the words for this form.
 either() { if [ $long = yes ]; then echo "$2"; else echo "$1"; fi; }
+# shellcheck disable=SC2207  # parts are words
+[ ${#parts[@]} -gt 0 ] || parts=($(either "${readme_parts[*]}" "${all_parts[*]}"))
 
 # Names the targets that a part builds.
 declare -A targets=(
