@@ -537,6 +537,9 @@ def write(reports, folder):
     return [folder / f"{name}.csv" for name in files]
 
 
+DATE = r"\d{4}-\d\d-\d\d"
+
+
 class Table:
     """A CSV file: `machine`, `runs` (text by number), `rows` (dicts of numbers, texts and None)."""
 
@@ -554,7 +557,7 @@ class Table:
 def newest(name):
     """The folder of the machine with the last run of a file: that is whose figures the README shows."""
     def date(path):
-        return max(re.search(r"\d{4}-\d\d-\d\d", line)[0] for line in Table(path).runs.values())
+        return max(re.search(DATE, line)[0] for line in Table(path).runs.values())
     return max(sorted(RESULTS.glob(f"*/{name}.csv")), key=date).parent
 
 

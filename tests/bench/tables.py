@@ -570,13 +570,21 @@ def of_machine(path, name):
 
 
 def summary():
-    """The README's: ten figures, each of the machine that measured it last."""
+    """The README's: ten figures, each of the machine that measured it last, and when."""
+    def table(name):
+        return bench_csv.Table(bench_csv.newest(name) / f"{name}.csv")
+
     def rows(name):
-        return bench_csv.Table(bench_csv.newest(name) / f"{name}.csv").rows
+        return table(name).rows
+
+    def measured(name, row):
+        machine = table(name).machine.split("(")[0].removesuffix(" ").split(",")[0]
+        return f"{machine}, {re.search(bench_csv.DATE, table(name).runs[row['run']])[0]}"
 
     wall = by("method", ("motion",), where(motion="wall", points=10 ** 6)(rows("query")))[0]["of"]
-    ours, vdb, fcl = (wall[m]["p50_us"] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
-    every = where(motion="everything", points=10 ** 6, method="all skipping")(rows("query"))[0]["p50_us"]
+    ours, vdb, fcl = (wall[m] for m in ("all skipping", "OpenVDB ValueAccessor", "FCL meshes, contacts"))
+    every = where(motion="everything", points=10 ** 6, method="all skipping")(rows("query"))[0]
+    by_stiffness = [row["penetration_ratio"] for row in rows("stability_field")]
     engine = by("kind", ("model",), where(model="engine", voxels=1024)(rows("bake_kinds")))[0]["of"]
     in_1999 = {r["figure"]: r["in_1999"] for r in rows("paper")}
     bays = by("kind", ("triangles",), where(scene="aircraft")(rows("bake_full")))
@@ -597,29 +605,39 @@ def summary():
         def said(method):
             force = of[method]["force"]
             return f"{median_of(force)} in {digits(of[method]['frame, us']['p50'])} us"
-        return [f"{label}, {of['default, distances']['force']['n']} cases",
-                f"{said('default, distances')}; `--metric chebyshev`: {said('default, Chebyshev layers')}",
-                f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}", "wrench"]
+        ours = of["default, distances"]
+        return [f"{label}, {ours['force']['n']} cases",
+                f"{said('default, distances')}, raw {percent(ours['raw force']['p50'])}; `--metric chebyshev`: "
+                f"{said('default, Chebyshev layers')}",
+                f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}", "wrench",
+                measured("wrench", ours["force"])]
     lines = [
-        ["contact query, 10^6 points against a wall", f"{digits(ours)} us",
-         f"OpenVDB `ValueAccessor` {digits(vdb)} us; FCL {digits(fcl)} us", "query"],
-        ["contact query, 10^6 points all in contact", f"{digits(every)} us", "a frame: 1,000 us", "query"],
+        ["contact query, 10^6 points against a wall", f"{digits(ours['p50_us'])} us, p99 {digits(ours['p99_us'])} us",
+         f"OpenVDB `ValueAccessor`, every point: {digits(vdb['p50_us'])} us; FCL contacts: {digits(fcl['p50_us'])} us", "query",
+         measured("query", ours)],
+        ["contact query, 10^6 points all in contact", f"{digits(every['p50_us'])} us, p99 {digits(every['p99_us'])} us",
+         "a frame: 1,000 us", "query", measured("query", every)],
         ["bake of the engine, 1024 voxels across, whole command",
          f"{digits(engine['full']['command_s'])} s; `--metric chebyshev`: {digits(engine['lean, chebyshev']['command_s'])} s",
-         f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s", "bake"],
-        ["bake of 10.5 million triangles, 4,000 voxels across", baked(large_bay), "", "bake"],
+         f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s", "bake", measured("bake_kinds", engine["full"])],
+        ["bake of 10.5 million triangles, 4,000 voxels across", baked(large_bay), "", "bake",
+         measured("bake_full", large_bay["full"])],
         ["bake of the paper's 593,409 polygons at 5 mm", baked(paper_bay), f"1999: {in_1999['bake_s']} s, {in_1999['file_bytes'] / 1e6:g} MB",
-         "bake"],
+         "bake", measured("bake_full", paper_bay["full"])],
         wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
         wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
-        ["penetrating frames in a million contact frames", percent(table2["default"]["penetration_ratio"]),
-         f"the paper's model: {percent(table2['paper, braking']['penetration_ratio'])}", "stability"],
+        ["penetrating frames in a million contact frames", f"{percent(table2['default']['penetration_ratio'])}, in "
+         f"{table2['default']['trials']} trials",
+         f"the paper's model: {percent(table2['paper, braking']['penetration_ratio'])}; {percent(min(by_stiffness))} to "
+         f"{percent(max(by_stiffness))} by the stiffness of its field", "stability", measured("stability", table2["default"])],
         ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
-         f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability"],
-        ["30 minutes at 1 kHz, all cores busy: late frames", f"{loop['deadline_misses']} of {loop['frames']:,}",
-         f"wake-up p99 {digits(loop['wakeup_p99_us'])} us", "loop"]]
-    return list(markdown(["figure", "Forcelayer", "beside", "page"],
-                         ([*line[:3], f"[{line[3]}](tests/bench/{line[3]}.md)"] for line in lines)))
+         f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability", measured("stability", rest["default"])],
+        ["30 minutes at 1 kHz, all cores busy: late frames",
+         f"{loop['deadline_misses']} late and {loop['skipped_ticks']:,} left out of {loop['frames'] + loop['skipped_ticks']:,}; "
+         f"the output went to zero {loop['output_trips']} times; wake-up p99 {digits(loop['wakeup_p99_us'])} us, "
+         f"most {digits(loop['wakeup_max_us'] / 1e3)} ms", "", "loop", measured("loop", rows("loop")[0])]]
+    return list(markdown(["figure", "Forcelayer", "beside", "page", "measured"],
+                         ([*line[:3], f"[{line[3]}](tests/bench/{line[3]}.md)", line[4]] for line in lines)))
 
 
 def readme_table():
