@@ -404,10 +404,16 @@ void print(const std::string& group, const Json& methods) {
       if (!figures.contains(figure) || figures[figure][key].is_null()) return std::nan("");
       return figures[figure][key].template get<double>();
     };
-    std::printf("  %-38s%7.2f%% %6.2f - %6.2f %7.2f%% %7.2f%% %7.2f%% %8.0f %8.1f\n", name.c_str(),
-                100 * at("force", "p50"), 100 * at("force", "median_low"),
-                100 * at("force", "median_high"), 100 * at("raw force", "p50"),
-                100 * at("pressing", "p50"), 100 * at("torque", "p50"), at("force", "n"),
+    const auto median = [&at](const char* figure) {
+      const double share = at(figure, "p50");
+      char text[16] = "-";
+      if (!std::isnan(share)) std::snprintf(text, sizeof text, "%.2f%%", 100 * share);
+      return std::string(text);
+    };
+    std::printf("  %-38s%8s %6.2f - %6.2f %8s %8s %8s %8.0f %8.1f\n", name.c_str(),
+                median("force").c_str(), 100 * at("force", "median_low"),
+                100 * at("force", "median_high"), median("raw force").c_str(),
+                median("pressing").c_str(), median("torque").c_str(), at("force", "n"),
                 at(kFrameUs, "p50"));
   }
   std::fflush(stdout);
