@@ -268,12 +268,12 @@ TABLES = {
         ("times", lambda r: times(r["straightforward_s"], r["scan_1_thread_s"])),
         ("scan: `meshToVolume` / ours, ms", lambda r: pair(1e3 * r["mesh_to_volume_s"], 1e3 * r["scan_s"])),
         ("times", lambda r: times(r["mesh_to_volume_s"], r["scan_s"])),
-        ("bake: `vdb_tool` / ours, ms", lambda r: pair(1e3 * r["vdb_tool_bake_s"], 1e3 * r["bake_s"])),
+        ("bake: `vdb_tool` / lean Chebyshev, ms", lambda r: pair(1e3 * r["vdb_tool_bake_s"], 1e3 * r["bake_s"])),
         ("times", lambda r: times(r["vdb_tool_bake_s"], r["bake_s"])),
-        ("command: `vdb_tool` / ours, ms", lambda r: pair(1e3 * r["vdb_tool_s"], 1e3 * r["command_s"])),
+        ("command: `vdb_tool` / lean Chebyshev, ms", lambda r: pair(1e3 * r["vdb_tool_s"], 1e3 * r["command_s"])),
         ("times", lambda r: times(r["vdb_tool_s"], r["command_s"])),
-        ("peak memory: `vdb_tool` / ours, MB", lambda r: pair(r["vdb_tool_peak_bytes"] / 1e6, r["peak_bytes"] / 1e6)),
-        ("file: `.vdb` / ours, MB", lambda r: pair(r["vdb_bytes"] / 1e6, r["file_bytes"] / 1e6))]),
+        ("peak memory: `vdb_tool` / lean Chebyshev, MB", lambda r: pair(r["vdb_tool_peak_bytes"] / 1e6, r["peak_bytes"] / 1e6)),
+        ("file: `.vdb` / lean Chebyshev, MB", lambda r: pair(r["vdb_bytes"] / 1e6, r["file_bytes"] / 1e6))]),
     "bake_kinds": ("bake_kinds", pivoted("kind", "run", "model", "voxels"), [
         ("vectors", text("vectors")), ("model", text("model")), ("voxels across", text("voxels")),
         ("bake: lean Chebyshev, ms", of("lean, chebyshev", "bake_s", 1e3)),
@@ -412,7 +412,7 @@ TABLES = {
         ("contact frames", text("force_layer_frames")), ("penetrating", share("penetration_ratio", 2)),
         ("95% interval", interval), ("trials that penetrate", text("penetrating_trials")),
         ("energy, J", scaled("energy_generated_j", 1, 2))]),
-    "stability_hands": ("stability_hands", list, OUTCOME),
+    "stability_hands": ("stability_hands", list, [("run of", text("ran")), *OUTCOME]),
     "stability_rest": ("stability", where(campaign="rest"), [
         ("model", text("model")), ("trials", text("trials")), ("quiet", text("quiet")),
         ("last motion, s", scaled("settle_s_max")), ("largest cycle, voxels", scaled("cycle_voxels_max", 1, 2)),
@@ -436,11 +436,11 @@ TABLES = {
         ("delay, ms", scaled("delay_s", 1e3)), ("default", scaled("default", 1, 2)), ("bound", scaled("bound", 1, 2)),
         ("quiet up to", scaled("quiet_to", 1, 2))]),
     "stability_grips": ("stability_grips", grips, [
-        ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
+        ("run of", text("ran")), ("model", text("model")), ("scale", text("scale")), ("delay, ms", scaled("delay_s", 1e3)), ("hand", text("hand")),
         ("quiet", text("quiet")), ("of", text("grips")), ("most, encoder steps", scaled("swing_steps", 1, 2)),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2))]),
     "stability_loops": ("stability_loops", list, [
-        ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
+        ("run of", text("ran")), ("model", text("model")), ("start", text("start")), ("scale", text("scale")), ("loop", text("loop")), ("loops", text("loops")),
         ("given at most, uJ", scaled("given_j", 1e6, 2)), ("beyond the sampled spring, uJ", scaled("over_j", 1e6, 2)),
         ("beyond it by 20 uJ", text("over_bound"))]),
     "stability_seats": ("stability_seats", seats, [
@@ -563,6 +563,8 @@ def of_machine(path, name):
     for number in dict.fromkeys(r["run"] for r in rows):
         command, *rest = table.runs[number].split("; ")
         runs.append(f"`{command}` ({', '.join(rest)})")
+    for row in rows:
+        row["ran"] = ", ".join(table.runs[row["run"]].split("; ")[1:])
     cells = [[cell(row) for _, cell in columns] for row in rows]
     kept = [n for n in range(len(columns)) if any(line[n] for line in cells)]
     return [f"**{path.parent.name}** ({table.machine}): {', '.join(runs)}", "",
