@@ -11,8 +11,9 @@
 // and provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level
 // set, no classification); and the scan conversion alone beside meshToVolume and beside the
 // straightforward way, which has the same output. Every figure is the least of the repetitions,
-// which alternate between the programs: other work on the machine only ever adds time. The
-// one-thread scans are compared by CPU time.
+// which alternate between the programs: other work on the machine only ever adds time. What takes
+// long runs once: meshToVolume, and with --wide vdb_tool too. The one-thread scans are compared by
+// CPU time.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
