@@ -76,7 +76,7 @@ Pose GuidePath::at(double s_m) const noexcept {
           glm::normalize(glm::dquat(p[3], p[4], p[5], p[6]))};
 }
 
-// Of the straight pieces that begin at the places from `first` to before `last`.
+// Searches the straight pieces that begin at the places from `first` to before `last`.
 double GuidePath::nearest(const Pose& pose, std::size_t first, std::size_t last) const noexcept {
   const Place point = place_of(pose);
   double least = INFINITY, found_m = 0;

@@ -18,7 +18,7 @@ HEIGHT = math.sqrt(3) / 2 * PITCH
 
 
 def mean_square(play):
-    """Of the thread's radius over a pitch: crest, root and the two flanks."""
+    """The mean of the thread's squared radius over a pitch: crest, root and the two flanks."""
     high, low = MAJOR + play / 2, MAJOR - 5 / 8 * HEIGHT + play / 2
     return high ** 2 / 8 + low ** 2 / 4 + 5 / 8 * (high ** 2 + high * low + low ** 2) / 3
 

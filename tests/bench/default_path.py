@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the benchmarks time and judge as `default` is what voxrun does by default: holds the two against each other.
+"""Holds what the benchmarks time and judge as `default` against what voxrun does by default.
 
 Usage: default_path.py BIN_FOLDER [--only PROGRAM]
 
@@ -20,7 +20,7 @@ SAMPLES = ROOT / "sample_data"
 
 
 def run(folder, *words):
-    """What it calls: times by (step, call)."""
+    """Its calls: times by (step, call)."""
     calls = folder / "calls"
     calls.unlink(missing_ok=True)
     done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True,

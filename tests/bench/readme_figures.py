@@ -24,7 +24,7 @@ README, LIMITS = ROOT / "README.md", ROOT / "runtime/limits.md"
 # Intervals. Each is a function of a figure and of its committed row: the lowest and the highest value, and what to call it.
 
 def factor(most):
-    """Of a ratio of times or of an error over few seeded cases."""
+    """For a ratio of times, or an error over few seeded cases."""
     def interval(figure, row):
         value = figure.value(row)
         return value / most, value * most, f"a factor of {most:g}"
@@ -32,7 +32,7 @@ def factor(most):
 
 
 def exact(_figure, row, value=None):
-    """Of bytes and of seeded counts: bake, seed and rounding leave a thousandth."""
+    """For bytes and seeded counts: bake, seed and rounding leave a thousandth."""
     return value / 1.001, value * 1.001, "the same"
 
 
@@ -65,7 +65,7 @@ def share_95(k, n):
 
 
 def binomial(events, of):
-    """Of a share of independent trials; a new run's own interval must meet it."""
+    """For a share of independent trials; a new run's own interval must meet it."""
     def interval(_figure, row):
         low, high = share_95(row[events], row[of])
         return low, high, f"95%, {row[of]} trials"

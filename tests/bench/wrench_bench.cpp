@@ -75,7 +75,7 @@ enum Name : std::size_t {
   kBullet
 };
 
-// What is told of a method in a case.
+// All that is told of a method in a case.
 struct Figure {
   const char* name;
   double Quality::*value;
@@ -377,7 +377,7 @@ double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samp
   return deviation_m / s;
 }
 
-// What the kinds of voxels cost on disk and to bake: from mesh in memory to file, the least
+// The cost of the kinds of voxels, on disk and to bake: from mesh in memory to file, the least
 // processor time of three.
 Json files_of(const MeshPair& pair, double s) {
   Json files;

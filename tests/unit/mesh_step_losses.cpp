@@ -108,7 +108,7 @@ TEST(StepLosses, DamagedFacesShellsAndSolids) {
   expect_in("1 of 6 faces: #17 ADVANCED_FACE",
             step_error(replaced(box, R"(#17 = ADVANCED_FACE\('',\(#\d+\))",
                                 "#17 = ADVANCED_FACE('',(#9999)")));
-  // What is no number would count as 0.
+  // A value that is no number would count as 0.
   for (const std::string no_number : {"$$", "'x'", "#11", "(30.)"}) {
     expect_in(
         "1 damaged entity: #196 CARTESIAN_POINT",
@@ -203,7 +203,7 @@ TEST(StepLosses, ACurveInParametersThatIsNotThere) {
                                 "$1(#9999)")));
 }
 
-// What is lost of the plate of the assembly, and the faces that are missing then.
+// The losses of the plate of the assembly, and the faces that are missing then.
 struct LossOfPlate {
   const char *pattern, *by;
   std::size_t pieces, triangles;  // of the plate's 12

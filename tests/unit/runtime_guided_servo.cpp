@@ -59,7 +59,7 @@ struct Bench {
     guide.emplace(loop::GuidePath(path, limits, 1), limits, 1);
     servo.set_guide(&*guide, kButton);
   }
-  // What the hand feels, world axes.
+  // The wrench that the hand feels, world axes.
   glm::dvec3 tick() {
     device.sample.device_from_handle = placement.device_from_handle(hand);
     EXPECT_TRUE(servo.tick(frame));

@@ -75,7 +75,7 @@ void StepCut::take_out(const Entity& entity) {
   const std::size_t before = pieces_.size();
   const bool is_new = !seen_.contains(entity.get());
   climb(entity);
-  // What nothing uses is a piece of its own.
+  // An entity that nothing uses is a piece of its own.
   if (is_new && pieces_.size() == before) add_piece(entity);
 }
 
@@ -127,7 +127,7 @@ void StepCut::remove_item(const Entity& representation, const Entity& item) {
   if (!shape->Items().IsNull()) shape->SetItems(shortened(shape->Items(), cut_));
 }
 
-// Of a list of items one of which is not there the others are read.
+// A list of items one of which is not there keeps the others.
 void StepCut::drop_null_items(const Entity& representation) {
   const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(representation);
   pieces_.push_back({representation, step_piece(session_, representation)});

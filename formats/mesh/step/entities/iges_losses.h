@@ -11,7 +11,7 @@
 
 namespace forcelayer::mesh {
 
-// What was taken out of a file before it was transferred.
+// Damage that was taken out of a file before it was transferred.
 struct IgesDamage {
   std::vector<Losses> told;
   std::vector<LostPiece> pieces;
@@ -22,7 +22,7 @@ struct IgesDamage {
 // that refer to what is not there or make no sense: OpenCASCADE may crash on them.
 IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session);
 
-// What was taken out, and each face, solid, placing and external reference of the file that was
+// The damage, and each face, solid, placing and external reference of the file that was
 // transferred in `session` that is not in `document`: OpenCASCADE leaves out what it finds damaged,
 // and what it does not know, without an error.
 FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,

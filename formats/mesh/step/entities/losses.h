@@ -12,7 +12,7 @@
 
 namespace forcelayer::mesh {
 
-// What was taken out of a file before it was transferred.
+// Damage that was taken out of a file before it was transferred.
 struct StepDamage {
   StepCut cut;
   std::vector<Losses> told;  // but for faces, which are counted at the end
@@ -25,7 +25,7 @@ StepDamage take_out_damage(const Handle(XSControl_WorkSession) & session, std::s
 
 using ReadEntities = std::unordered_set<const Standard_Transient*>;
 
-// What was taken out, and each face, solid and placing of the file that was transferred in
+// The damage, and each face, solid and placing of the file that was transferred in
 // `session` that is neither in `document` nor in `read`: OpenCASCADE leaves constructive and
 // tessellated solids out, and what it finds damaged, without an error.
 FileLosses find_step_losses(const Handle(XSControl_WorkSession) & session,

@@ -22,7 +22,7 @@ struct LostPiece {
   double size_mm = 0;  // diagonal of that box; 0 where the place is unknown
 };
 
-// What a file lacks; no pieces where nothing.
+// All that a file lacks; no pieces where it lacks nothing.
 struct FileLosses {
   std::string text;  // "2 of 6 faces: #45 ADVANCED_FACE 'left', #77 ADVANCED_FACE; 1 solid: ..."
   std::vector<LostPiece> pieces;
