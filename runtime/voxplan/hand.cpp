@@ -17,6 +17,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "runtime/voxplan/nearest/pose_tree.h"
 #include "runtime/voxplan/pose_space.h"
 #include "runtime/voxplan/slide.h"
 
@@ -185,6 +186,15 @@ class GoalRegion final : public ob::GoalSampleableRegion {
   Random& random_;
 };
 
+// RRT-Connect, whose trees find the nearest pose by PoseIndex.
+class Connect final : public og::RRTConnect {
+ public:
+  Connect(const ob::SpaceInformationPtr& space, double turn_m) : RRTConnect(space) {
+    tStart_ = std::make_shared<PoseTree<Motion*>>(turn_m);
+    tGoal_ = std::make_shared<PoseTree<Motion*>>(turn_m);
+  }
+};
+
 std::vector<Pose> poses_of(const og::PathGeometric& path) {
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < path.getStateCount(); ++i) poses.push_back(pose_of(path.getState(i)));
@@ -236,6 +246,8 @@ struct Hand::Parts {
         random(seed * 1000003 + its_number),
         check(std::move(pose_check)) {}
 
+  // A turn counts as the way of the part's farthest point.
+  double turn_m() const { return 2 * problem.part.header().bounding_radius_m; }
   void begin();
   ob::SpaceInformationPtr make_space(Rule rule);
   void plan_in_seat();
@@ -265,10 +277,9 @@ struct Hand::Parts {
 };
 
 ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
-  // A turn counts as the way of the part's farthest point.
   auto poses = std::make_shared<PoseSpace>(
-      goal.bounds(), 2 * problem.part.header().bounding_radius_m,
-      kCellVoxels * problem.scene.voxel_size_m(), [this](const ob::StateSpace* of_space) {
+      goal.bounds(), turn_m(), kCellVoxels * problem.scene.voxel_size_m(),
+      [this](const ob::StateSpace* of_space) {
         return std::make_shared<Sampler>(of_space, *check, goal, random);
       });
   poses->setup();
@@ -305,7 +316,7 @@ void Hand::Parts::plan_beyond(const Pose& from) {
   start.pose = from;
   question->addStartState(&start);
   question->setGoal(std::make_shared<GoalRegion>(space, goal, random));
-  auto connect = std::make_shared<og::RRTConnect>(space);
+  auto connect = std::make_shared<Connect>(space, turn_m());
   connect->setRange((number % 2 == 0 ? 1 : 0.25) * problem.part.header().bounding_radius_m);
   planner = connect;
   planner->setProblemDefinition(question);

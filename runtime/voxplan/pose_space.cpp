@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "runtime/voxplan/problem.h"
+#include "runtime/voxplan/nearest/pose_index.h"
 
 namespace forcelayer::voxplan {
 namespace {

@@ -35,15 +35,6 @@ double travel_between_m(const Problem& problem, const Pose& from, const Pose& to
 Pose pose_between(const Pose& from, const Pose& to, double share);
 
 // The same pose as a row of a path.
-// How far apart a planner's trees hold two poses: the way, and `turn_m` times the chord between the
-// orientations, twice the sine of a quarter of the turn. It is a metric, and 0 from a pose to
-// itself without rounding: else OMPL's trees may hold the pose twice, and free it twice.
-inline double pose_distance_m(const Pose& from, const Pose& to, double turn_m) {
-  const glm::dquat &p = from.orientation, &q = to.orientation;
-  const glm::dquat chord = glm::dot(p, q) < 0 ? p + q : p - q;  // q and -q are one orientation
-  return glm::length(to.position_m - from.position_m) + turn_m * glm::length(chord);
-}
-
 PathRow row_of(double time_s, const Pose& pose);
 
 // Poses along a way, no two farther apart than `step_m`, its own among them.

@@ -9,6 +9,7 @@
 #include "runtime/clearance/path_check.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/field/field_probe.h"
+#include "runtime/voxplan/nearest/pose_index.h"
 #include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/search.h"
 #include "runtime/voxplan/slide.h"
