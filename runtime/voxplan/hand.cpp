@@ -36,6 +36,9 @@ constexpr int kAxes = 6;              // those of the world first
 constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
 constexpr double kLeastKept = 0.01;   // of a motion: less is no way
 constexpr unsigned kMostGoals = 1000;
+// The clock is read after so many poses, or questions of a planner whether it shall end: processor
+// time is a call of the system.
+constexpr std::uint64_t kClockEvery = 64;
 
 // May a slide turn to what the floors allow, or does it end where it cannot go straight on?
 enum class Turns { kNever, kToFloors };
@@ -193,7 +196,26 @@ class Connect final : public og::RRTConnect {
     tStart_ = std::make_shared<PoseTree<Motion*>>(turn_m);
     tGoal_ = std::make_shared<PoseTree<Motion*>>(turn_m);
   }
+  std::vector<Pose> reached() const {
+    std::vector<Motion*> motions;
+    tStart_->list(motions);
+    std::vector<Pose> poses;
+    for (const Motion* motion : motions) poses.push_back(pose_of(motion->state));
+    return poses;
+  }
 };
+
+// The poses that a planner reached from its start. OMPL lists a tree with its edges in hash maps.
+std::vector<Pose> reached_by(const ob::Planner& planner) {
+  if (const auto* connect = dynamic_cast<const Connect*>(&planner)) return connect->reached();
+  ob::PlannerData tree(planner.getSpaceInformation());
+  planner.getPlannerData(tree);
+  std::vector<Pose> poses;
+  for (unsigned i = 0; i < tree.numVertices(); ++i) {
+    poses.push_back(pose_of(tree.getVertex(i).getState()));
+  }
+  return poses;
+}
 
 std::vector<Pose> poses_of(const og::PathGeometric& path) {
   std::vector<Pose> poses;
@@ -325,13 +347,7 @@ void Hand::Parts::plan_beyond(const Pose& from) {
 
 // The farthest pose of the tree that grows from the start.
 void Hand::Parts::note_farthest() {
-  ob::PlannerData tree(space);
-  planner->getPlannerData(tree);
-  const bool two_trees = rule == Rule::kClear;
-  for (unsigned i = 0; i < tree.numVertices(); ++i) {
-    const ob::PlannerDataVertex& vertex = tree.getVertex(i);
-    if (two_trees && vertex.getTag() != 1) continue;
-    const Pose pose = pose_of(vertex.getState());
+  for (const Pose& pose : reached_by(*planner)) {
     const double way_m = glm::length(pose.position_m - problem.world_from_start.position_m);
     if (way_m <= out_m) continue;
     out_m = way_m;
@@ -463,8 +479,15 @@ void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
   Parts& p = *parts_;
   if (p.done) return;
   const std::uint64_t enough = p.check->poses_tested() + poses;
-  const ob::PlannerTerminationCondition stop(
-      [&] { return p.check->poses_tested() >= enough || is_over(); });
+  std::uint64_t asked = 0, next_clock = 0;
+  const ob::PlannerTerminationCondition stop([&] {
+    const std::uint64_t tested = p.check->poses_tested();
+    if (tested >= enough) return true;
+    if (++asked < kClockEvery && tested < next_clock) return false;
+    asked = 0;
+    next_clock = tested + kClockEvery;
+    return is_over();
+  });
   p.planner->solve(stop);
 }
 
