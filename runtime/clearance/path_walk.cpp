@@ -135,22 +135,32 @@ bool PathWalk::keep(const Sample& a, const Sample& b, bool or_nothing, Moment& u
   return keep(a, middle, or_nothing, until) && keep(middle, b, or_nothing, until);
 }
 
-Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothing) {
+// An end by what is known of it, should that be enough or all that there is to know.
+Sample PathWalk::end(const Moment& moment, double enough_voxels, LeastDistance& known) {
+  const bool is_all = known.point != LeastDistance::kNone || known.voxels >= enough_voxels;
+  if (known.voxels < limits_.required_voxels || !is_all) {
+    known = tested(moment, enough_voxels).least;
+  }
+  return {moment, path_.travel_m(moment), known};
+}
+
+Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothing,
+                            KnownEnds& known) {
   part_.forget();
-  const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
-  const double enough = limits_.required_voxels + travel / 2 + 2 * kRounding;
-  Moment until = from;
-  // Most ways that are not kept end too near, which is told sooner than how far they are.
   const double required = limits_.required_voxels;
-  const Pose end = path_.world_from_center(to);
-  if (or_nothing && part_.at(end, path_.travel_m(to), required, required).voxels < required) {
+  // Most ways that are not kept end too near, which is told sooner than how far they are.
+  const Pose end_pose = path_.world_from_center(to);
+  if (or_nothing && known.last.voxels < required &&
+      part_.at(end_pose, path_.travel_m(to), required, required).voxels < required) {
     ++tested_;
     return from;
   }
-  const Sample last = tested(to, enough);
-  const Sample first = tested(from, enough);
-  if (first.least.voxels < limits_.required_voxels) return from;
-  keep(first, last, or_nothing, until);
+  const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
+  const double enough = required + travel / 2 + 2 * kRounding;
+  const Sample last = end(to, enough, known.last);
+  const Sample first = end(from, enough, known.first);
+  Moment until = from;
+  if (first.least.voxels >= required) keep(first, last, or_nothing, until);
   return until;
 }
 

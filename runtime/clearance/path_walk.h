@@ -39,6 +39,12 @@ struct WalkLimits {
   double least_voxels = 0;     // the least distance found so far; only lesser ones are looked for
 };
 
+// How far the shell points are at the ends of a way, as far as it was told before; unknown below 0.
+struct KnownEnds {
+  static constexpr double kUnknown = -1;
+  LeastDistance first{kUnknown}, last{kUnknown};
+};
+
 // One walk. For one thread.
 class PathWalk {
  public:
@@ -51,8 +57,9 @@ class PathWalk {
 
   // The last moment up to which the required distance is proven, from `from` on; `from` where it
   // is too near itself. Where not all of the way is kept, that is told to a sixteenth of a voxel of
-  // travel, or with `or_nothing` not at all. Adds no pieces.
-  Moment kept_until(const Moment& from, const Moment& to, bool or_nothing);
+  // travel, or with `or_nothing` not at all. Adds no pieces. An end that is `known` is not too
+  // near; it is looked at only where what is known of it is too little, and then known better.
+  Moment kept_until(const Moment& from, const Moment& to, bool or_nothing, KnownEnds& known);
 
   // In the order of time, without gaps.
   const std::vector<Piece>& pieces() const { return pieces_; }
@@ -69,6 +76,7 @@ class PathWalk {
   void cover(const Sample& a, const Sample& b);
   bool keep(const Sample& a, const Sample& b, bool or_nothing, Moment& until);
   Sample tested(const Moment& moment, double enough_voxels);
+  Sample end(const Moment& moment, double enough_voxels, LeastDistance& known);
 
   const CenterPath& path_;
   PartDistance& part_;

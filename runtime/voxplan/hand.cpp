@@ -129,7 +129,7 @@ class Validity final : public ob::StateValidityChecker {
   Validity(const ob::SpaceInformationPtr& space, PoseCheck& check, Rule rule)
       : StateValidityChecker(space), check_(check), rule_(rule) {}
   bool isValid(const ob::State* state) const override {
-    return si_->satisfiesBounds(state) && check_.holds(rule_, pose_of(state));
+    return si_->satisfiesBounds(state) && check_.holds(rule_, pose_of(state), known_of(state));
   }
 
  private:
@@ -143,7 +143,11 @@ class Motions final : public ob::MotionValidator {
       : MotionValidator(space), check_(check), rule_(rule) {}
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
-    return si_->satisfiesBounds(to) && check_.is_kept(rule_, pose_of(from), pose_of(to));
+    if (!si_->satisfiesBounds(to)) return false;
+    clearance::KnownEnds known{known_of(from), known_of(to)};
+    const bool is_kept = check_.is_kept(rule_, pose_of(from), pose_of(to), known);
+    if (is_kept) known_of(from) = known.first, known_of(to) = known.last;
+    return is_kept;
   }
 
   bool checkMotion(const ob::State* from, const ob::State* to,

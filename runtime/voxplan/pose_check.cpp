@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "runtime/clearance/path_walk.h"
-
 namespace forcelayer::voxplan {
 namespace {
 
 using clearance::CenterPath;
+using clearance::KnownEnds;
 using clearance::LeftOut;
 using clearance::Moment;
 using clearance::SeatStretch;
@@ -68,11 +67,17 @@ PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
       in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}
 
 bool PoseCheck::holds(Rule rule, const Pose& pose) {
+  clearance::LeastDistance known;
+  return holds(rule, pose, known);
+}
+
+bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::LeastDistance& known) {
   ++tested_;
   if (is_refused(pose)) return false;
   part(rule).forget();
   const double required = required_.voxels();
-  if (part(rule).at(pose, 0, required, required).voxels < required) return false;
+  known = part(rule).at(pose, 0, required, required);
+  if (known.voxels < required) return false;
   return rule == Rule::kClear || !has_seat() || !seat_->is_pushed_in(pose, problem_.allowed);
 }
 
@@ -104,25 +109,28 @@ double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
   return share;
 }
 
-double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing) {
+double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                             KnownEnds& known) {
   ++motions_tested_;
   if (!refused_.empty()) {
     const double share = share_not_refused(from, to);
     if (share < 1 && (or_nothing || share == 0)) return 0;
     if (share < 1) {
-      return share * share_by_proofs(rule, from, pose_between(from, to, share), false);
+      KnownEnds before{known.first, {KnownEnds::kUnknown}};
+      return share * share_by_proofs(rule, from, pose_between(from, to, share), false, before);
     }
   }
-  return share_by_proofs(rule, from, to, or_nothing);
+  return share_by_proofs(rule, from, to, or_nothing, known);
 }
 
-double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing) {
+double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                                  KnownEnds& known) {
   const CenterPath path = motion(problem_, from, to);
   const Moment begin{0, 0};
   Moment end{1, 0};
   clearance::PathWalk walk(path, part(rule), problem_.scene.voxel_size_m(),
                            {required_.voxels(), required_.voxels()});
-  end = walk.kept_until(begin, end, or_nothing);
+  end = walk.kept_until(begin, end, or_nothing, known);
   tested_ += walk.tested();
   if (share_of(end) == 0 || rule == Rule::kClear || !has_seat()) return share_of(end);
   const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
@@ -133,11 +141,17 @@ double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, b
 }
 
 double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to) {
-  return share_kept(rule, from, to, false);
+  KnownEnds known;
+  return share_kept(rule, from, to, false, known);
 }
 
 bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
-  return share_kept(rule, from, to, true) == 1;
+  KnownEnds known;
+  return is_kept(rule, from, to, known);
+}
+
+bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to, KnownEnds& known) {
+  return share_kept(rule, from, to, true, known) == 1;
 }
 
 double PoseCheck::clearance_m(const Pose& pose) {

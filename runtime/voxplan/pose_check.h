@@ -9,6 +9,7 @@
 
 #include "formats/result.h"
 #include "runtime/clearance/part_distance.h"
+#include "runtime/clearance/path_walk.h"
 #include "runtime/clearance/required_distance.h"
 #include "runtime/clearance/seat_stretch.h"
 #include "runtime/voxplan/problem.h"
@@ -25,6 +26,7 @@ class PoseCheck {
   static Result<std::unique_ptr<PoseCheck>> create(const Problem& problem);
 
   bool holds(Rule rule, const Pose& pose);
+  bool holds(Rule rule, const Pose& pose, clearance::LeastDistance& known);  // what it tells
 
   // From now on no way leads by that pose, or within a voxel of travel around it: it belongs to a
   // way that was found and did not prove clear. The start stays allowed.
@@ -34,6 +36,8 @@ class PoseCheck {
   double share_kept(Rule rule, const Pose& from, const Pose& to);
   // Whether all of it does: quicker where it does not.
   bool is_kept(Rule rule, const Pose& from, const Pose& to);
+  // The same; the rule holds at ends of which something is known, and of both more is known then.
+  bool is_kept(Rule rule, const Pose& from, const Pose& to, clearance::KnownEnds& known);
 
   // The proven clearance at a pose; as much as the stored distances tell.
   double clearance_m(const Pose& pose);
@@ -53,8 +57,10 @@ class PoseCheck {
  private:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
   clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
-  double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing);
-  double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing);
+  double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                    clearance::KnownEnds& known);
+  double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                         clearance::KnownEnds& known);
   bool is_refused(const Pose& pose) const;
   double share_not_refused(const Pose& from, const Pose& to) const;
 

@@ -48,9 +48,9 @@ double PoseSpace::getMeasure() const {
 }
 
 void PoseSpace::enforceBounds(ob::State* state) const {
-  Pose& pose = static_cast<PoseState*>(state)->pose;
-  pose.position_m = glm::clamp(pose.position_m, bounds_.low, bounds_.high);
-  pose.orientation = glm::normalize(pose.orientation);
+  const Pose& pose = pose_of(state);
+  put({glm::clamp(pose.position_m, bounds_.low, bounds_.high), glm::normalize(pose.orientation)},
+      state);
 }
 
 bool PoseSpace::satisfiesBounds(const ob::State* state) const {
@@ -58,7 +58,10 @@ bool PoseSpace::satisfiesBounds(const ob::State* state) const {
   return glm::clamp(p, bounds_.low, bounds_.high) == p;
 }
 
-void PoseSpace::copyState(ob::State* to, const ob::State* from) const { put(pose_of(from), to); }
+void PoseSpace::copyState(ob::State* to, const ob::State* from) const {
+  put(pose_of(from), to);
+  known_of(to) = known_of(from);
+}
 
 double PoseSpace::distance(const ob::State* a, const ob::State* b) const {
   return pose_distance_m(pose_of(a), pose_of(b), turn_m_);

@@ -9,19 +9,28 @@
 #include <functional>
 
 #include "forcelayer/pose.h"
+#include "runtime/clearance/path_walk.h"
 #include "runtime/voxplan/destination.h"
 
 namespace forcelayer::voxplan {
 
 struct PoseState final : ompl::base::State {
   Pose pose;  // of the part's centroid frame, world
+  // How far its shell points are, as far as a test of it or of a motion to it told, so that the
+  // next motion from there need not ask again; below 0 where none did.
+  mutable clearance::LeastDistance known{clearance::KnownEnds::kUnknown};
 };
 
 inline const Pose& pose_of(const ompl::base::State* state) {
   return static_cast<const PoseState*>(state)->pose;
 }
+inline clearance::LeastDistance& known_of(const ompl::base::State* state) {
+  return static_cast<const PoseState*>(state)->known;
+}
 inline void put(const Pose& pose, ompl::base::State* state) {
-  static_cast<PoseState*>(state)->pose = pose;
+  auto* const to = static_cast<PoseState*>(state);
+  to->pose = pose;
+  to->known = {clearance::KnownEnds::kUnknown};
 }
 
 class PoseSpace final : public ompl::base::StateSpace {
