@@ -14,6 +14,9 @@ constexpr double kEdge = 1.0 / 16;
 constexpr double kInside = 0.5;
 constexpr double kShortest = 1.0 / 4096;
 
+// Ways that are longer are tested at their middle first, voxels of travel.
+constexpr double kCoarse = 8;
+
 // How many poses a straight way is compared with at most.
 constexpr std::size_t kMostPoses = 1024;
 
@@ -144,16 +147,32 @@ Sample PathWalk::end(const Moment& moment, double enough_voxels, LeastDistance& 
   return {moment, path_.travel_m(moment), known};
 }
 
+// Whether the part is too near at a moment, or at one of some in the middle of a way: by less than
+// its distances. Counts as tested only where it is.
+bool PathWalk::is_too_near(const Moment& moment) {
+  const double required = limits_.required_voxels;
+  const Pose pose = path_.world_from_center(moment);
+  const bool too_near =
+      part_.at(pose, path_.travel_m(moment), required, required).voxels < required;
+  if (too_near) ++tested_;
+  return too_near;
+}
+bool PathWalk::is_too_near_between(const Moment& from, const Moment& to) {
+  if (path_.travel_m(to) - path_.travel_m(from) < kCoarse * voxel_size_m_) return false;
+  const Moment middle = path_.middle(from, to);
+  return is_too_near(middle) || is_too_near_between(from, middle) ||
+         is_too_near_between(middle, to);
+}
+
 Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothing,
                             KnownEnds& known) {
   part_.forget();
   const double required = limits_.required_voxels;
-  // Most ways that are not kept end too near, which is told sooner than how far they are.
-  const Pose end_pose = path_.world_from_center(to);
-  if (or_nothing && known.last.voxels < required &&
-      part_.at(end_pose, path_.travel_m(to), required, required).voxels < required) {
-    ++tested_;
-    return from;
+  if (or_nothing) {
+    // Most ways that are not kept are too near at their end, most others at a middle, which is told
+    // sooner than how far they are.
+    if (known.last.voxels < required && is_too_near(to)) return from;
+    if (is_too_near_between(from, to)) return from;
   }
   const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
   const double enough = required + travel / 2 + 2 * kRounding;

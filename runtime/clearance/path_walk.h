@@ -77,6 +77,8 @@ class PathWalk {
   bool keep(const Sample& a, const Sample& b, bool or_nothing, Moment& until);
   Sample tested(const Moment& moment, double enough_voxels);
   Sample end(const Moment& moment, double enough_voxels, LeastDistance& known);
+  bool is_too_near(const Moment& moment);
+  bool is_too_near_between(const Moment& from, const Moment& to);
 
   const CenterPath& path_;
   PartDistance& part_;
