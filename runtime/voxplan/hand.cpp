@@ -516,6 +516,8 @@ const std::vector<Pose>& Hand::beyond() const { return parts_->beyond; }
 double Hand::out_m() const { return parts_->out_m; }
 std::uint64_t Hand::poses_tested() const { return parts_->check->poses_tested(); }
 std::uint64_t Hand::motions_tested() const { return parts_->check->motions_tested(); }
+std::uint64_t Hand::motions_kept() const { return parts_->check->motions_kept(); }
+double Hand::kept_m() const { return parts_->check->kept_m(); }
 
 std::uint32_t Hand::blocked_by() const {
   Parts& p = *parts_;

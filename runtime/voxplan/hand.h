@@ -50,6 +50,8 @@ class Hand {
 
   std::uint64_t poses_tested() const;
   std::uint64_t motions_tested() const;
+  std::uint64_t motions_kept() const;
+  double kept_m() const;
 
  private:
   struct Parts;

@@ -111,7 +111,17 @@ double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
 
 double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                              KnownEnds& known) {
+  const double share = share_told(rule, from, to, or_nothing, known);
   ++motions_tested_;
+  if (share == 1) {
+    ++motions_kept_;
+    kept_m_ += travel_between_m(problem_, from, to);
+  }
+  return share;
+}
+
+double PoseCheck::share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                             KnownEnds& known) {
   if (!refused_.empty()) {
     const double share = share_not_refused(from, to);
     if (share < 1 && (or_nothing || share == 0)) return 0;

@@ -52,12 +52,16 @@ class PoseCheck {
   bool has_seat() const { return seat_ && !seat_->objects().empty(); }
   std::uint64_t poses_tested() const { return tested_ + (seat_ ? seat_->looked_up() : 0); }
   std::uint64_t motions_tested() const { return motions_tested_; }
+  std::uint64_t motions_kept() const { return motions_kept_; }  // as a whole
+  double kept_m() const { return kept_m_; }                     // their travel
   const Problem& problem() const { return problem_; }
 
  private:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
   clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
   double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                    clearance::KnownEnds& known);
+  double share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                     clearance::KnownEnds& known);
   double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                          clearance::KnownEnds& known);
@@ -76,7 +80,8 @@ class PoseCheck {
   };
   std::vector<Refused> refused_;
   std::uint64_t tested_ = 0;  // but for those of the seat
-  std::uint64_t motions_tested_ = 0;
+  std::uint64_t motions_tested_ = 0, motions_kept_ = 0;
+  double kept_m_ = 0;
 };
 
 }  // namespace forcelayer::voxplan

@@ -87,6 +87,8 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();
     result.poses_tested += hand->poses_tested();
     result.motions_tested += hand->motions_tested();
+    result.motions_kept += hand->motions_kept();
+    result.kept_m += hand->kept_m();
   }
   result.seconds = request.clock_s() - begin_s;
   return result;

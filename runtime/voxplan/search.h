@@ -37,7 +37,9 @@ struct SearchResult {
   std::uint32_t blocked_by = 0;
   std::uint64_t poses_tested = 0;
   std::uint64_t motions_tested = 0;
-  std::uint64_t refused = 0;  // ways that did not prove clear
+  std::uint64_t motions_kept = 0;  // as a whole
+  double kept_m = 0;               // their travel
+  std::uint64_t refused = 0;       // ways that did not prove clear
   double seconds = 0;
 };
 

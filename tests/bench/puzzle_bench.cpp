@@ -28,7 +28,7 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-void bake(const std::string& command, const mesh::Mesh& mesh, double voxel_mm,
+void bake(const std::string& command, const mesh::Mesh& mesh, double voxel_m,
           const std::filesystem::path& mesh_file, const std::filesystem::path& baked) {
   std::ofstream out(mesh_file);
   out.precision(std::numeric_limits<double>::max_digits10);
@@ -40,18 +40,23 @@ void bake(const std::string& command, const mesh::Mesh& mesh, double voxel_mm,
   }
   out.close();
   run_process({command, mesh_file.string(), "--units", "m", "--voxel-size",
-               std::to_string(voxel_mm) + "mm", "-o", baked.string(), "--quiet"});
+               std::to_string(1e3 * voxel_m) + "mm", "-o", baked.string(), "--quiet"});
 }
 
 struct Trials {
   int solved = 0;
   std::vector<double> seconds;  // of those that are solved
-  std::vector<double> poses_per_s, motions_per_s;
-  void add(bool found, double taken_s, std::uint64_t poses, std::uint64_t motions) {
+  std::vector<double> poses_per_s, motions_per_s, steps_per_s;
+  // Of voxplan::SearchResult or PeerResult. A motion that is kept counts as the steps in which it
+  // would be tested, another one as one.
+  void add(bool found, double taken_s, std::uint64_t poses, std::uint64_t motions,
+           std::uint64_t kept, double kept_m, double step_m) {
     solved += found ? 1 : 0;
     if (found) seconds.push_back(taken_s);
     poses_per_s.push_back(static_cast<double>(poses) / std::max(taken_s, 1e-9));
     motions_per_s.push_back(static_cast<double>(motions) / std::max(taken_s, 1e-9));
+    steps_per_s.push_back((static_cast<double>(motions - kept) + kept_m / step_m) /
+                          std::max(taken_s, 1e-9));
   }
 };
 
@@ -110,20 +115,24 @@ Json row_of(const Trials& trials, int seeds) {
           {"seeds", seeds},
           {"seconds", quartiles(trials.seconds)},
           {"poses_per_s", quartiles(trials.poses_per_s)},
-          {"motions_per_s", quartiles(trials.motions_per_s)}};
+          {"motions_per_s", quartiles(trials.motions_per_s)},
+          {"steps_per_s", quartiles(trials.steps_per_s)}};
 }
 
-void print(const std::string& puzzle, const char* validity, const Json& row, const Json& alone) {
+void print(const std::string& puzzle, double voxel_m, const char* validity, const Json& row,
+           const Json& alone) {
   const auto figure = [](const Json& number) {
     char text[32] = "";
     if (number.is_number()) std::snprintf(text, sizeof text, "%.3g", number.get<double>());
     return std::string(text);
   };
-  std::string line =
-      '"' + puzzle + "\"," + validity + ',' + row["solved"].dump() + ',' + row["seeds"].dump();
+  std::string line = '"' + puzzle + "\"," + figure(1e3 * voxel_m) + ',' + validity + ',' +
+                     row["solved"].dump() + ',' + row["seeds"].dump();
   for (const Json& s : row["seconds"]) line += ',' + figure(s);
-  line += ',' + figure(row["poses_per_s"][1]) + ',' + figure(row["motions_per_s"][1]) + ',' +
-          figure(alone);
+  for (const char* rate : {"poses_per_s", "motions_per_s", "steps_per_s"}) {
+    line += ',' + figure(row[rate][1]);
+  }
+  line += ',' + figure(alone);
   std::puts(line.c_str());
   std::fflush(stdout);
 }
@@ -131,12 +140,12 @@ void print(const std::string& puzzle, const char* validity, const Json& row, con
 int run(int argc, char** argv) {
   CLI::App app{"Puzzles, taken apart by voxplan and by OMPL with FCL", "puzzle_bench"};
   int seeds = 10, poses = 20000;
-  double most_s = 20, voxel_mm = 1;
+  double most_s = 20, voxel_mm = 0;
   std::string json, only;
   std::string commands = std::filesystem::path(argv[0]).parent_path().string();
   app.add_option("--seeds", seeds);
   app.add_option("--time", most_s, "of a trial, s of processor time");
-  app.add_option("--voxel-size", voxel_mm, "mm");
+  app.add_option("--voxel-size", voxel_mm, "mm; 0: a quarter of a puzzle's slack");
   app.add_option("--poses", poses, "of the comparison of the validity tests");
   app.add_option("--only", only, "puzzles whose names begin with it");
   app.add_option("--bin", commands, "the folder of voxelize and pointshell");
@@ -146,17 +155,18 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   }
-  const double voxel_size_m = voxel_mm / 1000;
   std::puts(
-      "puzzle,validity,solved,seeds,q1_s,median_s,q3_s,poses_per_s,motions_per_s,alone_poses_per_"
-      "s");
+      "puzzle,voxel_mm,validity,solved,seeds,q1_s,median_s,q3_s,poses_per_s,motions_per_s,"
+      "steps_per_s,alone_poses_per_s");
   Json rows = Json::array();
   for (const Puzzle& puzzle : puzzles()) {
     if (!puzzle.name.starts_with(only)) continue;
+    const double voxel_m = voxel_mm > 0 ? voxel_mm / 1000 : puzzle.slack_m / 4;
+    const double step_m = voxel_m / 2;
     const test::ScratchFolder folder;
     const auto scene_file = folder.path() / "scene.vox", part_file = folder.path() / "part.pshell";
-    bake(commands + "/voxelize", puzzle.scene, voxel_mm, folder.path() / "scene.obj", scene_file);
-    bake(commands + "/pointshell", puzzle.part, voxel_mm, folder.path() / "part.obj", part_file);
+    bake(commands + "/voxelize", puzzle.scene, voxel_m, folder.path() / "scene.obj", scene_file);
+    bake(commands + "/pointshell", puzzle.part, voxel_m, folder.path() / "part.obj", part_file);
     const Voxmap scene = value_of(open_scene(scene_file));
     const Pshell part = value_of(open_part(part_file));
     const voxplan::Problem problem{
@@ -169,23 +179,25 @@ int run(int argc, char** argv) {
       request.most_s = most_s;
       request.clock_s = cpu_s;
       const auto result = value_of(voxplan::search(problem, goal, request));
-      ours.add(result.found, result.seconds, result.poses_tested, result.motions_tested);
-      const PeerResult peer = solve_by_meshes(puzzle, problem, voxel_size_m / 2,
-                                              static_cast<std::uint64_t>(seed), most_s);
-      theirs.add(peer.found, peer.seconds, peer.poses, peer.motions);
+      ours.add(result.found, result.seconds, result.poses_tested, result.motions_tested,
+               result.motions_kept, result.kept_m, step_m);
+      const PeerResult peer =
+          solve_by_meshes(puzzle, problem, step_m, static_cast<std::uint64_t>(seed), most_s);
+      theirs.add(peer.found, peer.seconds, peer.poses, peer.motions, peer.kept, peer.kept_m,
+                 step_m);
     }
     Json row{{"puzzle", puzzle.name},
+             {"voxel_size_m", voxel_m},
              {"triangles", puzzle.scene.triangles.size() + puzzle.part.triangles.size()},
              {"shell_points", part.view().point_count}};
     row["voxplan"] = row_of(ours, seeds);
     row["fcl"] = row_of(theirs, seeds);
     row["validity"] = validity_rates(puzzle, problem, poses);
-    print(puzzle.name, "voxplan", row["voxplan"], row["validity"]["poses_per_s"]);
-    print(puzzle.name, "fcl", row["fcl"], row["validity"]["meshes_poses_per_s"]);
+    print(puzzle.name, voxel_m, "voxplan", row["voxplan"], row["validity"]["poses_per_s"]);
+    print(puzzle.name, voxel_m, "fcl", row["fcl"], row["validity"]["meshes_poses_per_s"]);
     rows.push_back(std::move(row));
   }
-  write_report("puzzles", argc, argv,
-               {{"voxel_size_m", voxel_size_m}, {"most_s", most_s}, {"rows", rows}}, json);
+  write_report("puzzles", argc, argv, {{"most_s", most_s}, {"rows", rows}}, json);
   return 0;
 }
 

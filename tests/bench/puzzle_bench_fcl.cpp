@@ -1,6 +1,7 @@
 #include "tests/bench/puzzle_bench_fcl.h"
 
 #include <fcl/narrowphase/collision.h>
+#include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/base/ProblemDefinition.h>
 #include <ompl/base/SpaceInformation.h>
 #include <ompl/base/goals/GoalSampleableRegion.h>
@@ -8,6 +9,8 @@
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
+
+#include <cmath>
 
 #include "runtime/voxplan/random.h"
 #include "tests/bench/bench_report.h"
@@ -20,16 +23,46 @@ namespace ob = ompl::base;
 namespace og = ompl::geometric;
 
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
-using Space = ob::SE3StateSpace;
+
+// A space whose motions are tested in steps of travel. OMPL's own divides the way and the turn each
+// by a share of its extent, which makes the steps of a turn several times as short.
+class Space final : public ob::SE3StateSpace {
+ public:
+  Space(double radius_m, double step_m) : step_m_(step_m) { setSubspaceWeight(1, 2 * radius_m); }
+  unsigned validSegmentCount(const ob::State* a, const ob::State* b) const override {
+    return static_cast<unsigned>(std::max(1.0, std::ceil(distance(a, b) / step_m_)));
+  }
+
+ private:
+  double step_m_;
+};
 
 constexpr std::uint64_t kPosesARound = 4000;
+constexpr std::uint64_t kClockEvery = 64;  // poses, as of voxplan
 constexpr unsigned kMostGoals = 1000;
 
 Pose pose_of(const ob::State* state) {
-  const auto& s = *state->as<Space::StateType>();
+  const auto& s = *state->as<ob::SE3StateSpace::StateType>();
   const auto& q = s.rotation();
   return {{s.getX(), s.getY(), s.getZ()}, {q.w, q.x, q.y, q.z}};
 }
+
+// OMPL's test of motions, which adds up what it keeps.
+class Motions final : public ob::DiscreteMotionValidator {
+ public:
+  Motions(const ob::SpaceInformationPtr& space, PeerResult& result)
+      : DiscreteMotionValidator(space), result_(result) {}
+  bool checkMotion(const ob::State* from, const ob::State* to) const override {
+    ++result_.motions;
+    if (!DiscreteMotionValidator::checkMotion(from, to)) return false;
+    ++result_.kept;
+    result_.kept_m += si_->distance(from, to);
+    return true;
+  }
+
+ private:
+  PeerResult& result_;
+};
 
 class OutOfScene final : public ob::GoalSampleableRegion {
  public:
@@ -43,7 +76,7 @@ class OutOfScene final : public ob::GoalSampleableRegion {
   }
   void sampleGoal(ob::State* state) const override {
     const Pose pose = goal_.sample(random_);
-    auto& s = *state->as<Space::StateType>();
+    auto& s = *state->as<ob::SE3StateSpace::StateType>();
     s.setXYZ(pose.position_m.x, pose.position_m.y, pose.position_m.z);
     s.rotation().w = pose.orientation.w, s.rotation().x = pose.orientation.x;
     s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
@@ -86,24 +119,23 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
   voxplan::Random random(seed);
   const double radius_m = problem.part.header().bounding_radius_m;
   PeerResult result;
-  auto poses = std::make_shared<Space>();
+  auto poses = std::make_shared<Space>(radius_m, step_m);
   ob::RealVectorBounds bounds(3);
   for (unsigned axis = 0; axis < 3; ++axis) {
     bounds.setLow(axis, goal.bounds().low[static_cast<int>(axis)]);
     bounds.setHigh(axis, goal.bounds().high[static_cast<int>(axis)]);
   }
   poses->setBounds(bounds);
-  poses->setSubspaceWeight(1, 2 * radius_m);
   auto space = std::make_shared<ob::SpaceInformation>(poses);
   space->setStateValidityChecker([&](const ob::State* state) {
     ++result.poses;
     return validity.is_free(pose_of(state));
   });
   poses->setup();
-  space->setStateValidityCheckingResolution(step_m / poses->getMaximumExtent());
+  space->setMotionValidator(std::make_shared<Motions>(space, result));
   space->setup();
   auto question = std::make_shared<ob::ProblemDefinition>(space);
-  ob::ScopedState<Space> start(space);
+  ob::ScopedState<ob::SE3StateSpace> start(space);
   const Pose& from = problem.world_from_start;
   start->setXYZ(from.position_m.x, from.position_m.y, from.position_m.z);
   start->rotation().w = from.orientation.w, start->rotation().x = from.orientation.x;
@@ -121,15 +153,19 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
   while (!question->hasExactSolution() && cpu_s() < begin_s + most_s) {
     for (const auto& planner : planners) {
       const std::uint64_t enough = result.poses + kPosesARound;
-      planner->solve(ob::PlannerTerminationCondition(
-          [&] { return result.poses >= enough || cpu_s() >= begin_s + most_s; }));
+      std::uint64_t asked = 0, next_clock = 0;
+      planner->solve(ob::PlannerTerminationCondition([&] {
+        if (result.poses >= enough) return true;
+        if (++asked < kClockEvery && result.poses < next_clock) return false;
+        asked = 0;
+        next_clock = result.poses + kClockEvery;
+        return cpu_s() >= begin_s + most_s;
+      }));
       if (question->hasExactSolution()) break;
     }
   }
   result.found = question->hasExactSolution();
   result.seconds = cpu_s() - begin_s;
-  const ob::MotionValidatorPtr motions = space->getMotionValidator();
-  result.motions = motions->getValidMotionCount() + motions->getInvalidMotionCount();
   return result;
 }
 

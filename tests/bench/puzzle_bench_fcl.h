@@ -25,6 +25,8 @@ struct PeerResult {
   double seconds = 0;         // of this process' processor time
   std::uint64_t poses = 0;    // tested
   std::uint64_t motions = 0;  // straight ones between two poses, tested as a whole
+  std::uint64_t kept = 0;     // of them
+  double kept_m = 0;          // their travel
 };
 
 // Four RRT-Connect of the ranges that voxplan gives its own, in turns, until one has a way out of

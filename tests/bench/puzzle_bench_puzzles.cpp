@@ -87,7 +87,7 @@ Puzzle peg_with_bend() {
     add_box(scene, {a, -out, -0.06}, {b, out, low});
     add_box(scene, {-out + 0.005, a, -0.06}, {out - 0.005, b, low});
   }
-  return {"peg with a bend", scene, bent_peg(), at(0, 0, -0.003)};
+  return {"peg with a bend", scene, bent_peg(), at(0, 0, -0.003), 0.004};
 }
 
 // A hook of three plates hangs around a beam, close before a wall.
@@ -101,7 +101,7 @@ Puzzle bracket_behind_beam() {
   add_box(hook, {0.004, -0.02, -0.02}, {0.009, 0.02, 0.025});  // behind the beam
   add_box(hook, {0.009, -0.02, 0.02}, {0.036, 0.02, 0.025});   // above it
   add_box(hook, {0.036, -0.02, -0.02}, {0.041, 0.02, 0.025});  // before it
-  return {"bracket behind a beam", scene, hook, at(0, 0, 0)};
+  return {"bracket behind a beam", scene, hook, at(0, 0, 0), 0.0045};
 }
 
 // Holes a millimeter and a half wider than the bolt, and a roof that leaves it no way straight out.
@@ -113,8 +113,8 @@ Puzzle bolt_through_plates() {
   add_box(scene, {-0.04, -0.04, 0.09}, {0.04, 0.04, 0.095});
   const std::vector<glm::dvec2> profile{{0, -0.03},     {0.004, -0.03}, {0.004, 0.026},
                                         {0.008, 0.026}, {0.008, 0.032}, {0, 0.032}};
-  return {"bolt through three plates", scene, stress::revolved(profile, 2 * kSegments),
-          at(0, 0, 0)};
+  return {"bolt through three plates", scene, stress::revolved(profile, 2 * kSegments), at(0, 0, 0),
+          0.0015};
 }
 
 // A ring of wire that is a full turn and more, its ends one above the other with a gap between.
@@ -143,7 +143,7 @@ Puzzle alpha(double scale) {
   std::snprintf(name, sizeof name, "alpha, gap %.1f", scale);
   const glm::dquat turned =
       glm::angleAxis(M_PI / 2, glm::dvec3(1, 0, 0)) * glm::angleAxis(M_PI, glm::dvec3(0, 0, 1));
-  return {name, piece, piece, {{ring_m, 0, 0}, turned}};
+  return {name, piece, piece, {{ring_m, 0, 0}, turned}, wire_m * (scale - 1)};
 }
 
 }  // namespace

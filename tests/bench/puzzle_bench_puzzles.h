@@ -15,6 +15,7 @@ struct Puzzle {
   mesh::Mesh scene;      // world, m
   mesh::Mesh part;       // part axes, m
   Pose world_from_part;  // where it starts
+  double slack_m = 0;    // half of what its narrowest passage is wider than the part there
 };
 
 // All of them: a peg with a bend in a plate, a bracket behind a beam, a bolt through three plates,
