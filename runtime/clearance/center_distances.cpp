@@ -157,6 +157,18 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
       numbers[i] = objects->brick_codes(entry_of(*objects, b, uniform_entry(0)));
     }
   }
+  if (!searches_ && !cropped_) {
+    for (std::int32_t x = 0; x < 9; ++x) {
+      for (std::int32_t y = 0; y < 9; ++y) {
+        const auto n = static_cast<std::size_t>(x >> 3 << 2 | y >> 3 << 1);
+        const std::uint32_t row = in_brick(x, y, 0);
+        std::uint8_t* const to = &block.code[static_cast<std::size_t>(in_block(x, y, 0))];
+        for (std::uint32_t z = 0; z < 8; ++z) to[z] = static_cast<std::uint8_t>(codes[n][row + z]);
+        to[8] = static_cast<std::uint8_t>(codes[n + 1][row]);
+      }
+    }
+    return;
+  }
   if (searches_) block.searched = std::make_unique<Searched>();
   for (int x = 0; x < 9; ++x) {
     for (int y = 0; y < 9; ++y) {
