@@ -443,9 +443,11 @@ def verdicts(rows):
 
 def paper(results):
     own, part, at_1_khz = results["paper"], results["part"], results["points_at_1_khz"]
-    figures = [("triangles", own["polygons"], results["bake"]["triangles"], None),
-               ("bake_s", own["bake_s"], results["bake"]["wall_s"], None),
-               ("file_bytes", own["file_mb"] * 1e6, results["bake"]["file_bytes"], None),
+
+    def baked(key):
+        return [results["bakes"][model][key] for model in ("paper", "default")]
+    figures = [("triangles", own["polygons"], *baked("triangles")), ("bake_s", own["bake_s"], *baked("wall_s")),
+               ("bake_cpu_s", None, *baked("cpu_s")), ("file_bytes", own["file_mb"] * 1e6, *baked("file_bytes")),
                ("part_points", own["part_points"], part["voxel-centers"], part["surface"]),
                ("points_at_1_khz", own["points_at_1_khz"], at_1_khz["paper"]["points"], at_1_khz["default"]["points"]),
                ("points_at_1_khz_reached", None, int(at_1_khz["paper"]["reached"]), int(at_1_khz["default"]["reached"])),
