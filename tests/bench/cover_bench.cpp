@@ -145,7 +145,7 @@ Json row_of(const Making& making, double radius_voxels, int orientations,
           return frame.at({placed.position_m, glm::quat_cast(placed.rotation)});
         };
         samples[judged.name][kGroups[combination.smooth ? 0 : 1]].add(
-            contact.judge(wrench_at, ContactCase::kShifts, by_ten));
+            contact.judge(wrench_at, ContactCase::kShifts, by_ten ? Shared::kByTen : Shared::kNot));
         for (const ContactCase::Placed& placed : contact.slide()) {
           const double start_s = now_s();
           wrench_at(placed);
