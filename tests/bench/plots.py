@@ -74,10 +74,12 @@ def query(rows, _):
 # Ours in blue; peers that share our query in orange and red, mesh colliders in green.
 WRENCH_LOOKS = {
     "default, distances": dict(color="#08519c", marker="o", label="Forcelayer: stored distances (default)"),
+    "default as voxrun runs it": dict(color="#08519c", marker="h", label="the same as voxrun runs it: load shared"),
     "default, Euclidean layers": dict(color="#4292c6", marker="s", label="Forcelayer: Euclidean layers (--lean)"),
     "default, Chebyshev layers": dict(color="#9ecae1", marker="v", label="Forcelayer: Chebyshev layers"),
     "paper: tangent plane, N/10": dict(color="#969696", marker="P", label="the paper's model"),
     "dense float distances, our query": dict(color="#fd8d3c", marker="D", label="dense float distances, our query"),
+    "dense float distances, default's slope": dict(color="#d94801", marker="d", label="dense float distances, default's slope"),
     "exact closest points, our query": dict(color="#b30000", marker="*", label="exact closest points, our query"),
     "OpenVDB level set, as people use it": dict(color="#756bb1", marker="^", label="OpenVDB level set, as people use it"),
     "FCL contacts": dict(color="#74c476", marker="<", label="FCL contacts"),
