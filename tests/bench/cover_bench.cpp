@@ -175,7 +175,7 @@ Json row_of(const Making& making, double radius_voxels, int orientations,
 
 int run(int argc, char** argv) {
   CLI::App app{"What a denser shell costs and buys", "cover_bench"};
-  int orientations = 4;
+  int orientations = 2;
   std::vector<double> radii = {0.35, 0.5, 0.7, 0.866, 1.2, 1.7};
   std::vector<std::string> only;
   std::string json;
