@@ -70,6 +70,7 @@ FILES = {
         ("default, distances", "default as voxrun runs it", "default, Euclidean layers", "default, Chebyshev layers", "level field, Chebyshev layers",
          "paper: tangent plane, N/10", "dense float distances, our query", "dense float distances, default's slope", "exact closest points, our query",
          "OpenVDB level set, as people use it", "FCL contacts", "FCL distance"), 1.05)),  # seeded, three digits
+    "wrench_commanded": (("voxel_m", "compared"), {}),
     "wrench_files": (("voxel_m", "pair", "kind"), same("file_bytes")),
     "motion": (("experiment", "model", "step_s"), {"error": 1.02}),
     "motion_drift": (("model",), {}),
@@ -268,6 +269,8 @@ def wrench(rows):
                     if contacts in WRENCH_GROUPS or figure == WRENCH_BY_CASE[0]:
                         yield "wrench", {"voxel_m": r["voxel_size_m"], "contacts": contacts, "method": method,
                                          "skips": told["skips"], "figure": figure, **spread}
+        if r["commanded"]["compared"]:
+            yield "wrench_commanded", {"voxel_m": r["voxel_size_m"], **r["commanded"]}
         for case in r["cases"]:
             for figure in WRENCH_BY_CASE:
                 yield "wrench_cases", {"voxel_m": r["voxel_size_m"], "contact": case["contact"], "case": case["case"], "figure": figure,

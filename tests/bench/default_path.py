@@ -108,8 +108,11 @@ class Paths:
         return [] if got == wanted else [f"query: 'all skipping' has {wanted} frames, '{call}' was done {got} times"]
 
     def wrench(self):
-        """The files and the field of the row that the README shows."""
-        calls = self.bench("wrench", "--contact", "sphere on plane", "--s", 0.5, "--orientations", 1)
+        """The files and the field of the row that the README shows, and the step's own wrench beside that of the load shared."""
+        calls = self.bench("wrench", "--contact", "sphere on plane", "--contact", "box face on plane", "--s", 0.5, "--orientations", 1)
+        (commanded,) = (size["commanded"] for size in self.report())
+        if commanded["compared"] != 2 or commanded["many_contacts"] == 0 or commanded["off_max"] > 1e-3:
+            return [f"wrench: the step's wrench at rest is not that of the load shared: {commanded}"]
         rows = [size["contacts"].get("flush and smooth", {}) for size in self.report()]
         if not all("default, distances" in row for row in rows):
             return ["wrench: has no 'default, distances'"]

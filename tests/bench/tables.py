@@ -390,6 +390,9 @@ TABLES = {
                                 ("exact closest points, our query", "exact points"),
                                 ("default, Euclidean layers", "Euclidean layers"), ("default, Chebyshev layers", "Chebyshev layers"),
                                 ("FCL contacts", "FCL contacts"), ("FCL distance", "FCL distance")))]),
+    "wrench_commanded": ("wrench_commanded", list, [
+        ("voxel, mm", scaled("voxel_m", 1e3)), ("presses", text("compared")), ("of more than ten contacts", text("many_contacts")),
+        ("difference, median", share("off_p50")), ("most", share("off_max"))]),
     "wrench_files": ("wrench_files", where(voxel_m=0.005), [
         ("pair", text("pair")), ("kind", text("kind")), ("file, MB", scaled("file_bytes", 1e-6, 2)),
         ("bake, ms of processor time", scaled("bake_cpu_s", 1e3, 2))]),

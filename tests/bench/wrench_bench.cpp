@@ -260,7 +260,7 @@ DenseDistances distances_of(const ContactCase& contact) {
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
-           int number, std::mt19937_64& random, Samples& samples) {
+           int number, std::mt19937_64& random, Samples& samples, Commanded& commanded) {
   std::map<std::size_t, Quality> qualities;
   std::map<std::size_t, double> frames_us;
   const std::mt19937_64 same = random;
@@ -287,6 +287,8 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
       run(m, [&frame = *frame](const Pose& pose) { return frame.at(pose); });
     }
     if (kind != VoxelKind::kFull) continue;
+    const glm::dvec3 out = maps.all().at(kDistances)->at(slide.front()).force_n;
+    commanded.see(contact.voxmap(), pshell, slide.front(), -glm::normalize(out));
     const LevelSetFrame level_set(distances, shells.tested, s, contact.middle_m());
     run(kLevelSet, [&](const Pose& pose) { return level_set.at(pose); });
     const double deviation_m = kDeviationVoxels * s;
@@ -404,7 +406,11 @@ double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samp
     std::map<std::size_t, double> frames_us;
     judge(contact, part, distance, *colliders, s, timed, qualities, frames_us);
     if (timed) deviation_m = std::max(deviation_m, contact.offset_mesh_deviation_m(offset_mesh));
-    if (timed) commanded.see(contact, part);
+    if (timed) {
+      const std::vector<Pose> line = contact.frames(VoxelKind::kFull);
+      commanded.see(contact.bake(VoxelKind::kFull, 0, true), part.shell, line.front(),
+                    glm::normalize(line.back().position_m - line.front().position_m));
+    }
     if (number == 0) {  // a map around the contact tells what the whole one does
       judge(contact, part, distance, *colliders, s, false, cropped, frames_us);
       for (const auto& [m, quality] : cropped) {
@@ -484,17 +490,17 @@ Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
     points[kPartNames[static_cast<int>(part)]] = shells[part].tested.points_m.size();
   }
   Samples samples;
+  Commanded commanded;
   std::mt19937_64 random(20260101);
   for (const Combination& combination : wide_combinations()) {
     if (combination.standoff) continue;  // judged by what the map holds: for our fields alone
     if (!choice.wants(combination.name)) continue;
     for (int i = 0; i < choice.orientations; ++i) {
       judge(combination, shells[combination.part], pshells.at(combination.part), s, i, random,
-            samples);
+            samples, commanded);
     }
   }
   double deviation_voxels = 0;
-  Commanded commanded;
   for (const MeshPair& pair : pairs) {
     // One seed, so that every choice of sizes, pairs and cases begins with the same contacts.
     const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, points, commanded);
@@ -503,17 +509,26 @@ Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
   }
   Json groups;
   for (const auto& [group, methods] : samples.groups) groups[group] = to_json(methods);
-  std::printf(
-      "s = %g (%g mm); the step's own wrench at rest, compared in %zu contacts, is off by %.2g\n",
-      units, 1000 * s, commanded.compared(), commanded.most());
+  const std::vector<double>& off = commanded.off();
+  std::printf("s = %g (%g mm)", units, 1000 * s);
+  if (!off.empty()) {
+    std::printf(
+        "; the step's wrench at rest, %zu times, %zu of more than ten contacts: off by %.1g, "
+        "at most %.1g",
+        off.size(), commanded.many(), percentiles(off).p50, percentiles(off).max);
+  }
+  std::printf("\n");
   for (const char* group : kGroups) {
     if (groups.contains(group)) print(group, groups[group]);
   }
   return {{"voxel_size_m", s},
           {"shell_points", points},
           {"pair_offset_deviation_voxels", deviation_voxels},
-          {"commanded_compared", commanded.compared()},
-          {"commanded_off", commanded.most()},
+          {"commanded",
+           {{"compared", off.size()},
+            {"many_contacts", commanded.many()},
+            {"off_p50", off.empty() ? Json(nullptr) : Json(percentiles(off).p50)},
+            {"off_max", off.empty() ? Json(nullptr) : Json(percentiles(off).max)}}},
           {"files", files},
           {"contacts", groups},
           {"cases", samples.cases}};

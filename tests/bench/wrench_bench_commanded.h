@@ -3,23 +3,29 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
-#include "tests/bench/wrench_bench_pairs.h"
+#include "forcelayer/pose.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
 
 namespace forcelayer::bench {
 
 class Commanded {
  public:
-  // Presses the part along the line of the contact. A part that slips off is not compared. Throws
-  // std::runtime_error where the two differ by more than the step's own rest leaves.
-  void see(const PairContact& contact, const PairPart& part);
+  // A hand presses the part, from world_from_center `above` on along `in`. A part that slips off,
+  // or is not at rest after three seconds, is not compared.
+  void see(const Voxmap& voxmap, const Pshell& shell, const Pose& above, const glm::dvec3& in);
 
-  std::size_t compared() const { return compared_; }
-  double most() const { return most_; }  // difference over the force; torque over it and the radius
+  // Of each that was compared: the difference over the force, or that of the torques over force and
+  // radius, where it is larger. While the hand rests, a motion that hardly lowers the energy is not
+  // made (DefaultModel::affordable), so the part stays a little beside where forces balance.
+  const std::vector<double>& off() const { return off_; }
+  std::size_t many() const { return many_; }  // of these, with more than ten contacts
 
  private:
-  std::size_t compared_ = 0;
-  double most_ = 0;
+  std::vector<double> off_;
+  std::size_t many_ = 0;
 };
 
 }  // namespace forcelayer::bench
