@@ -53,7 +53,7 @@ FILES = {
                     {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_streams": (("triangles",), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_plan": (("scene", "voxel_m"), same("planned_bytes", "file_bytes")),
-    "tree_memory": (("scene",), same("file_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
+    "tree_memory": (("scene",), same("file_bytes", "whole_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
                                      "tree_4_bytes")),
     "shell": (("mesh", "voxels", "method"), {**same("points", "points_over_bound", "normal_p50_deg"),
                                              **times("wall_s", "proof_s")}),
@@ -169,7 +169,7 @@ def tree_memory(rows):
     for r in rows:
         yield "tree_memory", {
             "scene": r["scene"], "dims": "x".join(map(str, r["dims"])), "surface_voxels": r["surface_voxels"],
-            "file_bytes": r["file_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
+            "file_bytes": r["file_bytes"], "whole_bytes": r["whole_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
             **{f"tree_{n}_bytes": size for n, size in r["tree_bytes"].items()}}
 
 

@@ -310,7 +310,7 @@ TABLES = {
     "tree_memory": ("tree_memory", list, [
         ("scene", text("scene")), ("box, voxels", text("dims")), ("force-layer voxels", text("surface_voxels")),
         *((f"tree, N = {n}, MB", scaled(f"tree_{n}_bytes", 1e-6)) for n in (1, 2, 3, 4)),
-        ("file, MB", scaled("file_bytes", 1e-6)),
+        ("file, `--lean`, MB", scaled("file_bytes", 1e-6)), ("file, default, MB", scaled("whole_bytes", 1e-6)),
         ("bytes a force-layer voxel: `.vox` / `.vdb` / dense", lambda r: pair(
             *(r[f"{kind}_bytes"] / r["surface_voxels"] for kind in ("file", "vdb", "dense"))))]),
     "shell": ("shell", lambda rows: [r for r in rows if r["voxels"] >= 256], [
