@@ -239,18 +239,14 @@ def force(results):
 
 def force_cost(rows, machine):
     for r in rows:
-        fields = [("tangent plane", "2", r, "tangent_plane_ns_per_band_point", None),
-                  ("level field", "2", r, "level_ns_per_band_point", "level_every_brick_new_ns_per_band_point")]
-        for d in r.get("distances", ()):
-            bits = str(d.get("bits", 8))
-            fields += [("stored distance", bits, d, "distance_ns_per_band_point",
-                        "distance_every_brick_new_ns_per_band_point"),
-                       ("nearest stored distance", bits, d, "nearest_ns_per_band_point", None)]
-        for field, bits, figures, key, cold in fields:
+        fields = [("tangent plane", r, "tangent_plane"), ("level field", r, "level")]
+        for d in r["distances"]:
+            fields += [("stored distance", d, "distance"), ("nearest stored distance", d, "nearest")]
+        for field, figures, key in fields:
             yield "force_cost", {
-                "vectors": machine.get("vectors"), "part": r["part"], "field": f"{field}, {bits} bits",
-                "collected_points": figures["collected_points"], "band_points": figures["band_points"],
-                "ns_per_point": figures[key], "ns_per_point_new_bricks": figures.get(cold),
+                "vectors": machine.get("vectors"), "part": r["part"], "field": field,
+                "collected_points": figures["collected_points"], "ns_per_point": figures[f"{key}_ns_per_point"],
+                "ns_per_point_new_bricks": figures.get(f"{key}_every_brick_new_ns_per_point"),
                 "query_us": figures["query_ns"] / 1e3}
 
 
