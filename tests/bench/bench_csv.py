@@ -53,7 +53,7 @@ FILES = {
                     {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_streams": (("triangles",), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_plan": (("scene", "voxel_m"), same("planned_bytes", "file_bytes")),
-    "tree_memory": (("scene",), same("file_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
+    "tree_memory": (("scene",), same("file_bytes", "whole_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
                                      "tree_4_bytes")),
     "shell": (("mesh", "voxels", "method"), {**same("points", "points_over_bound", "normal_p50_deg"),
                                              **times("wall_s", "proof_s")}),
@@ -170,7 +170,7 @@ def tree_memory(rows):
     for r in rows:
         yield "tree_memory", {
             "scene": r["scene"], "dims": "x".join(map(str, r["dims"])), "surface_voxels": r["surface_voxels"],
-            "file_bytes": r["file_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
+            "file_bytes": r["file_bytes"], "whole_bytes": r["whole_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
             **{f"tree_{n}_bytes": size for n, size in r["tree_bytes"].items()}}
 
 
@@ -240,18 +240,14 @@ def force(results):
 
 def force_cost(rows, machine):
     for r in rows:
-        fields = [("tangent plane", "2", r, "tangent_plane_ns_per_band_point", None),
-                  ("level field", "2", r, "level_ns_per_band_point", "level_every_brick_new_ns_per_band_point")]
-        for d in r.get("distances", ()):
-            bits = str(d.get("bits", 8))
-            fields += [("stored distance", bits, d, "distance_ns_per_band_point",
-                        "distance_every_brick_new_ns_per_band_point"),
-                       ("nearest stored distance", bits, d, "nearest_ns_per_band_point", None)]
-        for field, bits, figures, key, cold in fields:
+        fields = [("tangent plane", r, "tangent_plane"), ("level field", r, "level")]
+        for d in r["distances"]:
+            fields += [("stored distance", d, "distance"), ("nearest stored distance", d, "nearest")]
+        for field, figures, key in fields:
             yield "force_cost", {
-                "vectors": machine.get("vectors"), "part": r["part"], "field": f"{field}, {bits} bits",
-                "collected_points": figures["collected_points"], "band_points": figures["band_points"],
-                "ns_per_point": figures[key], "ns_per_point_new_bricks": figures.get(cold),
+                "vectors": machine.get("vectors"), "part": r["part"], "field": field,
+                "collected_points": figures["collected_points"], "ns_per_point": figures[f"{key}_ns_per_point"],
+                "ns_per_point_new_bricks": figures.get(f"{key}_every_brick_new_ns_per_point"),
                 "query_us": figures["query_ns"] / 1e3}
 
 

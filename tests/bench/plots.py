@@ -212,6 +212,7 @@ def narrow_gaps(rows, _):
 
 
 BAKE_LOOKS = {"voxelize": ("Forcelayer: whole bake, into the file", "o"),
+              "chebyshev": ("with --metric chebyshev", "v"),
               "mesh-to-volume-0.5": ("meshToVolume, centers within 0.5 voxel", "s"),
               "mesh-to-volume-0.866": ("meshToVolume, within 0.866 voxel", "^"), "vtk": ("vtkVoxelModeller", "D")}
 
@@ -223,14 +224,14 @@ def bake_error(rows, _):
         for program, (label, marker) in BAKE_LOOKS.items():
             curve = [r for r in rows if (r["scene"], r["program"]) == (scene, program)]
             axis.plot([100 * r["rms_voxels"] / r["voxels"] for r in curve], values(curve, "wall_s"), marker=marker, ms=4,
-                      lw=2 if program == "voxelize" else 1, label=label)
+                      lw=2 if program in ("voxelize", "chebyshev") else 1, label=label)
         axis.set(xscale="log", yscale="log", title=scene)
         plain(axis.xaxis, (2, 1, 0.5, 0.2))
         axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
     axes[0][0].invert_xaxis()
     axes[0][0].set_ylabel("time (s)")
     figure.supxlabel("RMS error of the force layer's mid-surface, percent of the longest side", y=0.08, fontsize=9)
-    legend_below(figure, axes[0][:1], 4, 0.06)
+    legend_below(figure, axes[0][:1], 3, 0.06)
     return figure
 
 
