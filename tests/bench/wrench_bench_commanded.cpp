@@ -15,8 +15,8 @@ namespace forcelayer::bench {
 namespace {
 
 constexpr double kDtS = 1e-3, kSpeedMps = 0.05, kFarM = 0.02;
-// Deeper than the 15 N of the trials' device allow: there more contacts share the load.
-constexpr double kDeviceN = 60, kDeviceNm = 5, kPressN = 40;
+// So that a single contact is half a voxel deep, and many share the load.
+constexpr double kDeviceN = 60, kDeviceNm = 5, kPressN = 40, kDeepVoxels = 0.5;
 constexpr int kHeldFrames = 3000;
 constexpr double kLeastN = 5;  // that a compared part is pressed with
 
@@ -27,6 +27,7 @@ void Commanded::see(const Voxmap& voxmap, const Pshell& shell, const Pose& above
   RunRequest request;
   request.device = stress::trial_device();
   request.device.max_force_n = kDeviceN, request.device.max_torque_nm = kDeviceNm;
+  request.settings = {{"field_n_per_m", kPressN / (kDeepVoxels * voxmap.voxel_size_m())}};
   request.without_guarantee = true;  // formulas have no covering radius
   auto map = Voxmap::from_bytes(voxmap.bytes(), "scene");
   auto part = Pshell::from_bytes(shell.bytes(), "part");
