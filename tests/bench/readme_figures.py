@@ -109,16 +109,17 @@ class Figure:
 
     def row(self, folder, changed=None):
         wanted = {**self.where, **(changed or {})}
-        found = [r for r in self.rows(folder) if all(r.get(key) == value for key, value in wanted.items())]
+        found = [r for r in self.rows(folder) if all(r.get(key) == value for key, value in wanted.items())
+                 and r.get(self.column) is not None]
         if found and (self.greatest or self.mean):
-            values = [r[self.column] for r in found if r[self.column] is not None]
+            values = [r[self.column] for r in found]
             return {**found[0], self.column: max(values) if self.greatest else sum(values) / len(values)}
         return found[-1] if found else None
 
     def of(self, folder):
         """Its row, with what it is divided by under "base"; None where the run did not measure it."""
         row = self.row(folder)
-        if row is None or row.get(self.column) is None:
+        if row is None:
             return None
         base = self.row(folder, self.over) if self.over else row if self.over_column else None
         if (self.over or self.over_column) and base is None:
