@@ -247,8 +247,10 @@ void DenseField::check(std::size_t places, std::mt19937_64& random) const {
     const glm::dvec3 direction(samples.dx[i], samples.dy[i], samples.dz[i]);
     const double depth_off_m = std::abs(depth_m - double{samples.depth_m[i]});
     const double direction_off = glm::distance(direction, glm::normalize(plain.slope_m));
-    // Single precision of distances that are some voxels long, and of their differences.
-    if (depth_off_m > 1e-4 * double{voxel_size_m_} || direction_off * steepness > 1e-4) {
+    // Rounding to single precision, of distances and of their differences, grows with the distance.
+    const double s = double{voxel_size_m_};
+    const double rounding = 1e-5 * std::max(10.0, std::abs(plain.distance_m) / s);
+    if (depth_off_m > rounding * s || direction_off * steepness > rounding) {
       throw std::runtime_error("the dense field's vectors give another force than its formulas");
     }
   }
