@@ -1,7 +1,6 @@
 #include "runtime/clearance/part_distance.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -9,7 +8,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <utility>
 
 namespace forcelayer::clearance {
 namespace {
@@ -18,10 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-6;  // voxels: exceeds that of a bound here
 constexpr double kRadiusRounding = 1 + 1e-9;
 constexpr std::size_t kGroupPoints = 8;
-
-int longest(const glm::dvec3& side) {
-  return side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-}
 
 }  // namespace
 
@@ -33,9 +27,27 @@ struct PartDistance::Place {
   glm::dvec3 of(const glm::dvec3& offset) const { return rotation * offset + center; }
 };
 
+PartDistance::Level PartDistance::make_level(const BoundingSphere* spheres, std::uint64_t count,
+                                             double voxel_size_m) {
+  Level level;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const BoundingSphere& s = spheres[i];
+    level.center.push_back(glm::dvec3(s.x, s.y, s.z) / voxel_size_m);
+    level.radius.push_back(double{s.radius} / voxel_size_m * kRadiusRounding + kRounding);
+  }
+  level.least.assign(count, -kInfinity);
+  level.travel.assign(count, 0);
+  return level;
+}
+
 PartDistance::PartDistance(const Voxmap& voxmap, const Pshell& shell, const LeftOut& left_out,
                            double cap_voxels)
-    : voxmap_(voxmap), shell_(shell), distances_(voxmap, left_out, cap_voxels) {
+    : voxmap_(voxmap),
+      shell_(shell),
+      distances_(voxmap, left_out, cap_voxels),
+      blocks_(make_level(shell.view().blocks, shell.view().block_count, voxmap.voxel_size_m())),
+      super_blocks_(make_level(shell.view().super_blocks, shell.view().super_block_count,
+                               voxmap.voxel_size_m())) {
   radius_ = shell.header().bounding_radius_m / voxmap.voxel_size_m() * kRadiusRounding + kRounding;
   double far = radius_;
   for (int axis = 0; axis < 3; ++axis) {
@@ -46,93 +58,68 @@ PartDistance::PartDistance(const Voxmap& voxmap, const Pshell& shell, const Left
   }
   // Beside what is rounded under the roots: a place of that size in doubles, over some operations.
   rounding_m_ = (2 * kRounding + std::ldexp(far, -47)) * voxmap.voxel_size_m();
-  const PshellView& v = shell.view();
+  make_groups();
+}
+
+// By halving the points of each block across their longest side.
+void PartDistance::make_groups() {
+  const PshellView& v = shell_.view();
+  groups_a_block_ = 1;
+  while (groups_a_block_ * kGroupPoints < v.block_points) groups_a_block_ *= 2;
   order_.resize(v.point_count);
   std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<std::uint32_t> blocks(v.point_count == 0 ? 0 : v.block_count);
-  std::iota(blocks.begin(), blocks.end(), 0u);
-  if (!blocks.empty()) make_nodes(blocks);
-}
-
-std::uint32_t PartDistance::add_node() {
-  nodes_.emplace_back();
-  return static_cast<std::uint32_t>(nodes_.size() - 1);
-}
-
-void PartDistance::enclose_halves(std::uint32_t node) {
-  const Node &a = nodes_[node + 1], &b = nodes_[nodes_[node].second];
-  const glm::dvec3 way = b.center - a.center;
-  const double apart = glm::length(way);
-  // The sphere around both touches them from within on the line through their centers.
-  const double radius = std::max({a.radius, b.radius, (apart + a.radius + b.radius) / 2});
-  const double share = apart > 0 ? std::clamp((radius - a.radius) / apart, 0.0, 1.0) : 0;
-  nodes_[node].center = a.center + share * way;
-  nodes_[node].radius =
-      std::max(share * apart + a.radius, (1 - share) * apart + b.radius) * kRadiusRounding +
-      kRounding;
-}
-
-// Blocks by halving them across the longest side of the box of their centers.
-void PartDistance::make_nodes(std::span<std::uint32_t> blocks) {
-  const PshellView& v = shell_.view();
-  if (blocks.size() == 1) {
-    const std::size_t begin = std::min<std::size_t>(blocks[0] * v.block_points, v.point_count);
-    std::size_t groups = 1;
-    while (groups * kGroupPoints < v.block_points) groups *= 2;
-    make_points(begin, std::min<std::size_t>(begin + v.block_points, v.point_count), groups);
-    return;
-  }
-  glm::dvec3 low(kInfinity), high(-kInfinity);
-  const auto center = [&](std::uint32_t i) {
-    return glm::dvec3(v.blocks[i].x, v.blocks[i].y, v.blocks[i].z);
+  const auto of = [&](std::uint32_t i, int axis) {
+    return (axis == 0 ? v.x : axis == 1 ? v.y : v.z)[i];
   };
-  for (const std::uint32_t i : blocks)
-    low = glm::min(low, center(i)), high = glm::max(high, center(i));
-  const int axis = longest(high - low);
-  const std::size_t half = (blocks.size() + 1) / 2;
-  std::nth_element(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(half), blocks.end(),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return std::pair(center(a)[axis], a) < std::pair(center(b)[axis], b);
-                   });
-  const std::uint32_t node = add_node();
-  make_nodes(blocks.first(half));
-  nodes_[node].second = static_cast<std::uint32_t>(nodes_.size());
-  make_nodes(blocks.subspan(half));
-  enclose_halves(node);
-}
-
-// The points of a block in the same way, down to a group of them.
-void PartDistance::make_points(std::size_t begin, std::size_t end, std::size_t groups) {
-  const PshellView& v = shell_.view();
-  const auto points = std::span(order_).subspan(begin, end - begin);
-  const auto offset = [&](std::uint32_t i) { return glm::dvec3(v.x[i], v.y[i], v.z[i]); };
-  glm::dvec3 low(kInfinity), high(-kInfinity);
-  for (const std::uint32_t i : points)
-    low = glm::min(low, offset(i)), high = glm::max(high, offset(i));
-  const std::uint32_t node = add_node();
-  if (groups > 1 && points.size() > 1) {
-    const int axis = longest(high - low);
-    const std::size_t half = (points.size() + 1) / 2;
-    std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half),
-                     points.end(), [&](std::uint32_t a, std::uint32_t b) {
-                       return std::pair(offset(a)[axis], a) < std::pair(offset(b)[axis], b);
-                     });
-    make_points(begin, begin + half, groups / 2);
-    nodes_[node].second = static_cast<std::uint32_t>(nodes_.size());
-    make_points(begin + half, end, groups / 2);
+  const auto box_of = [&](std::span<const std::uint32_t> points, glm::dvec3& low,
+                          glm::dvec3& high) {
+    low = glm::dvec3(kInfinity), high = -low;
+    for (const std::uint32_t i : points) {
+      low = glm::min(low, glm::dvec3(v.x[i], v.y[i], v.z[i]));
+      high = glm::max(high, glm::dvec3(v.x[i], v.y[i], v.z[i]));
+    }
+  };
+  const auto halve = [&](const auto& self, std::size_t begin, std::size_t end,
+                         std::size_t groups) -> void {
+    const auto points = std::span(order_).subspan(begin, end - begin);
+    glm::dvec3 low, high;
+    box_of(points, low, high);
+    const glm::dvec3 side = high - low;
+    if (groups > 1) {
+      const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+      const std::size_t half = (points.size() + 1) / 2;
+      std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half),
+                       points.end(), [&](std::uint32_t a, std::uint32_t b) {
+                         return of(a, axis) != of(b, axis) ? of(a, axis) < of(b, axis) : a < b;
+                       });
+      self(self, begin, begin + half, groups / 2);
+      self(self, begin + half, end, groups / 2);
+      return;
+    }
+    group_first_.push_back(static_cast<std::uint32_t>(begin));
+    const glm::dvec3 center = points.empty() ? glm::dvec3(0) : 0.5 * (low + high);
+    double radius = 0;
+    for (const std::uint32_t i : points) {
+      radius = std::max(radius, glm::length(glm::dvec3(v.x[i], v.y[i], v.z[i]) - center));
+    }
+    groups_.center.push_back(center / voxmap_.voxel_size_m());
+    groups_.radius.push_back(radius / voxmap_.voxel_size_m() * kRadiusRounding + kRounding);
+  };
+  for (std::size_t block = 0; block < v.block_count; ++block) {
+    const std::size_t begin = std::min<std::size_t>(block * v.block_points, v.point_count);
+    const std::size_t end = std::min<std::size_t>(begin + v.block_points, v.point_count);
+    halve(halve, begin, end, groups_a_block_);
   }
-  nodes_[node].begin = static_cast<std::uint32_t>(begin);
-  nodes_[node].end = static_cast<std::uint32_t>(end);
-  const glm::dvec3 center = 0.5 * (low + high);
-  double radius = 0;
-  for (const std::uint32_t i : points) radius = std::max(radius, glm::length(offset(i) - center));
-  nodes_[node].center = center / voxmap_.voxel_size_m();
-  nodes_[node].radius = radius / voxmap_.voxel_size_m() * kRadiusRounding + kRounding;
+  group_first_.push_back(static_cast<std::uint32_t>(v.point_count));
+  groups_.least.assign(groups_.center.size(), -kInfinity);
+  groups_.travel.assign(groups_.center.size(), 0);
 }
 
 void PartDistance::forget() {
-  ++path_;
-  last_points_ = 0;
+  for (Level* level : {&groups_, &blocks_, &super_blocks_}) {
+    std::fill(level->least.begin(), level->least.end(), -kInfinity);
+  }
+  last_block_ = 0;
 }
 
 glm::dvec3 PartDistance::to_voxels(const glm::dvec3& place_m) const {
@@ -153,25 +140,29 @@ bool PartDistance::is_unknown(const glm::dvec3& place_m) const {
   return distances_.is_unknown(to_voxels(place_m));
 }
 
-double PartDistance::known(const Node& node, const Place& place) const {
-  return node.path == path_ ? node.least - std::abs(place.travel - node.travel) : -kInfinity;
-}
-
-// A lower bound of the distance of a sphere's points; at least the limit where they are that far.
-double PartDistance::bound(const Place& place, Node& node) {
-  const double before = known(node, place);
+// Whether no point in the sphere can be below the limit. `closely`: by distances too.
+bool PartDistance::is_far(const Place& place, Level& level, std::size_t i, bool closely) {
+  const double known = level.now(i, place.travel);
   // The bound of a large sphere is refined until it is all that is wished for: a part that is far
   // away can then be skipped for long.
-  const bool closely = limit() + node.radius < distances_.cap_voxels();
-  if (before >= (closely ? limit() : std::max(limit(), wished_))) return before;
-  const glm::dvec3 center = place.of(node.center);
-  double least = distances_.free_around(center) - node.radius;
-  if (closely && least < limit()) least = std::max(least, distances_.at(center) - node.radius);
-  if (least <= before) return before;
-  node.least = least;
-  node.travel = place.travel;
-  node.path = path_;
-  return least;
+  if (known >= (closely ? limit() : std::max(limit(), wished_))) {
+    rest_ = std::min(rest_, known);
+    return true;
+  }
+  const glm::dvec3 center = place.of(level.center[i]);
+  const double radius = level.radius[i];
+  double least = distances_.free_around(center) - radius;
+  const double wanted = limit() + radius;
+  if (closely && least < limit() && wanted < distances_.cap_voxels()) {
+    least = std::max(least, distances_.at(center) - radius);
+  }
+  if (least > known) {
+    level.least[i] = least;
+    level.travel[i] = place.travel;
+  }
+  if (least < limit()) return false;
+  rest_ = std::min(rest_, least);
+  return true;
 }
 
 double PartDistance::distance(const Place& place, std::size_t point) {
@@ -183,42 +174,46 @@ double PartDistance::distance(const Place& place, std::size_t point) {
 }
 
 // Whether all of its points were looked at.
-bool PartDistance::look_at_points(const Place& place, Node& node) {
+bool PartDistance::look_at_group(const Place& place, std::size_t group) {
   double least = kInfinity;
-  for (std::size_t n = node.begin; n < node.end; ++n) {
+  for (std::size_t n = group_first_[group]; n < group_first_[group + 1]; ++n) {
     const double there = distance(place, order_[n]);
+    ++points_looked_at_;
     least = std::min(least, there);
     if (there >= best_.voxels) continue;
     best_ = {there, order_[n]};
-    last_points_ = static_cast<std::uint32_t>(&node - nodes_.data());
     if (stops()) return false;
   }
-  node.least = least;
-  node.travel = place.travel;
-  node.path = path_;
+  groups_.least[group] = least;
+  groups_.travel[group] = place.travel;
   return true;
 }
 
-// The same of what is not too far.
-bool PartDistance::look_at(const Place& place, std::uint32_t at) {
-  Node& node = nodes_[at];
-  if (node.second == 0) return look_at_points(place, node);
-  std::array<std::uint32_t, 2> halves{at + 1, node.second};
-  std::array<double, 2> bounds{bound(place, nodes_[halves[0]]), bound(place, nodes_[halves[1]])};
-  const std::size_t nearer = bounds[1] < bounds[0] ? 1 : 0;
-  for (const std::size_t i : {nearer, 1 - nearer}) {
-    if (bounds[i] < limit()) {
-      if (!look_at(place, halves[i])) return false;
-    } else {
-      rest_ = std::min(rest_, bounds[i]);
-    }
+void PartDistance::look_at_block(const Place& place, std::size_t block) {
+  double least = kInfinity;
+  const double before = best_.voxels;
+  for (std::size_t group = first_group(block); group < first_group(block + 1); ++group) {
+    if (group_first_[group] == group_first_[group + 1]) continue;
+    if (!is_far(place, groups_, group, true) && !look_at_group(place, group)) return;
+    least = std::min(least, groups_.now(group, place.travel));
   }
-  const double least = std::min(known(nodes_[halves[0]], place), known(nodes_[halves[1]], place));
-  if (least <= known(node, place)) return true;
-  node.least = least;
-  node.travel = place.travel;
-  node.path = path_;
-  return true;
+  if (best_.voxels < before) last_block_ = block;
+  blocks_.least[block] = least;
+  blocks_.travel[block] = place.travel;
+}
+
+void PartDistance::look_at_blocks(const Place& place, std::size_t super_block) {
+  const PshellView& v = shell_.view();
+  const std::size_t begin = super_block * v.super_block_blocks;
+  const std::size_t end = std::min<std::size_t>(begin + v.super_block_blocks, v.block_count);
+  double least = kInfinity;
+  for (std::size_t block = begin; block < end; ++block) {
+    if (!is_far(place, blocks_, block, true)) look_at_block(place, block);
+    if (stops()) return;
+    least = std::min(least, blocks_.now(block, place.travel));
+  }
+  super_blocks_.least[super_block] = least;
+  super_blocks_.travel[super_block] = place.travel;
 }
 
 LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, double enough_voxels,
@@ -237,8 +232,10 @@ LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, d
     const double there = distance(place, last_stop_);
     if (there < stop_) return {there, last_stop_};
   }
-  if (last_points_ != 0) look_at_points(place, nodes_[last_points_]);
-  if (!stops() && !nodes_.empty()) look_at(place, 0);
+  if (blocks_.least[last_block_] > -kInfinity) look_at_block(place, last_block_);
+  for (std::size_t i = 0; i < super_blocks_.least.size() && !stops(); ++i) {
+    if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
+  }
   if (stops()) last_stop_ = best_.point;
   if (best_.voxels < enough_) return best_;
   return {std::min(best_.voxels, rest_), LeastDistance::kNone};

@@ -1,12 +1,10 @@
-// The least proven distance of a part's shell points from the static mesh, at a pose. The points
-// are halved again and again, down to eight; of two halves the nearer one is looked at first. A
-// half is skipped if its bounding sphere is known to be farther than the nearest point so far, or
-// if it was so far when last looked at that it cannot have come nearer since. The answer is at
-// least that of looking at every point, and at most the truth.
+// The least proven distance of a part's shell points from the static mesh, at a pose. A block is
+// skipped if its bounding sphere is known to be farther than the nearest point so far, or if it was
+// so far when last looked at that it cannot have come nearer since; so are groups of a block's
+// points. The answer is at least that of looking at every point, and at most the truth.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -51,44 +49,49 @@ class PartDistance {
   // How far this arithmetic may misplace a point, m.
   double rounding_m() const { return rounding_m_; }
 
+  std::uint64_t points_looked_at() const { return points_looked_at_; }
+
  private:
-  // A bounding sphere, with a lower bound of its points' distance and the travel at which that
+  // Bounding spheres, each with a lower bound of its points' distance and the travel at which that
   // bound was found.
-  struct Node {
-    glm::dvec3 center{0};              // from the centroid, voxels
-    double radius = 0;                 // voxels
-    double least = 0;                  // voxels
-    double travel = 0;                 // voxels
-    std::uint64_t path = 0;            // of the bound
-    std::uint32_t second = 0;          // half; the first is the node behind this one. 0: points
-    std::uint32_t begin = 0, end = 0;  // of its points in order_
+  struct Level {
+    std::vector<double> least;       // voxels
+    std::vector<double> travel;      // voxels
+    std::vector<glm::dvec3> center;  // from the centroid, voxels
+    std::vector<double> radius;      // voxels
+    double now(std::size_t i, double at) const {
+      return least[i] - (at > travel[i] ? at - travel[i] : travel[i] - at);
+    }
   };
   struct Place;  // of the part, in voxels from the directory on
 
-  void make_nodes(std::span<std::uint32_t> blocks);
-  void make_points(std::size_t begin, std::size_t end, std::size_t groups);
-  std::uint32_t add_node();
-  void enclose_halves(std::uint32_t node);
+  void make_groups();
+  std::size_t first_group(std::size_t block) const { return block * groups_a_block_; }
   double distance(const Place& place, std::size_t point);
+  bool look_at_group(const Place& place, std::size_t group);
+  static Level make_level(const BoundingSphere* spheres, std::uint64_t count, double voxel_size_m);
   glm::dvec3 to_voxels(const glm::dvec3& place_m) const;
-  double known(const Node& node, const Place& place) const;
-  double bound(const Place& place, Node& node);
-  bool look_at(const Place& place, std::uint32_t node);
-  bool look_at_points(const Place& place, Node& node);
+  void look_at_block(const Place& place, std::size_t block);
+  void look_at_blocks(const Place& place, std::size_t super_block);
+  bool is_far(const Place& place, Level& level, std::size_t i, bool closely);
   double limit() const { return best_.voxels < enough_ ? best_.voxels : enough_; }
   bool stops() const { return best_.voxels < stop_; }
 
   const Voxmap& voxmap_;
   const Pshell& shell_;
   CenterDistances distances_;
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> order_;  // of the points
-  glm::dvec3 directory_;              // voxels
-  double radius_;                     // voxels
+  Level blocks_, super_blocks_;
+  // Points of a block that lie beside each other; none in those beyond the last point's.
+  std::size_t groups_a_block_;
+  Level groups_;
+  std::vector<std::uint32_t> order_;        // of the points, group by group
+  std::vector<std::uint32_t> group_first_;  // [groups + 1], in that order
+  glm::dvec3 directory_;                    // voxels
+  double radius_;                           // voxels
   double rounding_m_;
-  std::uint64_t path_ = 1;                          // how often all was forgotten
-  std::uint32_t last_points_ = 0;                   // the node of the nearest point
+  std::size_t last_block_ = 0;
   std::uint32_t last_stop_ = LeastDistance::kNone;  // the point that ended a search
+  std::uint64_t points_looked_at_ = 0;
   // The search at the current pose.
   LeastDistance best_;
   double wished_ = 0, enough_ = 0;  // the question's enough_voxels; the same, at most the cap

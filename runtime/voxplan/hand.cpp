@@ -17,8 +17,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "runtime/voxplan/nearest/pose_tree.h"
 #include "runtime/voxplan/pose_space.h"
+#include "runtime/voxplan/pose_tree.h"
 #include "runtime/voxplan/slide.h"
 
 namespace forcelayer::voxplan {

@@ -79,7 +79,8 @@ runtime/doctor:         formats formats/command runtime/loop runtime/machine run
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
-runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck
+runtime/voxplan/nearest: formats runtime/forcelayer runtime/query
+runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck runtime/voxplan/nearest
 runtime/study:          formats formats/command formats/digest formats/path
 runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface

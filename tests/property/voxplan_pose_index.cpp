@@ -7,7 +7,7 @@
 #include <deque>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/voxplan/nearest/pose_tree.h"
+#include "runtime/voxplan/pose_tree.h"
 #include "runtime/voxplan/random.h"
 #include "tests/support/every_target.h"
 
