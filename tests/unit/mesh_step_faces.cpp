@@ -21,6 +21,7 @@
 #include <TopExp_Explorer.hxx>
 
 #include "formats/mesh/step/edge_cover.h"
+#include "formats/mesh/step/holes.h"
 #include "formats/mesh/step/tessellator.h"
 #include "tests/support/places.h"
 #include "tests/support/step_shapes.h"
@@ -199,6 +200,50 @@ double distance_to(const mesh::Mesh& mesh, const gp_XYZ& place) {
     nearest = std::min(nearest, mesh::distance_to_triangle(place, triangle));
   }
   return nearest;
+}
+
+// A pyramid stands on its tip. Of the squares of its base random ones are taken out: no middle of
+// those is farther from what is left.
+TEST(StepHoles, ReachAsFarAsWhatIsMissing) {
+  constexpr std::uint32_t kSeed = 72, kSquares = 8, kRow = kSquares + 1, kRounds = 40;
+  for (std::uint32_t round = 0; round < kRounds; ++round) {
+    Random random(kSeed + round);
+    const std::int64_t tenths = integer(random, 1, 9);
+    mesh::Mesh pyramid;
+    for (std::uint32_t i = 0; i < kRow; ++i) {
+      for (std::uint32_t j = 0; j < kRow; ++j)
+        pyramid.vertices.push_back({1.0 * i, 3.0 * j, 0.5 * i});
+    }
+    const std::uint32_t tip = kRow * kRow;
+    pyramid.vertices.push_back({4, 12, -1000});
+    for (std::uint32_t i = 0; i < kSquares; ++i) {
+      const std::uint32_t far = kSquares * kRow;
+      pyramid.triangles.push_back({i + 1, i, tip});
+      pyramid.triangles.push_back({far + i, far + i + 1, tip});
+      pyramid.triangles.push_back({i * kRow, (i + 1) * kRow, tip});
+      pyramid.triangles.push_back({(i + 1) * kRow + kSquares, i * kRow + kSquares, tip});
+    }
+    mesh::Mesh whole = pyramid;
+    std::vector<gp_XYZ> missing;
+    for (std::uint32_t i = 0; i < kSquares; ++i) {
+      for (std::uint32_t j = 0; j < kSquares; ++j) {
+        const std::uint32_t a = i * kRow + j, b = a + kRow;
+        const bool is_left = integer(random, 0, 9) >= tenths;
+        for (mesh::Mesh* mesh : {&whole, &pyramid}) {
+          if (mesh == &pyramid && !is_left) continue;
+          mesh->triangles.push_back({a, b + 1, b});
+          mesh->triangles.push_back({a, a + 1, b + 1});
+        }
+        if (!is_left) missing.emplace_back(i + 0.5, 3 * (j + 0.5), 0.5 * (i + 0.5));
+      }
+    }
+    EXPECT_EQ(mesh::widest_hole(whole), 0);
+    const double reach = mesh::widest_hole(pyramid);
+    for (const gp_XYZ& place : missing) {
+      EXPECT_LE(distance_to(pyramid, place), reach + 1e-12) << "seed " << kSeed + round;
+    }
+    EXPECT_LE(reach, 13);  // half across the base
+  }
 }
 
 TEST(StepTessellator, ProvesHowFarTheTrianglesOfAFreeFormSurfaceLie) {

@@ -405,6 +405,18 @@ TEST(IgesLosses, AnEdgeThatOnlyItsToleranceTiesIsTold) {
   EXPECT_GE(box->deviation_units, 10);
 }
 
+// OpenCASCADE leaves two triangles of twelve out, and takes the edge for 3.33 mm off.
+TEST(IgesLosses, AHoleBesideADamagedEdgeIsTold) {
+  const ScratchFolder folder;
+  const std::string text = with_parameters(iges_box(true), 39, "110,0.,0.,10.,0.,30.;");
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text));
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 10u);
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("an edge lies up to 18.3 mm from its faces", box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 9);
+}
+
 // The line ends 0.9 mm beside the corner, and the reader bends it.
 TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   const ScratchFolder folder;
@@ -416,7 +428,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
       "6 loose faces sewn where edges are within 0.05 mm of each other; the joined edges lie up to "
-      "0.473 mm from their faces, and the guarantee is less by it; look whether an edge is damaged",
+      "0.473 mm from their faces, and the guarantee is less by it; 3 edges of them still open; "
+      "look "
+      "whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -445,6 +459,66 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
+}
+
+// The group (type 402) of the six faces lists five, none, one twice, or is no group any more.
+TEST(IgesLosses, ABodyThatIsInSeveralNodesIsReadAsOne) {
+  const ScratchFolder folder;
+  const std::string box = iges_box(false);
+  for (const auto& [text, others] :
+       {std::pair{with_parameters(box, 1, "402,5,3,19,35,51,67,83;"), "1 other node (FACE)"},
+        {with_parameters(box, 1, "402,6,3,3,35,51,67,83;"), "1 other node (FACE)"},
+        {with_parameters(box, 1, "402,3,3,19,35;"), "3 other nodes (FACE, ...)"},
+        {with_parameters(box, 1, "402,x,3,19,35,51,67,83;"), "5 other nodes (FACE[2], ...)"},
+        {with_type(box, 1, "999"), "5 other nodes (FACE[2], ...)"}}) {
+    const auto body = mesh::read_assembly(write_file(folder / "a.igs", text));
+    ASSERT_TRUE(body) << to_line(body.error());
+    ASSERT_EQ(body->instances.size(), 1u);
+    EXPECT_EQ(body->triangle_count(), 12u);
+    const mesh::MeshFacts facts = mesh::mesh_facts(body->meshes[0]);
+    EXPECT_TRUE(facts.closed);
+    EXPECT_NEAR(std::abs(facts.signed_volume), 6000, 1e-6);
+    expect_in(others + std::string(" whose faces meet it at open edges read as one with it"),
+              body->warnings.at(0));
+  }
+  // Its nodes stay: each can be read alone, and left out.
+  const std::string path = (folder / "a.igs").string();
+  EXPECT_EQ(mesh::read_assembly(path + "#FACE[2]")->triangle_count(), 2u);
+  EXPECT_EQ(mesh::read_assembly(path, {.without = {"FACE[2]"}})->triangle_count(), 10u);
+}
+
+TEST(IgesLosses, ClosedBodiesThatTouchStayNodes) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file two.igs two");
+  const auto two = mesh::read_assembly((folder / "two.igs").string());
+  ASSERT_TRUE(two) << to_line(two.error());
+  ASSERT_EQ(two->instances.size(), 2u);
+  for (const mesh::Mesh& mesh : two->meshes) EXPECT_TRUE(mesh::mesh_facts(mesh).closed);
+  // Without their groups (entries 1 and 99) all twelve faces are nodes, and meet.
+  const std::string text = read_text((folder / "two.igs").string());
+  const auto bare = mesh::read_assembly(
+      write_file(folder / "a.igs", with_type(with_type(text, 1, "999"), 99, "999")));
+  ASSERT_TRUE(bare) << to_line(bare.error());
+  EXPECT_EQ(bare->triangle_count(), 24u);
+}
+
+// A line without length: OpenCASCADE leaves the edge out, and takes what is left of a face of 300
+// mm^2 for one without area.
+TEST(IgesLosses, AFaceWhoseOutlineLostAnEdgeIsNotDropped) {
+  const std::string text = with_parameters(iges_box(true), 31, "110,10.,0.,0.,10.,0.,0.;");
+  expect_in("could not tessellate 1 face: SHELL at (10, 0, 15) mm, 30 mm across", iges_error(text));
+}
+
+TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
+  const ScratchFolder folder;
+  const std::string path =
+      write_file(folder / "a.igs",
+                 with_parameters(iges_box(true), 15, "508,3,0,17,1,0,0,0,17,2,1,0,0,17,3,1,0;"));
+  const auto box = mesh::read_assembly(path);
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 12u);
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("D1 (type 186) does not close: 1 edge of one face only", box->warnings[0]);
 }
 
 TEST(StepLosses, AFileThatCannotBeParsedSaysWhy) {

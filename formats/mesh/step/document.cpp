@@ -12,12 +12,14 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <algorithm>
 #include <cstdio>
 
 #include "formats/file/mapped_file.h"
 #include "formats/mesh/step/entities/constructive.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
+#include "formats/mesh/step/entities/open_solids.h"
 #include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
@@ -105,6 +107,17 @@ void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& los
             losses.mend);
 }
 
+// Faces that are missing leave edges open, and are told themselves.
+void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
+                  StepDocument& document) {
+  if (!document.losses.pieces.empty()) return;
+  constexpr double kLeast = 1e-3;
+  const double tolerance_mm = std::max(kLeast, 1e3 * file.options.deflection_m);
+  for (std::string& line : open_solids(session, tolerance_mm)) {
+    document.warnings.push_back(std::move(line));
+  }
+}
+
 void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
   read(file, reader);
@@ -125,6 +138,7 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
                                 "were taken for millimeters; --units says what they are");
   }
   check_shapes(file, has_shapes, document.losses, messages);
+  check_solids(file, session, document);
 }
 
 // The sizes of a file that states another unit than it names are of one of them.
@@ -156,6 +170,7 @@ void read_iges_file(const SourceFile& file, StepDocument& document) {
   check_iges_units(reader.Model(), document);
   document.losses = find_iges_losses(reader.WS(), document.document, damage);
   check_shapes(file, has_shapes, document.losses, messages);
+  check_solids(file, reader.WS(), document);
 }
 
 }  // namespace
@@ -169,7 +184,8 @@ std::string entry_of(const TDF_Label& label) {
 StepDocument read_step_document(const SourceFile& file) {
   StepDocument document;
   document.document = new TDocStd_Document("BinXCAF");
-  if (lower_case_extension(file.path).starts_with(".ig")) {
+  document.is_iges = lower_case_extension(file.path).starts_with(".ig");
+  if (document.is_iges) {
     read_iges_file(file, document);
   } else {
     const Result<MappedFile> mapped = MappedFile::open(file.path);

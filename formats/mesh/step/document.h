@@ -21,6 +21,7 @@ struct StepDocument {
   std::map<std::string, std::vector<Mesh>> triangles;
   FileLosses losses;
   std::vector<std::string> warnings;
+  bool is_iges = false;
 };
 
 // The place of a label in its document.

@@ -72,6 +72,9 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
         length_text(tessellation.sewing_tolerance_mm) +
         " of each other; the joined edges lie up to " + length_text(tessellation.sewn_gap_mm) +
         " from their faces, and the guarantee is less by it" +
+        (tessellation.open_edges > 0
+             ? "; " + counted(tessellation.open_edges, "edge") + " of them still open"
+             : "") +
         (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
              ? "; look whether an edge is damaged"
              : ""));

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "formats/mesh/step/edge_cover.h"
+#include "formats/mesh/step/holes.h"
 #include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/sliver.h"
 #include "formats/mesh/step/spline_deviation.h"
@@ -96,7 +97,10 @@ TopoDS_Compound compound_of(const Faces& faces) {
 class ShapeTessellation {
  public:
   ShapeTessellation(const SourceFile& file, const TopoDS_Shape& shape, double deflection_mm)
-      : file_(file), shape_(shape), deflection_mm_(deflection_mm) {}
+      : file_(file),
+        shape_(shape),
+        deflection_mm_(deflection_mm),
+        closes_(count_open_edges(shape) == 0) {}
 
   // Finer triangles cost least, and keep the faces joined; dropping a face costs its reach, coarser
   // triangles theirs.
@@ -137,10 +141,10 @@ class ShapeTessellation {
       }
     }
     Tessellation& made = result.made;
-    if (made.edge_gap_mm <= reach_mm(deflection_mm)) {
-      made.edge_gap_mm = std::max(made.edge_gap_mm, made.tied_gap_mm);
-      made.deviation_mm = std::max(made.deviation_mm, made.tied_gap_mm);
-    }
+    double gap_mm = made.edge_gap_mm <= reach_mm(deflection_mm) ? made.tied_gap_mm : 0;
+    if (result.failed.empty() && closes_) gap_mm = std::max(gap_mm, widest_hole(made.mesh));
+    made.edge_gap_mm = std::max(made.edge_gap_mm, gap_mm);
+    made.deviation_mm = std::max(made.deviation_mm, gap_mm);
     return result;
   }
 
@@ -299,6 +303,7 @@ class ShapeTessellation {
   const SourceFile& file_;
   const TopoDS_Shape& shape_;
   double deflection_mm_;
+  bool closes_;  // no edge is of one face only
 };
 
 }  // namespace
@@ -322,6 +327,7 @@ Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
   Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm).best();
   made.sewn = sewn->faces;
   made.sewn_gap_mm = sewn->gap_mm;
+  made.open_edges = sewn->open_edges;
   made.sewing_tolerance_mm = deflection_mm;
   made.deviation_mm += sewn->gap_mm;
   return made;
@@ -336,9 +342,13 @@ Tessellation StepTessellator::tessellate_at(const TopoDS_Shape& shape, double de
   return made;
 }
 
+double StepTessellator::deflection_mm(const TopoDS_Shape& shape) const {
+  return deflection_mm_ == kDeflectionBySize ? deflection_by_size_mm(shape) : deflection_mm_;
+}
+
 Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
   const bool by_size = deflection_mm_ == kDeflectionBySize;
-  const double deflection_mm = by_size ? deflection_by_size_mm(shape) : deflection_mm_;
+  const double deflection_mm = this->deflection_mm(shape);
   Tessellation made = tessellate_at(shape, deflection_mm);
   if (by_size && deflection_by_size_mm(made.mesh) < deflection_mm / 2) {
     // The box of an edge that leads away from its faces is not the size of the shape.

@@ -54,11 +54,6 @@ constexpr int kExternalReference = 416;
 
 bool is_group(const Entity& entity) { return is_one_of(entity, {308, 402, 406, 408, 412, 414}); }
 
-std::string name_of(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
-  return "D" + std::to_string(model->DNum(entity)) + " (type " +
-         std::to_string(entity->TypeNumber()) + ")";
-}
-
 class IgesCheck {
  public:
   IgesCheck(const Handle(XSControl_WorkSession) & session,
@@ -138,7 +133,7 @@ class IgesCheck {
     return holds_[entity.get()] = holds;
   }
 
-  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
+  std::string name_of(const Entity& entity) const { return iges_name(model_, entity); }
 
   Handle(IGESData_IGESModel) model_;
   const Interface_Graph& graph_;
@@ -237,7 +232,7 @@ class IgesCut {
   }
 
   void add_piece(const Entity& entity) {
-    damage_.pieces.push_back({name_of(model_, entity), {}, {}, {}, 0});
+    damage_.pieces.push_back({iges_name(model_, entity), {}, {}, {}, 0});
     add_below(entity);
   }
 
@@ -255,6 +250,11 @@ class IgesCut {
 
 }  // namespace
 
+std::string iges_name(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
+  return "D" + std::to_string(model->DNum(entity)) + " (type " +
+         std::to_string(entity->TypeNumber()) + ")";
+}
+
 IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
   Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
@@ -265,7 +265,7 @@ IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
     const bool is_face = entity->TypeNumber() == kFace;
     if (is_face) ++faces.count;
     if (model->Check(i, Standard_True)->NbFails() == 0) continue;
-    (is_face ? faces : others).names.push_back(name_of(model, entity));
+    (is_face ? faces : others).names.push_back(iges_name(model, entity));
     damaged.push_back(entity);
   }
   IgesDamage damage{{faces, others}, {}, {}};

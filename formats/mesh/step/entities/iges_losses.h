@@ -1,6 +1,8 @@
 // Finds the parts of an IGES file that OpenCASCADE did not turn into shapes.
 #pragma once
 
+#include <IGESData_IGESEntity.hxx>
+#include <IGESData_IGESModel.hxx>
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <unordered_set>
@@ -10,6 +12,10 @@
 #include "formats/mesh/step/entities/lost_pieces.h"
 
 namespace forcelayer::mesh {
+
+// "D45 (type 510)".
+std::string iges_name(const Handle(IGESData_IGESModel) & model,
+                      const Handle(IGESData_IGESEntity) & entity);
 
 // Damage that was taken out of a file before it was transferred.
 struct IgesDamage {
