@@ -17,11 +17,13 @@
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_Plane.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopExp_Explorer.hxx>
 
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/holes.h"
+#include "formats/mesh/step/sliver.h"
 #include "formats/mesh/step/tessellator.h"
 #include "tests/support/places.h"
 #include "tests/support/step_shapes.h"
@@ -200,6 +202,17 @@ double distance_to(const mesh::Mesh& mesh, const gp_XYZ& place) {
     nearest = std::min(nearest, mesh::distance_to_triangle(place, triangle));
   }
   return nearest;
+}
+
+// A face that has lost an edge of its outline: what is left of that has no area.
+TEST(StepTessellator, DoesNotTakeAnOpenOutlineForOneWithoutArea) {
+  BRepBuilderAPI_MakeWire wire;
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(10, 0, 0)));
+  const BRep_Builder builder;
+  TopoDS_Face face;
+  builder.MakeFace(face, new Geom_Plane(gp_Pln()), 1e-7);
+  builder.Add(face, wire.Wire());
+  EXPECT_GT(mesh::reach_from_edges(face, 0.01), 9);
 }
 
 // A pyramid stands on its tip. Of the squares of its base random ones are taken out: no middle of

@@ -6,8 +6,9 @@
 #include <IGESData_IGESModel.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
+#include <Standard_ErrorHandler.hxx>
+#include <Standard_Failure.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TDF_Tool.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -16,17 +17,50 @@
 #include <cstdio>
 
 #include "formats/file/mapped_file.h"
+#include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/entities/constructive.h"
+#include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
-#include "formats/mesh/step/entities/open_solids.h"
 #include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
+#include "formats/mesh/step/open_solids.h"
 #include "formats/mesh/step/references.h"
 
 namespace forcelayer::mesh {
 namespace {
+
+Handle(Interface_InterfaceModel) model_of(const STEPCAFControl_Reader& reader) {
+  return reader.Reader().WS()->Model();
+}
+
+Handle(Interface_InterfaceModel) model_of(const IGESCAFControl_Reader& reader) {
+  return reader.WS()->Model();
+}
+
+constexpr const char* kAnotherWay =
+    "export the file again, or in another format: STEP or IGES, or triangles such as STL";
+
+[[noreturn]] void fail_crash(const SourceFile& file,
+                             const Handle(Interface_InterfaceModel) & model) {
+  const Handle(Standard_Transient) entity = crashing_entity(model);
+  fail_read(file, ErrorCode::kMeshUnreadable, "",
+            entity.IsNull() ? "OpenCASCADE crashes on it"
+                            : "OpenCASCADE crashes on " + entity_name(model, entity),
+            kAnotherWay);
+}
+
+// False where OpenCASCADE does not do it.
+template <typename Reader, typename Step>
+bool do_or_fail(const SourceFile& file, Reader& reader, const Step& step) {
+  try {
+    OCC_CATCH_SIGNALS
+    return step(reader);
+  } catch (const Standard_Failure&) {
+  }
+  fail_crash(file, model_of(reader));
+}
 
 template <typename Reader>
 void read(const SourceFile& file, Reader& reader) {
@@ -34,9 +68,15 @@ void read(const SourceFile& file, Reader& reader) {
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
   const OcctMessages messages;
-  if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
+  const auto parse = [&](Reader& by) { return by.ReadFile(file.path.c_str()) == IFSelect_RetDone; };
+  if (do_or_fail(file, reader, parse)) return;
   fail_read(file, ErrorCode::kMeshUnreadable, "",
             "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
+}
+
+template <typename Reader>
+bool transfer(const SourceFile& file, Reader& reader, StepDocument& document) {
+  return do_or_fail(file, reader, [&](Reader& by) { return by.Transfer(document.document); });
 }
 
 [[noreturn]] void fail_shapes(const SourceFile& file, const OcctMessages& messages) {
@@ -127,7 +167,7 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
   ReadEntities read_entities = make_constructive_solids(session);
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
-  const bool has_shapes = reader.Transfer(document.document);
+  const bool has_shapes = transfer(file, reader, document);
   read_entities.merge(keep_triangles(items, reader, document));
   keep_losses(find_step_losses(session, document.document, read_entities, damage), reader,
               document);
@@ -166,7 +206,7 @@ void read_iges_file(const SourceFile& file, StepDocument& document) {
   read(file, reader);
   const IgesDamage damage = take_out_iges_damage(reader.WS());
   const OcctMessages messages;
-  const bool has_shapes = reader.Transfer(document.document);
+  const bool has_shapes = transfer(file, reader, document);
   check_iges_units(reader.Model(), document);
   document.losses = find_iges_losses(reader.WS(), document.document, damage);
   check_shapes(file, has_shapes, document.losses, messages);
@@ -174,12 +214,6 @@ void read_iges_file(const SourceFile& file, StepDocument& document) {
 }
 
 }  // namespace
-
-std::string entry_of(const TDF_Label& label) {
-  TCollection_AsciiString entry;
-  TDF_Tool::Entry(label, entry);
-  return entry.ToCString();
-}
 
 StepDocument read_step_document(const SourceFile& file) {
   StepDocument document;

@@ -24,9 +24,6 @@ struct StepDocument {
   bool is_iges = false;
 };
 
-// The place of a label in its document.
-std::string entry_of(const TDF_Label& label);
-
 // Reads the whole file; OpenCASCADE turns all units into millimeters. Throws where the file cannot
 // be parsed, or where nothing of it became a shape.
 StepDocument read_step_document(const SourceFile& file);

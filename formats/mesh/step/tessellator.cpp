@@ -8,6 +8,7 @@
 #include <Bnd_Box.hxx>
 #include <Poly_Triangulation.hxx>
 #include <ShapeBuild_ReShape.hxx>
+#include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -38,8 +39,13 @@ Handle(Poly_Triangulation) triangulation_of(const TopoDS_Face& face, TopLoc_Loca
   return made.IsNull() || made->NbTriangles() == 0 ? Handle(Poly_Triangulation)() : made;
 }
 
+// Faces that OpenCASCADE crashes or fails on get no triangles.
 void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
-  BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
+  try {
+    OCC_CATCH_SIGNALS
+    BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
+  } catch (const Standard_Failure&) {
+  }
 }
 
 // A face without edges is somewhere in the box of its shape.

@@ -1,11 +1,9 @@
-#include "formats/mesh/step/entities/open_solids.h"
+#include "formats/mesh/step/open_solids.h"
 
-#include <IGESData_IGESModel.hxx>
 #include <IGESSolid_ManifoldSolid.hxx>
 #include <IGESSolid_Shell.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepShape_ClosedShell.hxx>
 #include <StepShape_ManifoldSolidBrep.hxx>
 #include <TransferBRep.hxx>
@@ -41,12 +39,6 @@ bool is_in_solid(const Interface_Graph& graph, const Entity& shell) {
   return false;
 }
 
-std::string name_of(const Handle(Interface_InterfaceModel) & model, const Entity& entity) {
-  const auto iges = Handle(IGESData_IGESModel)::DownCast(model);
-  if (!iges.IsNull()) return iges_name(iges, Handle(IGESData_IGESEntity)::DownCast(entity));
-  return step_name(Handle(StepData_StepModel)::DownCast(model), entity);
-}
-
 }  // namespace
 
 std::vector<std::string> open_solids(const Handle(XSControl_WorkSession) & session,
@@ -62,7 +54,7 @@ std::vector<std::string> open_solids(const Handle(XSControl_WorkSession) & sessi
     const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
     const std::uint64_t open = shape.IsNull() ? 0 : count_open_edges(shape, tolerance_mm);
     if (open == 0) continue;
-    lines.push_back(name_of(model, entity) + " does not close: " + counted(open, "edge") +
+    lines.push_back(entity_name(model, entity) + " does not close: " + counted(open, "edge") +
                     " of one face only; look whether its faces are damaged");
   }
   return lines;
