@@ -519,6 +519,16 @@ TEST(IgesLosses, WhatOpenCascadeCrashesOnLeavesAWayOut) {
     ASSERT_TRUE(accepted) << to_line(accepted.error());
     EXPECT_EQ(accepted->triangle_count(), 2 * faces);
   }
+  // Boundaries that refer to themselves fill its stack.
+  const std::string loose = iges_box(false);
+  for (const auto& [text, name] :
+       {std::pair{with_parameters(loose, 7, "142,0,5,0,7,2;"), "D3 (type 144)"},
+        {with_parameters(loose, 19, "144,19,1,0,23;"), "D19 (type 144)"}}) {
+    expect_in(name, iges_error(text));
+    const auto rest = mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 1});
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    EXPECT_EQ(rest->triangle_count(), 10u);
+  }
   // Where the shell is none, its faces are read, and belong together.
   const auto body = mesh::read_assembly(write_file(folder / "a.igs", with_type(box, 3, "999")));
   ASSERT_TRUE(body) << to_line(body.error());

@@ -35,11 +35,16 @@ bool crashes(const Handle(Interface_InterfaceModel) & model, const Interface_Gen
 CrashesAreFailures::CrashesAreFailures() {
   struct sigaction action {};
   action.sa_handler = on_crash;
-  action.sa_flags = SA_NODEFER;
+  action.sa_flags = SA_NODEFER | SA_ONSTACK;
+  stack_t stack{stack_.data(), 0, stack_.size()};
+  ::sigaltstack(&stack, &stack_before_);
   ::sigaction(SIGSEGV, &action, &before_);
 }
 
-CrashesAreFailures::~CrashesAreFailures() { ::sigaction(SIGSEGV, &before_, nullptr); }
+CrashesAreFailures::~CrashesAreFailures() {
+  ::sigaction(SIGSEGV, &before_, nullptr);
+  ::sigaltstack(&stack_before_, nullptr);
+}
 
 Handle(Standard_Transient) crashing_entity(const Handle(Interface_InterfaceModel) & model) {
   if (model.IsNull()) return {};

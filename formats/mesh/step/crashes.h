@@ -3,6 +3,7 @@
 
 #include <Interface_InterfaceModel.hxx>
 #include <csignal>
+#include <vector>
 
 namespace forcelayer::mesh {
 
@@ -18,6 +19,8 @@ class CrashesAreFailures {
 
  private:
   struct sigaction before_ {};
+  std::vector<char> stack_ = std::vector<char>(1 << 16);  // where the usual one is full
+  stack_t stack_before_{};
 };
 
 // The first entity of a file that was parsed on which OpenCASCADE crashes when it looks for what
