@@ -325,7 +325,7 @@ TEST(IgesLosses, ADamagedSurfaceOfACube) {
   expect_in(lost, iges_error(with_parameters(box, 19, "144,27,1,0,23;")));
   expect_in(lost, iges_error(with_type(box, 21, "999")));
   // Of a face that is not a face any more, its boundary tells.
-  expect_in("1 face with the boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
+  expect_in("1 faceless boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
   expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
 }
 
@@ -545,6 +545,26 @@ TEST(StepLosses, ACrashOfOpenCascadeNamesItsEntity) {
   const std::string line = to_line(assembly.error());
   EXPECT_TRUE(std::regex_search(line, std::regex(R"(OpenCASCADE crashes on #\d+ SURFACE_CURVE;)")))
       << line;
+}
+
+// No way out is offered that leaves nothing: neither where all is lost, nor the only node.
+TEST(StepLosses, NoWayOutLeadsToNothing) {
+  const std::string box = step_box();
+  const auto all = std::regex_replace(box, std::regex(R"(ADVANCED_FACE\('',\((#\d+)\),#\d+)"),
+                                      "ADVANCED_FACE('',($1),#99999");
+  const std::string none = step_error(all),
+                    one = step_error(replaced(box, R"(ADVANCED_FACE\('',\((#\d+)\),#\d+)",
+                                              "ADVANCED_FACE('',($1),#99999"));
+  expect_in("could not read 6 of 6 faces", none);
+  expect_in("no other face is in this file", none);
+  EXPECT_EQ(none.find("--missing-faces"), std::string::npos) << none;
+  expect_in("or accept the holes with --missing-faces 1", one);
+  EXPECT_EQ(one.find("--without"), std::string::npos) << one;
+  const ScratchFolder folder;
+  const auto accepted =
+      mesh::read_assembly(write_file(folder / "a.step", all), {.missing_faces = 40});
+  ASSERT_FALSE(accepted);
+  expect_in("none of its faces can be read", to_line(accepted.error()));
 }
 
 // A loss of one of several nodes belongs to that node, and goes with it.

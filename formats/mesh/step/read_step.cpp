@@ -113,12 +113,13 @@ class StepReader {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
-    check_missing_faces(file_, to_read.unknown, missing_, assembly_);
+    check_missing_faces(file_, to_read.unknown, missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
-      fail_read(
-          file_, ErrorCode::kMeshEmpty, "",
-          to_read.left_out.empty() ? "no faces in this file" : "no faces are left in this file",
-          "export the file again");
+      fail_read(file_, ErrorCode::kMeshEmpty, "",
+                !missing_.empty()          ? "none of its faces can be read"
+                : to_read.left_out.empty() ? "no faces in this file"
+                                           : "no faces are left in this file",
+                "export the file again");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
@@ -234,7 +235,20 @@ class StepReader {
     }
     if (flawed == nullptr || missing_.size() <= file_.options.missing_faces) return;
     const FileLosses& losses = flawed->content.losses;
-    fail_for_losses(flawed->source, losses, to_read.unknown, missing_);
+    fail_for_losses(flawed->source, losses, to_read.unknown, missing_, nodes_with_faces(to_read));
+  }
+
+  std::size_t nodes_with_faces(const NodesToRead& to_read) const {
+    std::size_t nodes = 0;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      const auto& [file, label] = products_[i];
+      if (!to_read.is_read[i] || label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) continue;
+      if (count_faces(XCAFDoc_ShapeTool::GetShape(label)) > 0 ||
+          file->content.triangles.contains(entry_of(label))) {
+        ++nodes;
+      }
+    }
+    return nodes;
   }
 
   // A piece belongs to the nodes of its products; where these are unknown, to the one node of its

@@ -180,7 +180,7 @@ class IgesCheck {
   std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
   std::vector<Entity> lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
-      lost_files_{"external reference", 0, {}}, lost_owners_{"face with the boundary", 0, {}};
+      lost_files_{"external reference", 0, {}}, lost_owners_{"faceless boundary", 0, {}};
 };
 
 constexpr int kFace = 510, kShell = 514, kSolid = 186;
