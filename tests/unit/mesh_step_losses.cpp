@@ -186,6 +186,24 @@ TEST(StepLosses, NoUnitOfLengthIsTold) {
   EXPECT_TRUE(warnings_of(box, ".step").empty());
 }
 
+// OpenCASCADE takes each of them for a meter.
+TEST(StepLosses, AnOddUnitIsTold) {
+  const std::string box = step_box();
+  for (const char* unit : {"SI_UNIT(.MILLI.,.SECOND.)", "SI_UNIT(.MILLI.)",
+                           "SI_UNIT(.METRE.,.MILLI.)", "SI_UNIT(.SECOND.,.METRE.)"}) {
+    const auto warnings =
+        warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step");
+    ASSERT_EQ(warnings.size(), 1u) << unit;
+    expect_in(" is no sensible unit of length: look at the size", warnings[0]);
+  }
+  const auto angle = warnings_of(replaced(box, ".RADIAN.", ".SECOND."), ".step");
+  ASSERT_EQ(angle.size(), 1u);
+  expect_in(" is no sensible unit of angle", angle[0]);
+  for (const char* unit : {"SI_UNIT($,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"}) {
+    EXPECT_TRUE(warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step").empty());
+  }
+}
+
 TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
   const std::string box = iges_box(true);
   EXPECT_TRUE(warnings_of(box, ".igs").empty());

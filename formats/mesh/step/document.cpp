@@ -176,6 +176,8 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
     document.warnings.push_back(shape +
                                 " states no unit of length that is understood: its numbers "
                                 "were taken for millimeters; --units says what they are");
+  } else if (std::string unit = odd_unit(session); !unit.empty()) {
+    document.warnings.push_back(std::move(unit));
   }
   check_shapes(file, has_shapes, document.losses, messages);
   check_solids(file, session, document);
