@@ -309,6 +309,19 @@ TEST(StepLosses, MappedItemsAreReadOrNamed) {
   }
 }
 
+// OpenCASCADE crashes on it where it reads properties.
+TEST(StepLosses, ADamagedPropertyLosesNoShape) {
+  const ScratchFolder folder;
+  const auto box = mesh::read_assembly(write_file(
+      folder / "a.step",
+      with_entities(step_box(),
+                    "#9001=PROPERTY_DEFINITION('geometric validation property','area "
+                    "measure',#4);\n#9002=PROPERTY_DEFINITION_REPRESENTATION(#9001,$);\n")));
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 12u);
+  EXPECT_TRUE(box->warnings.empty());
+}
+
 TEST(StepLosses, OccurrencesWithoutAPlacing) {
   const ScratchFolder folder;
   run_in(folder.path(), "make_step_assembly clamp.step");
@@ -319,6 +332,11 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
   expect_in(
       "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
       step_error(replaced(clamp, R"(#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION[^;]*;)", "")));
+  // Nor where the occurrence is not there, and its placing is of nothing.
+  expect_in(
+      " CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+      step_error(replaced(
+          clamp, R"(#\d+ = NEXT_ASSEMBLY_USAGE_OCCURRENCE\([^;]*'bracket-assembly_2'[^;]*;)", "")));
   // The second of two occurrences of the bracket assembly: the faces of the first are there.
   const std::size_t second = clamp.find("'bracket-assembly_2'");
   ASSERT_NE(second, std::string::npos);

@@ -160,6 +160,10 @@ void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & 
 
 void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
+  reader.SetPropsMode(false);  // of no use for shapes, and OpenCASCADE crashes on damaged ones
+  reader.SetGDTMode(false);
+  reader.SetMatMode(false);
+  reader.SetViewMode(false);
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
   const StepDamage damage = take_out_damage(session, text);
