@@ -621,6 +621,21 @@ TEST(IgesLosses, BelongToTheirNodes) {
   }
 }
 
+// A bore whose loop lists an edge of elsewhere gets no triangles: 76 of 620 are missing.
+TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step");
+  const auto bracket = mesh::read_assembly(write_file(
+      folder / "a.step", replaced(clamp, R"((#1750 = EDGE_LOOP\('',\()#1751)", "$1#81")));
+  ASSERT_TRUE(bracket) << to_line(bracket.error());
+  ASSERT_EQ(bracket->warnings.size(), 2u);
+  expect_in("#822 MANIFOLD_SOLID_BREP does not close: 2 edges of one face only",
+            bracket->warnings[0]);
+  expect_in("bracket_1: an edge lies up to 5 mm from its faces", bracket->warnings[1]);
+  EXPECT_GE(bracket->deviation_units, 5);
+}
+
 TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
   const ScratchFolder folder;
   const std::string path =

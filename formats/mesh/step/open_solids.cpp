@@ -55,7 +55,8 @@ std::vector<std::string> open_solids(const Handle(XSControl_WorkSession) & sessi
     const std::uint64_t open = shape.IsNull() ? 0 : count_open_edges(shape, tolerance_mm);
     if (open == 0) continue;
     lines.push_back(entity_name(model, entity) + " does not close: " + counted(open, "edge") +
-                    " of one face only; look whether its faces are damaged");
+                    " of one face only; look whether its faces are damaged, no guarantee covers "
+                    "what is missing there");
   }
   return lines;
 }

@@ -91,6 +91,14 @@ double largest_tolerance(const TopoDS_Face& face) {
   return largest_mm;
 }
 
+// Whether the triangles of a shape have holes where they do not close: no edge is of one face only,
+// or it consists of solids, and such edges have no other beside them.
+bool should_close(const TopoDS_Shape& shape, double tolerance_mm) {
+  if (count_open_edges(shape) == 0) return true;
+  if (TopExp_Explorer(shape, TopAbs_FACE, TopAbs_SOLID).More()) return false;
+  return count_open_edges(shape, tolerance_mm) > 0;
+}
+
 TopoDS_Compound compound_of(const Faces& faces) {
   TopoDS_Compound compound;
   const BRep_Builder builder;
@@ -106,7 +114,7 @@ class ShapeTessellation {
       : file_(file),
         shape_(shape),
         deflection_mm_(deflection_mm),
-        closes_(count_open_edges(shape) == 0) {}
+        should_close_(should_close(shape, deflection_mm)) {}
 
   // Finer triangles cost least, and keep the faces joined; dropping a face costs its reach, coarser
   // triangles theirs.
@@ -148,7 +156,7 @@ class ShapeTessellation {
     }
     Tessellation& made = result.made;
     double gap_mm = made.edge_gap_mm <= reach_mm(deflection_mm) ? made.tied_gap_mm : 0;
-    if (result.failed.empty() && closes_) gap_mm = std::max(gap_mm, widest_hole(made.mesh));
+    if (result.failed.empty() && should_close_) gap_mm = std::max(gap_mm, widest_hole(made.mesh));
     made.edge_gap_mm = std::max(made.edge_gap_mm, gap_mm);
     made.deviation_mm = std::max(made.deviation_mm, gap_mm);
     return result;
@@ -309,7 +317,7 @@ class ShapeTessellation {
   const SourceFile& file_;
   const TopoDS_Shape& shape_;
   double deflection_mm_;
-  bool closes_;  // no edge is of one face only
+  bool should_close_;
 };
 
 }  // namespace
