@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <string_view>
 
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
@@ -15,6 +16,10 @@
 
 #ifdef FORCELAYER_STEP
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepTools.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_Plane.hxx>
@@ -256,6 +261,26 @@ TEST(StepHoles, ReachAsFarAsWhatIsMissing) {
       EXPECT_LE(distance_to(pyramid, place), reach + 1e-12) << "seed " << kSeed + round;
     }
     EXPECT_LE(reach, 13);  // half across the base
+  }
+}
+
+TEST(StepForecast, IsWithinAFactorOfTwo) {
+  for (const auto& [name, shape] :
+       {std::pair<const char*, TopoDS_Shape>{"box", BRepPrimAPI_MakeBox(10, 20, 30).Shape()},
+        {"cylinder", BRepPrimAPI_MakeCylinder(10, 30).Shape()},
+        {"sphere", BRepPrimAPI_MakeSphere(20).Shape()},
+        {"torus", BRepPrimAPI_MakeTorus(30, 5).Shape()},
+        {"waves", BRepBuilderAPI_MakeFace(wavy_surface(12), 1e-6).Face()}}) {
+    const bool is_large = std::string_view(name) == "waves";
+    for (const double deflection : {is_large ? 8 : 0.5, is_large ? 4 : 0.1, is_large ? 2 : 0.02}) {
+      mesh::StepTessellator tessellator(kFile, deflection);
+      const double forecast = tessellator.forecast(shape);
+      BRepTools::Clean(shape);
+      const auto made =
+          static_cast<double>(tessellator.tessellate(shape, name).mesh.triangles.size());
+      EXPECT_LE(forecast, 2 * made) << name << " at " << deflection;
+      EXPECT_GE(forecast, made / 2) << name << " at " << deflection;
+    }
   }
 }
 

@@ -110,6 +110,7 @@ class StepReader {
     NodesToRead to_read = choose_readable();
     join_nodes(to_read);
     collect_losses(to_read);
+    forecast(to_read);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
@@ -147,6 +148,30 @@ class StepReader {
       if (!to_read.is_left_out[node]) throw ReadFailure(failure);
     }
     return to_read;
+  }
+
+  void forecast(const NodesToRead& to_read) {
+    if (!file_.options.progress) return;
+    std::set<std::pair<const OpenFile*, std::string>> known;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (!to_read.is_read[i] || !is_tessellated(i)) continue;
+      if (!known.insert({products_[i].file, entry_of(products_[i].label)}).second) continue;
+      expected_[i] = tessellator_.forecast(shape_of(i));
+      all_expected_ += expected_[i];
+    }
+    file_.options.progress({0, all_expected_});
+  }
+
+  // A node that has a shape and is not read as one with another.
+  bool is_tessellated(std::size_t node) const {
+    const TDF_Label& label = products_[node].label;
+    return !label.IsNull() && !XCAFDoc_ShapeTool::IsAssembly(label) && !is_joined_.contains(node);
+  }
+
+  void tell_progress(std::size_t node) {
+    if (!file_.options.progress || !(all_expected_ > 0)) return;
+    done_ += expected_[node];
+    file_.options.progress({std::min(1.0, done_ / all_expected_), all_expected_});
   }
 
   // The leaves of IGES files that are read and end at open edges, by file and parent.
@@ -397,13 +422,14 @@ class StepReader {
 
   void place(std::size_t node) {
     const auto& [file, label] = products_[node];
-    if (label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label) || is_joined_.contains(node)) return;
+    if (!is_tessellated(node)) return;
     const auto [known, is_new] = products_done_.try_emplace({file, entry_of(label)});
     auto& [mesh, lost] = known->second;
     if (is_new || joined_.contains(node)) {
       Tessellation made = tessellator_.tessellate(shape_of(node), names_[node].path);
       add_face_warnings(made, names_[node].path, assembly_.warnings);
       add_triangles(*file, label, names_[node].path, made.mesh);
+      tell_progress(node);
       lost = std::move(made.lost);
       if (!made.mesh.triangles.empty()) {
         assembly_.meshes.push_back(std::move(made.mesh));
@@ -470,6 +496,8 @@ class StepReader {
   std::vector<AssemblyNode> names_;  // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
+  std::map<std::size_t, double> expected_;  // triangles of nodes, the first of each product
+  double all_expected_ = 0, done_ = 0;
   std::map<std::size_t, std::vector<std::size_t>> joined_;  // nodes that are read as one with it
   std::set<std::size_t> is_joined_;                         // those nodes
   std::map<std::pair<const OpenFile*, std::string>, TessellatedProduct> products_done_;

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/mesh/step/cost/triangle_forecast.h"
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/holes.h"
 #include "formats/mesh/step/mending.h"
@@ -354,6 +355,10 @@ Tessellation StepTessellator::tessellate_at(const TopoDS_Shape& shape, double de
     if (made.sewn == 0 || loose.lost.size() < made.lost.size()) made = std::move(loose);
   }
   return made;
+}
+
+double StepTessellator::forecast(const TopoDS_Shape& shape) const {
+  return forecast_triangles(shape, deflection_mm(shape), kAngularDeflectionRad);
 }
 
 double StepTessellator::deflection_mm(const TopoDS_Shape& shape) const {

@@ -54,6 +54,9 @@ class StepTessellator {
   // `name` is the node, for errors.
   Tessellation tessellate(const TopoDS_Shape& shape, const std::string& name);
 
+  // How many triangles `shape` will have, about.
+  double forecast(const TopoDS_Shape& shape) const;
+
   // The deflection of `shape`, before it is known how large its triangles are.
   double deflection_mm(const TopoDS_Shape& shape) const;
 
