@@ -130,7 +130,7 @@ Json peg_table(const Choice& choice) {
       choice.brief ? std::vector{0.0, 1.0} : std::vector{0.0, 0.5, 1.0, 2.0};
   const std::vector<double> tilts_deg =
       choice.brief ? std::vector{0.0, 2.0} : std::vector{0.0, 2.0, 4.0};
-  const int seeds = choice.seeds_or(5, 2);
+  const int seeds = choice.seeds_or(20, 2);
   const auto part = std::make_shared<const BakedPart>(peg(), kPegVoxelM);
   Json rows = Json::array();
   for (const double standoff : {0.0, kStandoffVoxels}) {
@@ -237,7 +237,7 @@ Screwed screw(const stress::Trial& trial, const Pose& frame, double seconds, con
 
 Json nut_table(const Choice& choice) {
   Json rows = Json::array();
-  const int seeds = choice.seeds_or(2, 1);
+  const int seeds = choice.seeds_or(8, 1);
   for (const NutRow& row : kNutRows) {
     if (choice.brief && row.play_m != 0.0012) continue;
     const auto part = std::make_shared<const BakedPart>(nut(row.play_m), row.voxel_m);

@@ -18,6 +18,7 @@ import bench_scenes
 ACROSS = (32, 64, 128, 256)
 REPEAT = 3
 PROGRAMS = {"voxelize": "Forcelayer: whole bake, into the file",
+            "chebyshev": "the same with --metric chebyshev",
             "mesh-to-volume-0.5": "meshToVolume, centers within 0.5 voxel",
             "mesh-to-volume-0.866": "meshToVolume, within 0.866 voxel",
             "vtk": "vtkVoxelModeller"}

@@ -53,7 +53,7 @@ FILES = {
                     {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_streams": (("triangles",), {**times("cpu_s"), **same("file_bytes"), "peak_bytes": MEMORY}),
     "bake_plan": (("scene", "voxel_m"), same("planned_bytes", "file_bytes")),
-    "tree_memory": (("scene",), same("file_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
+    "tree_memory": (("scene",), same("file_bytes", "whole_bytes", "vdb_bytes", "tree_1_bytes", "tree_2_bytes", "tree_3_bytes",
                                      "tree_4_bytes")),
     "shell": (("mesh", "voxels", "method"), {**same("points", "points_over_bound", "normal_p50_deg"),
                                              **times("wall_s", "proof_s")}),
@@ -67,9 +67,10 @@ FILES = {
     "force_cost": (("vectors", "part", "field"), times("ns_per_point", "query_us")),
     "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
     "wrench_cases": (("voxel_m", "contact", "case", "figure"), dict.fromkeys(
-        ("default, distances", "default, Euclidean layers", "default, Chebyshev layers", "level field, Chebyshev layers",
-         "paper: tangent plane, N/10", "dense float distances, our query", "exact closest points, our query",
+        ("default, distances", "default as voxrun runs it", "default, Euclidean layers", "default, Chebyshev layers", "level field, Chebyshev layers",
+         "paper: tangent plane, N/10", "dense float distances, our query", "dense float distances, default's slope", "exact closest points, our query",
          "OpenVDB level set, as people use it", "FCL contacts", "FCL distance"), 1.05)),  # seeded, three digits
+    "wrench_commanded": (("voxel_m", "compared"), {}),
     "wrench_files": (("voxel_m", "pair", "kind"), same("file_bytes")),
     "motion": (("experiment", "model", "step_s"), {"error": 1.02}),
     "motion_drift": (("model",), {}),
@@ -169,7 +170,7 @@ def tree_memory(rows):
     for r in rows:
         yield "tree_memory", {
             "scene": r["scene"], "dims": "x".join(map(str, r["dims"])), "surface_voxels": r["surface_voxels"],
-            "file_bytes": r["file_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
+            "file_bytes": r["file_bytes"], "whole_bytes": r["whole_bytes"], "vdb_bytes": r["vdb_bytes"], "dense_bytes": r["dense_bytes"],
             **{f"tree_{n}_bytes": size for n, size in r["tree_bytes"].items()}}
 
 
@@ -239,18 +240,14 @@ def force(results):
 
 def force_cost(rows, machine):
     for r in rows:
-        fields = [("tangent plane", "2", r, "tangent_plane_ns_per_band_point", None),
-                  ("level field", "2", r, "level_ns_per_band_point", "level_every_brick_new_ns_per_band_point")]
-        for d in r.get("distances", ()):
-            bits = str(d.get("bits", 8))
-            fields += [("stored distance", bits, d, "distance_ns_per_band_point",
-                        "distance_every_brick_new_ns_per_band_point"),
-                       ("nearest stored distance", bits, d, "nearest_ns_per_band_point", None)]
-        for field, bits, figures, key, cold in fields:
+        fields = [("tangent plane", r, "tangent_plane"), ("level field", r, "level")]
+        for d in r["distances"]:
+            fields += [("stored distance", d, "distance"), ("nearest stored distance", d, "nearest")]
+        for field, figures, key in fields:
             yield "force_cost", {
-                "vectors": machine.get("vectors"), "part": r["part"], "field": f"{field}, {bits} bits",
-                "collected_points": figures["collected_points"], "band_points": figures["band_points"],
-                "ns_per_point": figures[key], "ns_per_point_new_bricks": figures.get(cold),
+                "vectors": machine.get("vectors"), "part": r["part"], "field": field,
+                "collected_points": figures["collected_points"], "ns_per_point": figures[f"{key}_ns_per_point"],
+                "ns_per_point_new_bricks": figures.get(f"{key}_every_brick_new_ns_per_point"),
                 "query_us": figures["query_ns"] / 1e3}
 
 
@@ -268,6 +265,8 @@ def wrench(rows):
                     if contacts in WRENCH_GROUPS or figure == WRENCH_BY_CASE[0]:
                         yield "wrench", {"voxel_m": r["voxel_size_m"], "contacts": contacts, "method": method,
                                          "skips": told["skips"], "figure": figure, **spread}
+        if r["commanded"]["compared"]:
+            yield "wrench_commanded", {"voxel_m": r["voxel_size_m"], **r["commanded"]}
         for case in r["cases"]:
             for figure in WRENCH_BY_CASE:
                 yield "wrench_cases", {"voxel_m": r["voxel_size_m"], "contact": case["contact"], "case": case["case"], "figure": figure,
@@ -443,9 +442,11 @@ def verdicts(rows):
 
 def paper(results):
     own, part, at_1_khz = results["paper"], results["part"], results["points_at_1_khz"]
-    figures = [("triangles", own["polygons"], results["bake"]["triangles"], None),
-               ("bake_s", own["bake_s"], results["bake"]["wall_s"], None),
-               ("file_bytes", own["file_mb"] * 1e6, results["bake"]["file_bytes"], None),
+
+    def baked(key):
+        return [results["bakes"][model][key] for model in ("paper", "default")]
+    figures = [("triangles", own["polygons"], *baked("triangles")), ("bake_s", own["bake_s"], *baked("wall_s")),
+               ("bake_cpu_s", None, *baked("cpu_s")), ("file_bytes", own["file_mb"] * 1e6, *baked("file_bytes")),
                ("part_points", own["part_points"], part["voxel-centers"], part["surface"]),
                ("points_at_1_khz", own["points_at_1_khz"], at_1_khz["paper"]["points"], at_1_khz["default"]["points"]),
                ("points_at_1_khz_reached", None, int(at_1_khz["paper"]["reached"]), int(at_1_khz["default"]["reached"])),

@@ -1,7 +1,8 @@
 // Counts what a program calls of the runtime. The linker puts these functions before the ones of
 // the same names (-Wl,--wrap), so the programs that are counted are made of the same objects as
 // those that run and are timed: voxrun_counted beside voxrun, query_bench_counted beside
-// query_bench. At the end the counts are written to the file FORCELAYER_CALLS names, one line each:
+// query_bench. At the end the counts are appended to the file FORCELAYER_CALLS names, one line
+// each:
 //
 //   STEP <tab> CALL <tab> TIMES
 //
@@ -30,7 +31,7 @@ class Counts {
  public:
   ~Counts() {
     const char* const path = std::getenv("FORCELAYER_CALLS");
-    std::FILE* const file = path != nullptr ? std::fopen(path, "w") : nullptr;
+    std::FILE* const file = path != nullptr ? std::fopen(path, "a") : nullptr;
     if (file == nullptr) return;
     for (const auto& [call, times] : times_) std::fprintf(file, "%s\t%llu\n", call.c_str(), times);
     std::fclose(file);

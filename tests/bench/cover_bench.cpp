@@ -1,7 +1,7 @@
 // What a denser shell costs and buys: points, time of a frame and error of the contact wrench, by
 // covering radius and by the way of making the shell.
 //
-//   cover_bench [--orientations N] [--radius VOXELS]... [--json FILE]
+//   cover_bench [--orientations N] [--radius VOXELS]... [--contact NAME]... [--json FILE]
 //
 // Shells are pointshell's own, of meshes of force_bench's parts; contacts, truth and fits are those
 // of wrench_bench, at 5 mm. shell.md says more.
@@ -15,8 +15,7 @@
 #include <stdexcept>
 
 #include "pointshell/bake.h"
-#include "runtime/field/level_field.h"
-#include "runtime/field/tangent_plane.h"
+#include "runtime/field/force_field.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/bench/force_bench_frame.h"
@@ -98,11 +97,21 @@ struct Sample {
   }
 };
 
-constexpr std::pair<const char*, Method> kModels[] = {{"paper", Method::kTangentPlaneAveraged},
-                                                      {"default", Method::kContacts}};
+// Each model in the map that it reads: `default` one of voxelize without options, `paper` Chebyshev
+// layers, as its paper has them.
+struct JudgedModel {
+  const char* name;
+  Model model;
+  test::VoxelKind kind;
+  Averaging averaging;
+};
+constexpr JudgedModel kModels[] = {
+    {"paper", Model::kPaper, test::VoxelKind::kChebyshev, Averaging::kByTen},
+    {"default", Model::kDefault, test::VoxelKind::kFull, Averaging::kDirections}};
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges"};
 
-Json row_of(const Making& making, double radius_voxels, int orientations) {
+Json row_of(const Making& making, double radius_voxels, int orientations,
+            const std::vector<std::string>& only) {
   std::map<Part, PartShells> shells;
   std::map<Part, Pshell> pshells;
   std::size_t points = 0;
@@ -118,21 +127,29 @@ Json row_of(const Making& making, double radius_voxels, int orientations) {
   std::mt19937_64 random(20260101);
   for (const Combination& combination : wide_combinations()) {
     if (combination.standoff) continue;
+    if (!only.empty() && std::find(only.begin(), only.end(), combination.name) == only.end()) {
+      continue;
+    }
     for (int i = 0; i < orientations; ++i) {
-      const ContactCase contact(combination, shells[combination.part], kS, random);
-      const field::LevelField level(contact.voxmap());
-      const field::TangentPlaneField tangent_plane(kS);
-      const Pshell& pshell = pshells.at(combination.part);
-      ModelFrame frames[] = {{contact.voxmap(), pshell, tangent_plane, Averaging::kByTen},
-                             {contact.voxmap(), pshell, level, Averaging::kDirections}};
-      for (std::size_t m = 0; m < std::size(kModels); ++m) {
-        const auto& [name, method] = kModels[m];
-        samples[name][kGroups[combination.smooth ? 0 : 1]].add(contact.judge(method, false));
+      const std::mt19937_64 same = random;
+      for (const JudgedModel& judged : kModels) {
+        random = same;
+        const ContactCase contact(combination, shells[combination.part], kS, random, judged.kind);
+        const Voxmap& voxmap = contact.voxmap();
+        const auto field = value_of(field::make_force_field(
+            judged.model, field::usual_force(judged.model, voxmap), voxmap));
+        ModelFrame frame(voxmap, pshells.at(combination.part), *field, judged.averaging);
+        const bool by_ten = judged.averaging == Averaging::kByTen;
+        if (!by_ten) frame.weigh_by_area();
+        const auto wrench_at = [&frame](const ContactCase::Placed& placed) {
+          return frame.at({placed.position_m, glm::quat_cast(placed.rotation)});
+        };
+        samples[judged.name][kGroups[combination.smooth ? 0 : 1]].add(
+            contact.judge(wrench_at, ContactCase::kShifts, by_ten ? Shared::kByTen : Shared::kNot));
         for (const ContactCase::Placed& placed : contact.slide()) {
-          const Pose pose{placed.position_m, glm::quat_cast(placed.rotation)};
           const double start_s = now_s();
-          frames[m].at(pose);
-          frame_us[name].push_back(1e6 * (now_s() - start_s));
+          wrench_at(placed);
+          frame_us[judged.name].push_back(1e6 * (now_s() - start_s));
         }
       }
     }
@@ -145,10 +162,11 @@ Json row_of(const Making& making, double radius_voxels, int orientations) {
   for (const auto& [model, groups] : samples) {
     for (const auto& [group, sample] : groups) row[model][group] = sample.to_json();
     row[model]["frame_us"] = to_json(percentiles(frame_us[model]));
-    std::printf("   %s %6.1f%% %6.1f%% %7.1f us", model.c_str(),
-                100 * row[model][kGroups[0]]["force_error"].get<double>(),
-                100 * row[model][kGroups[1]]["force_error"].get<double>(),
-                row[model]["frame_us"]["p50"].get<double>());
+    std::printf("   %s", model.c_str());
+    for (const auto& [group, sample] : groups) {
+      std::printf(" %6.1f%%", 100 * middle(sample.force_error));
+    }
+    std::printf(" %7.1f us", row[model]["frame_us"]["p50"].get<double>());
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -157,21 +175,23 @@ Json row_of(const Making& making, double radius_voxels, int orientations) {
 
 int run(int argc, char** argv) {
   CLI::App app{"What a denser shell costs and buys", "cover_bench"};
-  int orientations = 4;
+  int orientations = 2;
   std::vector<double> radii = {0.35, 0.5, 0.7, 0.866, 1.2, 1.7};
+  std::vector<std::string> only;
   std::string json;
   app.add_option("--orientations", orientations, "of each contact")->check(CLI::PositiveNumber);
   app.add_option("--radius", radii, "covering radii, voxels")->check(CLI::PositiveNumber);
+  app.add_option("--contact", only, "\"sphere on plane\", ... (default: all)");
   app.add_option("--json", json, "where to write the figures");
   CLI11_PARSE(app, argc, argv);
 
-  std::printf("%-14s %6s %8s   force error: flush and smooth, corners and wedges; frame, median\n",
+  std::printf("%-14s %6s %8s   force error: corners and wedges, flush and smooth; frame, median\n",
               "shell", "rho/s", "points");
   Json rows = Json::array();
   for (const Making& making : kMakings) {
     const bool free_radius = making.method == ShellMethod::kSurface;
     for (const double radius : free_radius ? radii : std::vector<double>{0.866}) {
-      rows.push_back(row_of(making, radius, orientations));
+      rows.push_back(row_of(making, radius, orientations, only));
     }
   }
   write_report("cover", argc, argv, rows, json);

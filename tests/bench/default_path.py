@@ -5,9 +5,12 @@ Usage: default_path.py BIN_FOLDER [--only PROGRAM]
 
 voxelize, pointshell and voxrun run as a user runs them who names no option but the voxel size. The benchmarks run small.
 All are programs of the same objects as those that are timed, with the calls of query, field and model counted
-(counted_calls.cpp). Exit status: 0 the same path, 1 not (a line says which benchmark, and how it differs), 2 wrong usage.
+(counted_calls.cpp). The paper's model, where a benchmark runs it, is held against voxrun --model paper on a file of
+voxelize --metric chebyshev. Exit status: 0 the same path, 1 not (a line says which benchmark, and how it differs), 2 wrong
+usage.
 """
 
+import collections
 import json
 import os
 import pathlib
@@ -15,22 +18,33 @@ import subprocess
 import sys
 import tempfile
 
+import bench_loop
+import paper_table
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SAMPLES = ROOT / "sample_data"
 
 
-def run(folder, *words):
-    """Its calls: times by (step, call)."""
+def counted(folder, work):
+    """The calls of the programs that work() runs: times by (step, call)."""
     calls = folder / "calls"
     calls.unlink(missing_ok=True)
-    done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "FORCELAYER_CALLS": str(calls)})
-    if done.returncode != 0:
-        raise SystemExit(f"default_path.py: {words[0]}: {done.stderr.strip() or done.stdout[-500:]}")
-    if not calls.exists():
-        return {}
-    lines = (line.split("\t") for line in calls.read_text().splitlines())
-    return {(step, call): int(times) for step, call, times in lines}
+    os.environ["FORCELAYER_CALLS"] = str(calls)
+    work()
+    times_of = collections.Counter()
+    for line in calls.read_text().splitlines() if calls.exists() else ():
+        step, call, times = line.split("\t")
+        times_of[step, call] += int(times)
+    return times_of
+
+
+def run(folder, *words):
+    """Its calls."""
+    def work():
+        done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(f"default_path.py: {words[0]}: {done.stderr.strip() or done.stdout[-500:]}")
+    return counted(folder, work)
 
 
 def path_of(calls, steps):
@@ -46,7 +60,8 @@ def differences(name, wanted, got):
 class Paths:
     def __init__(self, bin_folder, folder):
         self.bin, self.folder = bin_folder, folder
-        run(folder, bin_folder / "voxelize", SAMPLES / "bay.json", "--voxel-size", "5mm", "-o", "bay.vox", "--quiet")
+        for vox, options in (("bay.vox", ()), ("chebyshev.vox", ("--metric", "chebyshev"))):
+            run(folder, bin_folder / "voxelize", SAMPLES / "bay.json", "--voxel-size", "5mm", "-o", vox, "--quiet", *options)
         run(folder, bin_folder / "pointshell", SAMPLES / "part.obj", "--units", "mm", "--voxel-size", "5mm", "-o",
             "part.pshell", "--quiet")
         calls = run(folder, bin_folder / "voxrun_counted", "bay.vox", "part.pshell", "--motion", SAMPLES / "press.csv",
@@ -57,6 +72,25 @@ class Paths:
         steps = calls.get(("default", "step"))
         if len(self.queries) != 1 or len(self.wanted) != 2 or steps != frames:
             raise SystemExit(f"default_path.py: voxrun itself: {frames} frames, {calls}")
+        calls = run(folder, bin_folder / "voxrun_counted", "chebyshev.vox", "part.pshell", "--model", "paper", "--motion",
+                    SAMPLES / "press.csv", "--json", "run.json", "--quiet")
+        self.of_paper = path_of(calls, ("paper",))
+
+    def judged(self, name, calls):
+        """Every step of `default`, and nothing else in such a step; of the paper's model too, where there is one."""
+        if calls["default", "step"] == 0:
+            return [f"{name}: no step of default"]
+        wrong = differences(name, self.wanted, path_of(calls, ("default",)))
+        if calls["paper", "step"] > 0:
+            wrong += differences(f"{name}, paper", self.of_paper, path_of(calls, ("paper",)))
+        return wrong
+
+    def commands(self):
+        """A folder of the commands, with voxrun's calls counted."""
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
+        for name, program in (("voxelize", "voxelize"), ("pointshell", "pointshell"), ("voxrun", "voxrun_counted")):
+            (folder / name).symlink_to(self.bin / program)
+        return folder
 
     def bench(self, program, *words):
         return run(self.folder, self.bin / f"{program}_bench_counted", *words, "--json", "bench.json")
@@ -74,8 +108,11 @@ class Paths:
         return [] if got == wanted else [f"query: 'all skipping' has {wanted} frames, '{call}' was done {got} times"]
 
     def wrench(self):
-        """The files and the field of the row that the README shows."""
-        calls = self.bench("wrench", "--contact", "sphere on plane", "--s", 0.5, "--orientations", 1)
+        """The files and the field of the row that the README shows, and the step's own wrench beside that of the load shared."""
+        calls = self.bench("wrench", "--contact", "sphere on plane", "--contact", "box face on plane", "--s", 0.5, "--orientations", 1)
+        (commanded,) = (size["commanded"] for size in self.report())
+        if commanded["compared"] != 2 or commanded["many_contacts"] == 0 or commanded["off_max"] > 1e-3:
+            return [f"wrench: the step's wrench at rest is not that of the load shared: {commanded}"]
         rows = [size["contacts"].get("flush and smooth", {}) for size in self.report()]
         if not all("default, distances" in row for row in rows):
             return ["wrench: has no 'default, distances'"]
@@ -84,17 +121,48 @@ class Paths:
                 if calls.get(("none", call), 0) <= timed]
 
     def stability(self):
-        """Every step of `default`, and nothing else in such a step."""
         wrong = []
-        for words in (("rest", 2), ("table2", 3000), ("seats", 1), ("step", 500)):
-            calls = self.bench("stability", *words)
-            if calls.get(("default", "step"), 0) == 0:
-                wrong.append(f"stability {words[0]}: no step of default")
-            wrong += differences(f"stability {words[0]}", self.wanted, path_of(calls, ("default",)))
+        for words in (("rest", 2), ("table2", 3000), ("hands", 20000), ("seats", 1), ("step", 500)):
+            wrong += self.judged(f"stability {words[0]}", self.bench("stability", *words))
         return wrong
 
+    def motion(self):
+        """What touches: free flight, springs and spins are without contact."""
+        return self.judged("motion", self.bench("motion", "--only", "bounce"))
 
-BENCHES = ("query", "wrench", "stability")
+    def trajectory(self):
+        return self.judged("trajectory", self.bench("trajectory", "--seeds", 1, "--nominal", "--motion", "press"))
+
+    def cover(self):
+        """Fields of both models, without steps."""
+        calls = self.bench("cover", "--orientations", 1, "--radius", 1.7, "--contact", "sphere on plane")
+        return differences("cover", self.wanted | self.of_paper, path_of(calls, ("none",)))
+
+    def skip(self):
+        """The way that skips as voxrun does: all its frames, and no other way does the same."""
+        frames = 2000
+        calls = run(self.folder, self.bin / "skip_bench_counted", "bay.vox", "part.pshell", "--places", 1, "--frames", frames)
+        (call,) = self.queries
+        as_voxrun = calls["none", call]  # and those that look for the place
+        return [] if frames <= as_voxrun < 2 * frames else [f"skip: '{call}' was done {as_voxrun} times for {frames} frames"]
+
+    def assembly(self):
+        """The pegs; those of a map with a standoff differ by that alone."""
+        calls = self.bench("assembly", "peg", 1, "--short")
+        got = {call.replace("map of 0 layers", "map of 2 layers") for call in path_of(calls, ("default",))}
+        return differences("assembly", self.wanted, got)
+
+    def loop(self):
+        out = self.folder / "loop"
+        out.mkdir()
+        return self.judged("loop", counted(self.folder, lambda: bench_loop.run(self.commands(), out, 0.02)))
+
+    def paper(self):
+        """The paper's model among the commands, and default beside it."""
+        return self.judged("paper", counted(self.folder, lambda: paper_table.ladder(self.commands(), self.folder, 1)))
+
+
+BENCHES = ("query", "wrench", "stability", "motion", "trajectory", "cover", "skip", "assembly", "loop", "paper")
 
 
 def main():

@@ -484,13 +484,8 @@ void ContactCase::tabulate_truth() {
   }
 }
 
-Wrench ContactCase::truth_at(std::size_t depth, double offset_m, bool by_ten) const {
-  Wrench w = truth_[depth].wrench_at(offset_m);
-  const double points = truth_[depth].area_at(offset_m);
-  if (by_ten && points >= 10) {
-    w.force_n *= 10 / points, w.torque_nm *= 10 / points;
-  }
-  return w;
+Wrench ContactCase::truth_at(std::size_t depth, double offset_m, Shared shared) const {
+  return shared_truth(truth_[depth], offset_m, shared, s_);
 }
 
 // How far the slide has gone at a frame, along a and b.
@@ -527,12 +522,13 @@ double ContactCase::worst_step(const WrenchAt& wrench_at) const {
 
 Quality ContactCase::judge(Method method, bool with_step) const {
   const WrenchAt wrench_at = [&](const Placed& placed) { return force(method, placed); };
-  Quality quality = judge(wrench_at, kShifts, method == Method::kTangentPlaneAveraged);
+  Quality quality = judge(wrench_at, kShifts,
+                          method == Method::kTangentPlaneAveraged ? Shared::kByTen : Shared::kNot);
   if (with_step) quality.step = worst_step(wrench_at);
   return quality;
 }
 
-Quality ContactCase::judge(const WrenchAt& wrench_at, std::size_t shifts, bool by_ten) const {
+Quality ContactCase::judge(const WrenchAt& wrench_at, std::size_t shifts, Shared shared) const {
   Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d)
     for (std::size_t i = 0; i < shifts; ++i) {
@@ -546,7 +542,7 @@ Quality ContactCase::judge(const WrenchAt& wrench_at, std::size_t shifts, bool b
   for (double at = first_m; at < first_m + 3 * thickness_m_; at += 0.01 * s_) {
     offsets_m.push_back(at);
   }
-  const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(d, at, by_ten); };
+  const TruthAt true_wrench = [&](std::size_t d, double at) { return truth_at(d, at, shared); };
   return judged(measured, true_wrench, {middle_m_, depths_m_, s_ / 4}, offsets_m, part_radius_m_);
 }
 

@@ -82,9 +82,10 @@ class ContactCase {
   Quality judge(Method method, bool with_step = true) const;
 
   // The same of any other way to a wrench, but for the step, at the first so many shifts; its unit
-  // of force may be any. `by_ten`: the truth too is divided by N/10.
+  // of force may be any. `shared`: how the truth is.
   static constexpr std::size_t kDepths = 12, kShifts = 12;
-  Quality judge(const WrenchAt& wrench_at, std::size_t shifts = kShifts, bool by_ten = false) const;
+  Quality judge(const WrenchAt& wrench_at, std::size_t shifts = kShifts,
+                Shared shared = Shared::kNot) const;
 
   std::vector<Placed> slide() const;  // the frames of the slide
   const AnalyticStatic& body() const { return body_; }
@@ -108,7 +109,7 @@ class ContactCase {
   template <class Push>
   Wrench sum(const Placed& placed, Push push) const;
   void tabulate_truth();
-  Wrench truth_at(std::size_t depth, double offset_m, bool by_ten) const;
+  Wrench truth_at(std::size_t depth, double offset_m, Shared shared) const;
   std::array<double, 2> along_slide(int frame) const;
   double worst_step(const WrenchAt& wrench_at) const;
 

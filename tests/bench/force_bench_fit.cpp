@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "runtime/model/contact_force.h"
 #include "tests/bench/bench_report.h"
 
 namespace forcelayer::bench {
@@ -97,6 +98,7 @@ TruthTable::TruthTable(const std::vector<SurfaceSample>& samples, double first, 
   // Per bin of distance: sum of area * direction, and of that times the distance.
   std::vector<Wrench> plain(kOffsets), by_distance(kOffsets);
   area.assign(kOffsets, 0);
+  std::vector<double> area_by_distance(kOffsets);
   for (const SurfaceSample& sample : samples) {
     const double bin = std::max(0.0, std::ceil((sample.distance_m - first_m) / step_m));
     if (bin >= kOffsets) continue;
@@ -106,14 +108,15 @@ TruthTable::TruthTable(const std::vector<SurfaceSample>& samples, double first, 
     plain[b].force_n += f, plain[b].torque_nm += t;
     by_distance[b].force_n += sample.distance_m * f;
     by_distance[b].torque_nm += sample.distance_m * t;
-    area[b] += sample.area;
+    area[b] += sample.area, area_by_distance[b] += sample.area * sample.distance_m;
   }
   Wrench a, b;
   for (std::size_t o = 0; o < kOffsets; ++o) {
     a.force_n += plain[o].force_n, a.torque_nm += plain[o].torque_nm;
     b.force_n += by_distance[o].force_n, b.torque_nm += by_distance[o].torque_nm;
-    if (o > 0) area[o] += area[o - 1];
+    if (o > 0) area[o] += area[o - 1], area_by_distance[o] += area_by_distance[o - 1];
     const double offset = first_m + static_cast<double>(o) * step_m;
+    area_depth.push_back(offset * area[o] - area_by_distance[o]);
     wrench.push_back({offset * a.force_n - b.force_n, offset * a.torque_nm - b.torque_nm});
   }
 }
@@ -130,11 +133,30 @@ Wrench TruthTable::wrench_at(double offset_m) const {
           wrench[i].torque_nm * (1 - f) + wrench[i + 1].torque_nm * f};
 }
 
-double TruthTable::area_at(double offset_m) const {
+double TruthTable::between(const std::vector<double>& of, double offset_m) const {
   const double x = entry_of(offset_m);
   const auto i = static_cast<std::size_t>(x);
   const double f = x - static_cast<double>(i);
-  return area[i] * (1 - f) + area[i + 1] * f;
+  return of[i] * (1 - f) + of[i + 1] * f;
+}
+
+double TruthTable::area_at(double offset_m) const { return between(area, offset_m); }
+
+double TruthTable::sharing_area_at(double offset_m, double full_m) const {
+  return (between(area_depth, offset_m) - between(area_depth, offset_m - full_m)) / full_m;
+}
+
+Wrench shared_truth(const TruthTable& table, double offset_m, Shared shared, double voxel_size_m) {
+  constexpr double kFullDepthVoxels = 0.125;  // of the default model (contact_force.h)
+  double share = 1;
+  if (shared == Shared::kByTen) share = 10 / std::max(10.0, table.area_at(offset_m));
+  if (shared == Shared::kAsDefault) {
+    model::ContactTotals totals;
+    totals.sharing = table.sharing_area_at(offset_m, kFullDepthVoxels * voxel_size_m);
+    share = model::LoadSharing(totals).average();
+  }
+  const Wrench w = table.wrench_at(offset_m);
+  return {share * w.force_n, share * w.torque_nm};
 }
 
 Quality judged(const Measured& measured, const TruthAt& truth_at, const Nominal& nominal,

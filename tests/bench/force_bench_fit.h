@@ -41,15 +41,27 @@ struct SurfaceSample {
 struct TruthTable {
   double first_m = 0, step_m = 0;
   std::vector<Wrench> wrench;
-  std::vector<double> area;  // of the samples within the offset surface
+  std::vector<double> area;        // of the samples within the offset surface
+  std::vector<double> area_depth;  // sum of their areas times depths
 
   TruthTable(const std::vector<SurfaceSample>& samples, double first_m, double last_m);
   Wrench wrench_at(double offset_m) const;  // linear between entries, the last ones beyond them
   double area_at(double offset_m) const;
+  // The area within, each sample counted by its depth up to `full_m`, in full from there on.
+  double sharing_area_at(double offset_m, double full_m) const;
 
  private:
   double entry_of(double offset_m) const;
+  double between(const std::vector<double>& of, double offset_m) const;
 };
+
+// By how much many points share a load, in the truth as in the force that is judged by it: not at
+// all; by N/10, N the points that the contact's area stands for (paper 5.2); or as the default
+// model shares it, by area and by depth up to an eighth of a voxel.
+enum class Shared { kNot, kByTen, kAsDefault };
+
+// The true wrench, its load shared. Areas are over the mean of a point.
+Wrench shared_truth(const TruthTable& table, double offset_m, Shared shared, double voxel_size_m);
 
 // All wrenches are about the part's center, in axes in which the truth does not change with shifts.
 using Measured = std::vector<std::vector<Wrench>>;  // [depth][shift]

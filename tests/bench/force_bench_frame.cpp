@@ -30,7 +30,9 @@ ModelFrame::ModelFrame(const Voxmap& voxmap, const Pshell& shell, const field::F
       probe_(query_, field, points_, samples_) {
   points_.reserve(shell.header().point_count);
   samples_.reserve(shell.header().point_count);
-  set_.reserve(static_cast<std::uint32_t>(shell.header().point_count));
+  set_.reserve(shell.header().point_count);
+  law_ = {1, 0, voxmap.voxel_size_m(), field::ForceCurve(voxmap)};
+  rows_.reserve(shell.header().point_count);
 }
 
 void ModelFrame::weigh_by_area() {
@@ -42,7 +44,23 @@ void ModelFrame::weigh_by_area() {
   }
 }
 
+// The contacts as rows of the step's solve (DefaultModel::solve_motion); of a part at rest they
+// push with these impulses.
+Wrench ModelFrame::shared() noexcept {
+  constexpr double kStepS = 1e-3;
+  const model::LoadSharing load(model::contact_totals(set_, law_));
+  rows_.clear();
+  model::add_contact_rows(set_, load, law_, kStepS, 0, rows_);
+  rows_.energy_j({});
+  const coupling::Vector6 impulse = rows_.pushing().impulse;
+  return {coupling::linear_part(impulse) / kStepS, coupling::angular_part(impulse) / kStepS};
+}
+
 Wrench ModelFrame::at(const Pose& world_from_center) {
+  if (averaging_ == Averaging::kShared) {
+    probe_.look_up(world_from_center, set_);
+    return shared();
+  }
   const bool averaged = averaging_ == Averaging::kDirections;
   if (averaged) {
     probe_.look_up(world_from_center, set_);

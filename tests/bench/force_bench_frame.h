@@ -5,6 +5,7 @@
 
 #include "formats/pshell.h"
 #include "runtime/field/field_probe.h"
+#include "runtime/model/contact_force.h"
 #include "tests/bench/force_bench_shell.h"
 
 namespace forcelayer::bench {
@@ -12,9 +13,10 @@ namespace forcelayer::bench {
 // The .pshell of these points, in the order in which pointshell writes them.
 Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
 
-// Averaging of contacts: none; of directions, where the default model does so; or of the force, by
-// N/10 (paper 5.2).
-enum class Averaging { kNone, kDirections, kByTen };
+// Averaging of contacts: none, by query and field alone; the default model's look-up, which
+// averages directions where the field asks for it; the same, and the load shared as the default
+// model's step does it; or of the force, by N/10 (paper 5.2).
+enum class Averaging { kNone, kDirections, kShared, kByTen };
 
 // Query, field and sum over the whole shell.
 class ModelFrame {
@@ -24,12 +26,15 @@ class ModelFrame {
              Averaging averaging);
   ModelFrame(const ModelFrame&) = delete;  // the probe knows the other members
 
-  // Every point counts by its area over the mean; without this, all count alike.
+  // Every point counts by its area over the mean; without this, all count alike. Of kShared the
+  // look-up says by what they count.
   void weigh_by_area();
 
   Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the center, world axes
 
  private:
+  Wrench shared() noexcept;  // of set_
+
   query::ContactQuery query_;
   const field::ForceField& field_;
   Averaging averaging_;
@@ -39,6 +44,8 @@ class ModelFrame {
   field::FieldSamples samples_;
   field::FieldProbe probe_;
   field::ContactSet set_;
+  model::ContactLaw law_;  // of kShared, with 1 N/m
+  model::ContactRows rows_;
 };
 
 }  // namespace forcelayer::bench

@@ -3,8 +3,10 @@
 //
 //   geometry_bench PROGRAM SCENE --voxels N [--units UNIT] [--samples N]
 //
-// PROGRAM: voxelize, mesh-to-volume-0.5, mesh-to-volume-0.866 (the threshold in voxels), vtk. The
-// whole scene is one object for all of them.
+// PROGRAM: voxelize, chebyshev (voxelize --metric chebyshev), mesh-to-volume-0.5,
+// mesh-to-volume-0.866 (the threshold in voxels), vtk. The whole scene is one object for all of
+// them. Values are judged by the exact geometry and the layers of the program's metric: voxelize
+// counts them from the mesh, all others from the voxels that it touches.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -23,7 +25,7 @@
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/geometry_bench_voxels.h"
-#include "tests/support/reference_bake.h"
+#include "tests/support/reference_distance.h"
 #include "voxelize/bake.h"
 #include "voxelize/scan/scan_conversion.h"
 #include "voxelize/scan/snap.h"
@@ -51,23 +53,25 @@ struct Outcome {
   DenseGrid touched, values;
 };
 
-// The classes that a set of touched voxels leads to: flood from outside, then layers. Not timed.
-DenseGrid values_of(const DenseGrid& touched) {
+// What a set of touched voxels encloses, by a flood from outside. Not timed.
+reference::ReferenceScene scene_of(const DenseGrid& touched) {
   DenseGrid flooded = touched;
   reference::mark_free({}, flooded);
   reference::ReferenceScene scene{touched, touched};
   flooded.for_each(
       [&](const lattice::VoxelIndex& v) { scene.interior.at(v) = flooded.at(v) == 0 ? 1 : 0; });
-  return reference::offset_scene(scene, kLayers);
+  return scene;
 }
 
 // The grid to judge on; asked for after the clock and the memory have been read.
 using GridMaker = std::function<DenseGrid()>;
 
-Outcome run_voxelize(const mesh::Mesh& meters, double voxel_size_m, const GridMaker& make_grid) {
+Outcome run_voxelize(const mesh::Mesh& meters, double voxel_size_m, Metric metric,
+                     const GridMaker& make_grid) {
   voxelize::BakeOptions options;
   options.voxel_size_m = voxel_size_m;
   options.layers = kLayers;
+  options.metric = metric;
   const std::vector<voxelize::SceneObject> objects = {{"scene", &meters, {}, {}, 0}};
   const fs::path path =
       fs::temp_directory_path() / ("geometry_bench_" + std::to_string(::getpid()) + ".vox");
@@ -105,7 +109,7 @@ Outcome run_peer(const std::string& program, const mesh::Mesh& in_voxels,
   for (const lattice::VoxelIndex& v : run.voxels) {
     if (like.contains(v)) outcome.touched.at(v) = 1;
   }
-  outcome.values = values_of(outcome.touched);
+  outcome.values = reference::offset_scene(scene_of(outcome.touched), kLayers);
   return outcome;
 }
 
@@ -141,7 +145,8 @@ int run(int argc, char** argv) {
   std::size_t samples = 20000;
   app.add_option("program", program)
       ->required()
-      ->check(CLI::IsMember({"voxelize", "mesh-to-volume-0.5", "mesh-to-volume-0.866", "vtk"}));
+      ->check(CLI::IsMember(
+          {"voxelize", "chebyshev", "mesh-to-volume-0.5", "mesh-to-volume-0.866", "vtk"}));
   app.add_option("scene", path)->required();
   app.add_option("--voxels", voxels, "across the longest side");
   app.add_option("--units", units, "of a mesh that has none: m or mm");
@@ -158,11 +163,15 @@ int run(int argc, char** argv) {
   }
   const auto snapped = [&] { return reference::snapped(meters, mesh::Affine{}, voxel_size_m); };
   const auto make_grid = [&] { return reference::grid_around({snapped()}, kLayers + 3); };
-  const Outcome outcome = program == "voxelize" ? run_voxelize(meters, voxel_size_m, make_grid)
-                                                : run_peer(program, in_voxels, make_grid);
+  const bool ours = program == "voxelize" || program == "chebyshev";
+  const Metric metric = program == "voxelize" ? Metric::kEuclidean : Metric::kChebyshev;
+  const Outcome outcome = ours ? run_voxelize(meters, voxel_size_m, metric, make_grid)
+                               : run_peer(program, in_voxels, make_grid);
   DenseGrid grid = make_grid();
   reference::mark_geometry(snapped(), grid);
-  const DenseGrid values = values_of(grid);
+  const DenseGrid values = metric == Metric::kEuclidean
+                               ? reference::euclidean_scene({snapped()}, scene_of(grid), kLayers)
+                               : reference::offset_scene(scene_of(grid), kLayers);
   std::uint64_t truly = 0, missed = 0, added = 0, wrong = 0;
   grid.for_each([&](const lattice::VoxelIndex& v) {
     const bool is = grid.at(v) == 1, said = outcome.touched.at(v) == 1;

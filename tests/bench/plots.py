@@ -74,10 +74,12 @@ def query(rows, _):
 # Ours in blue; peers that share our query in orange and red, mesh colliders in green.
 WRENCH_LOOKS = {
     "default, distances": dict(color="#08519c", marker="o", label="Forcelayer: stored distances (default)"),
+    "default as voxrun runs it": dict(color="#00acc1", marker="h", label="the same as voxrun runs it: load shared"),
     "default, Euclidean layers": dict(color="#4292c6", marker="s", label="Forcelayer: Euclidean layers (--lean)"),
     "default, Chebyshev layers": dict(color="#9ecae1", marker="v", label="Forcelayer: Chebyshev layers"),
     "paper: tangent plane, N/10": dict(color="#969696", marker="P", label="the paper's model"),
     "dense float distances, our query": dict(color="#fd8d3c", marker="D", label="dense float distances, our query"),
+    "dense float distances, default's slope": dict(color="#d94801", marker="d", label="dense float distances, default's slope"),
     "exact closest points, our query": dict(color="#b30000", marker="*", label="exact closest points, our query"),
     "OpenVDB level set, as people use it": dict(color="#756bb1", marker="^", label="OpenVDB level set, as people use it"),
     "FCL contacts": dict(color="#74c476", marker="<", label="FCL contacts"),
@@ -210,6 +212,7 @@ def narrow_gaps(rows, _):
 
 
 BAKE_LOOKS = {"voxelize": ("Forcelayer: whole bake, into the file", "o"),
+              "chebyshev": ("with --metric chebyshev", "v"),
               "mesh-to-volume-0.5": ("meshToVolume, centers within 0.5 voxel", "s"),
               "mesh-to-volume-0.866": ("meshToVolume, within 0.866 voxel", "^"), "vtk": ("vtkVoxelModeller", "D")}
 
@@ -221,14 +224,14 @@ def bake_error(rows, _):
         for program, (label, marker) in BAKE_LOOKS.items():
             curve = [r for r in rows if (r["scene"], r["program"]) == (scene, program)]
             axis.plot([100 * r["rms_voxels"] / r["voxels"] for r in curve], values(curve, "wall_s"), marker=marker, ms=4,
-                      lw=2 if program == "voxelize" else 1, label=label)
+                      lw=2 if program in ("voxelize", "chebyshev") else 1, label=label)
         axis.set(xscale="log", yscale="log", title=scene)
         plain(axis.xaxis, (2, 1, 0.5, 0.2))
         axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
     axes[0][0].invert_xaxis()
     axes[0][0].set_ylabel("time (s)")
     figure.supxlabel("RMS error of the force layer's mid-surface, percent of the longest side", y=0.08, fontsize=9)
-    legend_below(figure, axes[0][:1], 4, 0.06)
+    legend_below(figure, axes[0][:1], 3, 0.06)
     return figure
 
 

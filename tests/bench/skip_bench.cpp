@@ -163,7 +163,7 @@ class Places {
 };
 
 // Pages of the map that were touched since forget_pages(), by the kernel's own count; none where it
-// does not tell.
+// does not tell, or tells 0, since every query reads the map.
 void forget_pages() { std::ofstream("/proc/self/clear_refs") << "1\n"; }
 
 std::optional<std::uint64_t> touched_pages(const void* mapped) {
@@ -175,7 +175,7 @@ std::optional<std::uint64_t> touched_pages(const void* mapped) {
     if (std::sscanf(line.c_str(), "%lx-%lx ", &low, &high) == 2 && line.find(": ") > 16) {
       inside = address >= low && address < high;
     } else if (inside && std::sscanf(line.c_str(), "Referenced: %lu kB", &kib) == 1) {
-      return kib / 4;
+      return kib > 0 ? std::optional<std::uint64_t>(kib / 4) : std::nullopt;
     }
   }
   return std::nullopt;
@@ -183,12 +183,13 @@ std::optional<std::uint64_t> touched_pages(const void* mapped) {
 
 struct Way {
   const char* name;
-  query::SkipOptions skip;  // clearance, super-blocks, coherence
+  query::SkipOptions skip;  // clearance, super-blocks, coherence, walls
 };
-constexpr Way kWays[] = {{"all skipping", {true, true, true}},
-                         {"no coherence", {true, true, false}},
-                         {"no super-blocks", {true, false, true}},
-                         {"no skipping", {false, false, false}}};
+constexpr Way kWays[] = {{"all skipping", {true, true, true, true}},
+                         {"no coherence", {true, true, false, true}},
+                         {"no super-blocks", {true, false, true, true}},
+                         {"no walls", {true, true, true, false}},
+                         {"no skipping", {false, false, false, false}}};
 
 Json run_way(const Way& way, const Voxmap& voxmap, const Pshell& shell,
              const std::vector<Pose>& poses, std::uint64_t& found) {

@@ -246,7 +246,7 @@ OUTCOME = [("model", text("model")), ("trials", text("trials")), ("contact frame
            ("nearest / proven, mm", lambda r: pair(r["smallest_distance_m"] and 1e3 * r["smallest_distance_m"],
                                                    1e3 * r["guaranteed_m"]))]
 
-PAPER_ROWS = {"bake_s": ("bake, s", 2), "file_bytes": ("file, MB", 2), "part_points": ("points of a part of 75 mm", 3),
+PAPER_ROWS = {"bake_s": ("bake, s", 2), "bake_cpu_s": ("bake, s of processor time", 2), "file_bytes": ("file, MB", 2), "part_points": ("points of a part of 75 mm", 3),
               "points_at_1_khz": ("points at 1 kHz", 2)}
 
 
@@ -310,7 +310,7 @@ TABLES = {
     "tree_memory": ("tree_memory", list, [
         ("scene", text("scene")), ("box, voxels", text("dims")), ("force-layer voxels", text("surface_voxels")),
         *((f"tree, N = {n}, MB", scaled(f"tree_{n}_bytes", 1e-6)) for n in (1, 2, 3, 4)),
-        ("file, MB", scaled("file_bytes", 1e-6)),
+        ("file, `--lean`, MB", scaled("file_bytes", 1e-6)), ("file, default, MB", scaled("whole_bytes", 1e-6)),
         ("bytes a force-layer voxel: `.vox` / `.vdb` / dense", lambda r: pair(
             *(r[f"{kind}_bytes"] / r["surface_voxels"] for kind in ("file", "vdb", "dense"))))]),
     "shell": ("shell", lambda rows: [r for r in rows if r["voxels"] >= 256], [
@@ -357,7 +357,7 @@ TABLES = {
         ("wedges, deg", of("wedges", "direction_deg", 1, 2)),
         ("wedges, one offset, deg", of("wedges one offset", "direction_deg", 1, 2))]),
     "force_sizes": ("force", lambda rows: [r for r in rows if r["contact"] == "flush and smooth" and r["cover"] > 0.5
-                                           and r["method"] in ("tangent plane, N/10", "level field")], [
+                                           and r["method"] in ("tangent plane, N/10", "level field", "8-bit distance")], [
         ("voxel, mm", scaled("s", 10)), ("method", text("method")), ("stiffness", scaled("stiffness", 1, 2)),
         ("bias", share("bias")), ("noise", share("noise")), ("deg", scaled("direction_deg", 1, 2)),
         ("torque", scaled("torque", 1, 2)), ("step", share("step"))]),
@@ -371,7 +371,7 @@ TABLES = {
                                 ("exact, the map's standoff", "exact, at the map's standoff")))]),
     "force_cost": ("force_cost", list, [
         ("vectors", text("vectors")), ("part", text("part")), ("field", text("field")),
-        ("collected points", text("collected_points")), ("points in the band", text("band_points")),
+        ("collected points", text("collected_points")),
         ("ns a point", scaled("ns_per_point", 1, 2)), ("every brick new, ns a point", scaled("ns_per_point_new_bricks", 1, 2)),
         ("query, us", scaled("query_us", 1, 2))]),
     "wrench": ("wrench", wrench_rows, [
@@ -390,6 +390,9 @@ TABLES = {
                                 ("exact closest points, our query", "exact points"),
                                 ("default, Euclidean layers", "Euclidean layers"), ("default, Chebyshev layers", "Chebyshev layers"),
                                 ("FCL contacts", "FCL contacts"), ("FCL distance", "FCL distance")))]),
+    "wrench_commanded": ("wrench_commanded", list, [
+        ("voxel, mm", scaled("voxel_m", 1e3)), ("presses", text("compared")), ("of more than ten contacts", text("many_contacts")),
+        ("difference, median", share("off_p50")), ("most", share("off_max"))]),
     "wrench_files": ("wrench_files", where(voxel_m=0.005), [
         ("pair", text("pair")), ("kind", text("kind")), ("file, MB", scaled("file_bytes", 1e-6, 2)),
         ("bake, ms of processor time", scaled("bake_cpu_s", 1e3, 2))]),
@@ -609,7 +612,8 @@ def summary():
             return f"{median_of(force)} in {digits(of[method]['frame, us']['p50'])} us"
         ours = of["default, distances"]
         return [f"{label}, {ours['force']['n']} cases",
-                f"{said('default, distances')}, raw {percent(ours['raw force']['p50'])}; `--metric chebyshev`: "
+                f"{said('default, distances')}, raw {percent(ours['raw force']['p50'])}; as `voxrun` runs it: "
+                f"{said('default as voxrun runs it')}; `--metric chebyshev`: "
                 f"{said('default, Chebyshev layers')}",
                 f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}", "wrench",
                 measured("wrench", ours["force"])]

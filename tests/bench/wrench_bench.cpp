@@ -22,6 +22,7 @@
 #include "tests/bench/force_bench_contacts.h"
 #include "tests/bench/force_bench_frame.h"
 #include "tests/bench/spread.h"
+#include "tests/bench/wrench_bench_commanded.h"
 #include "tests/bench/wrench_bench_level_set.h"
 #include "tests/bench/wrench_bench_meshes.h"
 #include "tests/bench/wrench_bench_pairs.h"
@@ -43,32 +44,43 @@ constexpr VoxelKind kKinds[] = {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKi
 struct Contender {
   const char* name;
   const char* skips;
-  VoxelKind kind;            // whose force layer it is judged in
-  std::size_t shifts;        // fewer where the lattice says nothing
-  bool by_ten = false;       // the truth is divided by N/10 too
-  bool has_our_unit = true;  // of force, so that it can be judged raw
+  VoxelKind kind;                // whose force layer it is judged in
+  std::size_t shifts;            // fewer where the lattice says nothing
+  Shared shared = Shared::kNot;  // how the truth's load is
+  bool has_our_unit = true;      // of force, so that it can be judged raw
 };
 constexpr std::size_t kAll = 100;
 constexpr Contender kContenders[] = {
     {"default, distances", "blocks and rows", VoxelKind::kFull, kAll},
+    {"default as voxrun runs it", "blocks and rows", VoxelKind::kFull, kAll},
+    {"default as voxrun runs it, truth shared", "blocks and rows", VoxelKind::kFull, kAll,
+     Shared::kAsDefault},
     {"default, Euclidean layers", "blocks and rows", VoxelKind::kLean, kAll},
     {"default, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
     {"level field, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
-    {"paper: tangent plane, N/10", "blocks and rows", VoxelKind::kChebyshev, kAll, true},
+    {"paper: tangent plane, N/10", "blocks and rows", VoxelKind::kChebyshev, kAll, Shared::kByTen},
     {"dense float distances, our query", "blocks and rows", VoxelKind::kFull, kAll},
+    {"dense float distances, default's slope", "blocks and rows", VoxelKind::kFull, kAll},
+    {"dense float distances, averaged", "blocks and rows", VoxelKind::kFull, kAll},
     {"exact closest points, our query", "blocks and rows", VoxelKind::kFull, kAll},
+    {"exact closest points, averaged", "blocks and rows", VoxelKind::kFull, kAll},
     {"OpenVDB level set, as people use it", "nothing", VoxelKind::kFull, kAll},
-    {"FCL contacts", "by a tree", VoxelKind::kFull, 2, false, false},
-    {"FCL distance", "by a tree", VoxelKind::kFull, 2, false, false},
-    {"Bullet contacts", "by a tree", VoxelKind::kFull, 1, false, false}};
+    {"FCL contacts", "by a tree", VoxelKind::kFull, 2, Shared::kNot, false},
+    {"FCL distance", "by a tree", VoxelKind::kFull, 2, Shared::kNot, false},
+    {"Bullet contacts", "by a tree", VoxelKind::kFull, 1, Shared::kNot, false}};
 enum Name : std::size_t {
   kDistances,
+  kShared,
+  kSharedTruth,
   kEuclidean,
   kChebyshev,
   kLevel,
   kPaper,
   kDense,
+  kDenseSlope,
+  kDenseAveraged,
   kExact,
+  kExactAveraged,
   kLevelSet,
   kFclContacts,
   kFclDistance,
@@ -173,7 +185,11 @@ class MapFrames {
                                          field::usual_force(Model::kDefault, voxmap), voxmap);
     if (!usual) throw std::runtime_error(to_line(usual.error()));
     usual_ = std::move(*usual);
-    if (kind == VoxelKind::kFull) add(kDistances, *usual_, Averaging::kDirections);
+    if (kind == VoxelKind::kFull) {
+      add(kDistances, *usual_, Averaging::kDirections);
+      add(kShared, *usual_, Averaging::kShared);
+      add(kSharedTruth, *usual_, Averaging::kShared);
+    }
     if (kind == VoxelKind::kLean) add(kEuclidean, *usual_, Averaging::kDirections);
     if (kind != VoxelKind::kChebyshev) return;
     add(kChebyshev, *usual_, Averaging::kDirections);
@@ -186,7 +202,7 @@ class MapFrames {
     auto& frame =
         frames_.emplace(method, std::make_unique<ModelFrame>(voxmap_, shell_, field, averaging))
             .first->second;
-    if (averaging != Averaging::kByTen) frame->weigh_by_area();
+    if (averaging != Averaging::kByTen && averaging != Averaging::kShared) frame->weigh_by_area();
   }
   const std::map<std::size_t, std::unique_ptr<ModelFrame>>& all() const { return frames_; }
 
@@ -201,6 +217,26 @@ class MapFrames {
 Pose pose_of(const ContactCase::Placed& placed) {
   return {placed.position_m, glm::quat_cast(placed.rotation)};
 }
+
+constexpr std::size_t kCheckedPlaces = 200;
+
+// The dense fields over one box of distances, by slope.
+struct PeerFields {
+  PeerFields(const Voxmap& voxmap, const DenseDistances& distances, double offset_m)
+      : gradient(voxmap, distances, offset_m),
+        averaged(voxmap, distances, offset_m, DenseSlope::kAveraged),
+        continuous(voxmap, distances, offset_m, DenseSlope::kContinuous) {}
+  void add_to(MapFrames& frames) const {
+    frames.add(kDense, gradient, Averaging::kNone);
+    frames.add(kDenseAveraged, averaged, Averaging::kDirections);
+    frames.add(kDenseSlope, continuous, Averaging::kNone);
+  }
+  void check() const {
+    std::mt19937_64 random(1);
+    for (const DenseField* field : {&gradient, &continuous}) field->check(kCheckedPlaces, random);
+  }
+  DenseField gradient, averaged, continuous;
+};
 
 // The exact distance at the voxel centers around the contact.
 DenseDistances distances_of(const ContactCase& contact) {
@@ -224,7 +260,7 @@ DenseDistances distances_of(const ContactCase& contact) {
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
-           int number, std::mt19937_64& random, Samples& samples) {
+           int number, std::mt19937_64& random, Samples& samples, Commanded& commanded) {
   std::map<std::size_t, Quality> qualities;
   std::map<std::size_t, double> frames_us;
   const std::mt19937_64 same = random;
@@ -236,21 +272,23 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
     const auto run = [&](std::size_t m, const auto& wrench_at) {
       qualities[m] = contact.judge(
           [&](const ContactCase::Placed& placed) { return wrench_at(pose_of(placed)); },
-          std::min(ContactCase::kShifts, kContenders[m].shifts), kContenders[m].by_ten);
+          std::min(ContactCase::kShifts, kContenders[m].shifts), kContenders[m].shared);
       frames_us[m] = frame_us(slide, wrench_at);
     };
     MapFrames maps(kind, contact.voxmap(), pshell);
     DenseDistances distances;
-    std::optional<DenseField> dense;
+    std::optional<PeerFields> dense;
     if (kind == VoxelKind::kFull) {
       distances = distances_of(contact);
       dense.emplace(contact.voxmap(), distances, contact.middle_m());
-      maps.add(kDense, *dense, Averaging::kNone);
+      dense->add_to(maps);
     }
     for (const auto& [m, frame] : maps.all()) {
       run(m, [&frame = *frame](const Pose& pose) { return frame.at(pose); });
     }
     if (kind != VoxelKind::kFull) continue;
+    const glm::dvec3 out = maps.all().at(kDistances)->at(slide.front()).force_n;
+    commanded.see(contact.voxmap(), pshell, slide.front(), -glm::normalize(out));
     const LevelSetFrame level_set(distances, shells.tested, s, contact.middle_m());
     run(kLevelSet, [&](const Pose& pose) { return level_set.at(pose); });
     const double deviation_m = kDeviationVoxels * s;
@@ -288,8 +326,8 @@ struct PairMap {
 
   Voxmap voxmap;
   DenseDistances distances;
-  std::optional<DenseField> dense;
-  std::optional<ExactField> exact;
+  std::optional<PeerFields> dense;
+  std::optional<ExactField> exact, exact_averaged;
   std::optional<LevelSetFrame> level_set;
   std::optional<MapFrames> frames;
 };
@@ -301,7 +339,7 @@ void judge(const PairContact& contact, const PairPart& part, const ExactDistance
   const auto run = [&](std::size_t m, const PairContact::WrenchAt& wrench_at) {
     const Contender& method = kContenders[m];
     qualities[m] = contact.judge(method.kind, wrench_at,
-                                 std::min(PairContact::kShifts, method.shifts), method.by_ten);
+                                 std::min(PairContact::kShifts, method.shifts), method.shared);
     if (!timed) return;
     frames_us[m] =
         frame_us(contact.frames(method.kind), [&](const Pose& pose) { return wrench_at(0, pose); });
@@ -317,9 +355,13 @@ void judge(const PairContact& contact, const PairPart& part, const ExactDistance
       here.distances = contact.distances(i);
       here.dense.emplace(here.voxmap, here.distances, offset_m);
       here.exact.emplace(here.voxmap, distance, contact.world_from_scene(i), offset_m);
+      here.exact_averaged.emplace(here.voxmap, distance, contact.world_from_scene(i), offset_m,
+                                  true);
       here.level_set.emplace(here.distances, part.tested, s, offset_m);
-      here.frames->add(kDense, *here.dense, Averaging::kNone);
+      here.dense->add_to(*here.frames);
+      if (timed && i == 0) here.dense->check();
       here.frames->add(kExact, *here.exact, Averaging::kNone);
+      here.frames->add(kExactAveraged, *here.exact_averaged, Averaging::kDirections);
     }
     for (const auto& [m, first] : at[0]->frames->all()) {
       run(m, [&, method = m](std::size_t i, const Pose& pose) {
@@ -343,11 +385,10 @@ void judge(const PairContact& contact, const PairPart& part, const ExactDistance
 }
 
 constexpr int kTimedEvery = 10;  // cases
-constexpr std::size_t kCheckedPlaces = 200;
 
 // The deviation of the colliders' offset surfaces is returned, in voxels.
 double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samples& samples,
-             Json& points) {
+             Json& points, Commanded& commanded) {
   std::mt19937_64 random(seed);
   const PairPart part(pair, s);
   points[pair.name] = part.tested.points_m.size();
@@ -365,6 +406,11 @@ double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samp
     std::map<std::size_t, double> frames_us;
     judge(contact, part, distance, *colliders, s, timed, qualities, frames_us);
     if (timed) deviation_m = std::max(deviation_m, contact.offset_mesh_deviation_m(offset_mesh));
+    if (timed) {
+      const std::vector<Pose> line = contact.frames(VoxelKind::kFull);
+      commanded.see(contact.bake(VoxelKind::kFull, 0, true), part.shell, line.front(),
+                    glm::normalize(line.back().position_m - line.front().position_m));
+    }
     if (number == 0) {  // a map around the contact tells what the whole one does
       judge(contact, part, distance, *colliders, s, false, cropped, frames_us);
       for (const auto& [m, quality] : cropped) {
@@ -444,31 +490,45 @@ Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
     points[kPartNames[static_cast<int>(part)]] = shells[part].tested.points_m.size();
   }
   Samples samples;
+  Commanded commanded;
   std::mt19937_64 random(20260101);
   for (const Combination& combination : wide_combinations()) {
     if (combination.standoff) continue;  // judged by what the map holds: for our fields alone
     if (!choice.wants(combination.name)) continue;
     for (int i = 0; i < choice.orientations; ++i) {
       judge(combination, shells[combination.part], pshells.at(combination.part), s, i, random,
-            samples);
+            samples, commanded);
     }
   }
   double deviation_voxels = 0;
   for (const MeshPair& pair : pairs) {
     // One seed, so that every choice of sizes, pairs and cases begins with the same contacts.
-    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, points);
+    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, points, commanded);
     deviation_voxels = std::max(deviation_voxels, deviated);
     files[pair.name] = files_of(pair, s);
   }
   Json groups;
   for (const auto& [group, methods] : samples.groups) groups[group] = to_json(methods);
-  std::printf("s = %g (%g mm)\n", units, 1000 * s);
+  const std::vector<double>& off = commanded.off();
+  std::printf("s = %g (%g mm)", units, 1000 * s);
+  if (!off.empty()) {
+    std::printf(
+        "; the step's wrench at rest, %zu times, %zu of more than ten contacts: off by %.1g, "
+        "at most %.1g",
+        off.size(), commanded.many(), percentiles(off).p50, percentiles(off).max);
+  }
+  std::printf("\n");
   for (const char* group : kGroups) {
     if (groups.contains(group)) print(group, groups[group]);
   }
   return {{"voxel_size_m", s},
           {"shell_points", points},
           {"pair_offset_deviation_voxels", deviation_voxels},
+          {"commanded",
+           {{"compared", off.size()},
+            {"many_contacts", commanded.many()},
+            {"off_p50", off.empty() ? Json(nullptr) : Json(percentiles(off).p50)},
+            {"off_max", off.empty() ? Json(nullptr) : Json(percentiles(off).max)}}},
           {"files", files},
           {"contacts", groups},
           {"cases", samples.cases}};

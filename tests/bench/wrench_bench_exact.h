@@ -37,26 +37,29 @@ class ExactDistance {
   part::TriangleTree tree_;
 };
 
-// Depth below the surface at `offset_m` from the mesh, along the gradient of the distance.
+// Depth below the surface at `offset_m` from the mesh, along the gradient of the distance; or that
+// gradient averaged over contacts, as average_directions() does.
 class ExactField final : public field::ForceField {
  public:
   // Map and distance must outlive the field.
   ExactField(const Voxmap& voxmap, const ExactDistance& distance, const Pose& world_from_mesh,
-             double offset_m)
+             double offset_m, bool averaged = false)
       : voxmap_(voxmap),
         distance_(distance),
         world_from_mesh_(world_from_mesh),
-        offset_m_(offset_m) {}
+        offset_m_(offset_m),
+        averaged_(averaged) {}
 
   void measure(const query::CollectedPoints& points,
                field::FieldSamples& samples) const noexcept override;
-  bool has_exact_slopes() const noexcept override { return true; }
+  bool has_exact_slopes() const noexcept override { return !averaged_; }
 
  private:
   const Voxmap& voxmap_;
   const ExactDistance& distance_;
   Pose world_from_mesh_;
   double offset_m_;
+  bool averaged_;
 };
 
 }  // namespace forcelayer::bench

@@ -357,7 +357,7 @@ DenseDistances PairContact::distances(std::size_t shift) const {
 }
 
 Quality PairContact::judge(VoxelKind kind, const WrenchAt& wrench_at, std::size_t shifts,
-                           bool by_ten) const {
+                           Shared shared) const {
   const Layer& through = layer(kind);
   bench::Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d) {
@@ -369,10 +369,7 @@ Quality PairContact::judge(VoxelKind kind, const WrenchAt& wrench_at, std::size_
     }
   }
   const TruthAt truth_at = [&](std::size_t d, double offset_m) {
-    Wrench w = through.truth[d].wrench_at(offset_m);
-    const double points = through.truth[d].area_at(offset_m);
-    if (by_ten && points >= 10) w.force_n *= 10 / points, w.torque_nm *= 10 / points;
-    return w;
+    return shared_truth(through.truth[d], offset_m, shared, s_);
   };
   std::vector<double> offsets_m;
   const double reach_m = kFitThicknesses * thickness_m_;

@@ -73,10 +73,9 @@ class PairContact {
 
   // The wrench at world_from_center with the scene at a shift, world axes, about the center.
   using WrenchAt = std::function<Wrench(std::size_t shift, const Pose& world_from_center)>;
-  // Judges the force in voxels of a kind, at the first so many shifts. `by_ten`: the truth too is
-  // divided by N/10, N the points that the contact area stands for.
+  // Judges the force in voxels of a kind, at the first so many shifts. `shared`: how the truth is.
   Quality judge(test::VoxelKind kind, const WrenchAt& wrench_at, std::size_t shifts = kShifts,
-                bool by_ten = false) const;
+                Shared shared = Shared::kNot) const;
 
   // World poses along the line at shift 0, through the force layer of a kind, kFrames of them.
   std::vector<Pose> frames(test::VoxelKind kind) const;
