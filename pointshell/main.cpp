@@ -173,7 +173,7 @@ void warn(const Arguments& arguments, const std::string& text) {
 
 // Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
 Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
-                             std::vector<std::string>& warnings) {
+                             std::vector<std::string>& warnings, command::ProgressLine& progress) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
   const auto reader = arguments.trust.reader();
@@ -182,6 +182,9 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
   options.deflection_m = mesh::baked_deflection_m(voxel_size_m);
   options.missing_faces = arguments.missing_faces;
   options.without = arguments.without;
+  options.progress = [&](const mesh::ReadingProgress& file) {
+    progress.show("read", file.share_done);
+  };
   auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
   warnings = std::move(files->warnings);
@@ -228,7 +231,7 @@ Status bake_command(const Arguments& arguments) {
   command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
   std::vector<std::string> warnings;
-  auto part = load_part(arguments, options->voxel_size_m, warnings);
+  auto part = load_part(arguments, options->voxel_size_m, warnings, progress);
   if (!part) return part.error();
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
   if (!imprecise.empty()) {
@@ -308,7 +311,9 @@ Status verify_command(const Arguments& arguments) {
   const auto shell = Pshell::open(arguments.shell, Verify::kStructureAndChecksums);
   if (!shell) return shell.error();
   std::vector<std::string> warnings;
-  const auto part = load_part(arguments, shell->header().voxel_size_m, warnings);
+  command::ProgressLine progress(arguments.quiet);
+  const auto part = load_part(arguments, shell->header().voxel_size_m, warnings, progress);
+  progress.clear();
   if (!part) return part.error();
   certificate::CoveringProof proof;
   certificate::LossProof losses;

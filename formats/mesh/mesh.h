@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -90,12 +91,20 @@ struct Assembly {
 inline constexpr std::uint64_t kMostMeasuredVertices = 200'000'000;
 void measure_instances(Assembly& assembly);
 
+// How far the reading of a file with exact surfaces is: told before they are tessellated, and then
+// after each node.
+struct ReadingProgress {
+  double share_done = 0;
+  double expected_triangles = 0;  // of the whole file, forecast
+};
+
 struct ReadOptions {
   double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES); 0: by their size
   bool allow_outside = false;  // whether a glTF or STEP file may name files elsewhere
   std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
   std::vector<std::string> nodes = {};    // those read, with all below; empty: all
   std::vector<std::string> without = {};  // nodes left out, with all below
+  std::function<void(const ReadingProgress&)> progress = {};  // of STEP and IGES; may be empty
 };
 
 // A ten-thousandth of each surface's size, and no finer than 0.1 mm: what a listing needs. A plant

@@ -134,6 +134,11 @@ Result<std::uint32_t> SceneReader::assembly_of(const Placing& placing) {
   options.missing_faces = reading_.missing_faces;
   options.nodes = nodes_wanted_of(path);
   options.without = without_;
+  options.progress = [this](const ReadingProgress& file) {
+    if (!reading_.progress) return;
+    reading_.progress((static_cast<double>(number_) + file.share_done) /
+                      static_cast<double>(placings_.size()));
+  };
   auto assembly = reading_.read(path, options);
   if (!assembly) return assembly.error();
   for (const std::string& warning : assembly->warnings) {

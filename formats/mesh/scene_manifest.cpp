@@ -10,6 +10,7 @@
 
 #include "formats/command/quantity.h"
 #include "formats/file/mapped_file.h"
+#include "formats/mesh/unique_keys.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -256,7 +257,9 @@ Result<Manifest> read_manifest(const std::string& path) {
   if (!file) return file.error();
   const auto* first = reinterpret_cast<const char*>(file->bytes().data());
   try {
-    const Json json = Json::parse(first, first + file->bytes().size());
+    std::string repeated;
+    const Json json = parse_json<Json>(std::string_view(first, file->bytes().size()), repeated);
+    if (!repeated.empty()) throw BadKey{repeated, "stands twice in one object", "keep one"};
     return read_fields(json, std::filesystem::path(path).parent_path());
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),

@@ -23,9 +23,8 @@ Json rest_table(std::uint64_t trials);
 Json table2(std::uint64_t contact_frames);
 // The paper's model in the same collisions, by its field stiffness.
 Json field_sweep(std::uint64_t contact_frames);
-// Random hands in congested scenes, the default model, until `frames` are counted. A journal, where
-// a path is given, keeps the trials that are done, and is gone on from.
-Json random_hands(std::uint64_t frames, const std::string& journal_path);
+// Random hands in congested scenes, the default model, until `frames` are counted.
+Json random_hands(std::uint64_t frames);
 // Quiet, moving and unstable settings: stiffness, mass and rate; a prescribed handle.
 Json setting_map();
 // The same loop closed by a simulated hand and device, beside the bounds that defaults obey.

@@ -51,7 +51,8 @@ runtime/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step/entities: formats formats/mesh
-formats/mesh/step:      formats formats/mesh formats/mesh/step/entities
+formats/mesh/step/cost: formats
+formats/mesh/step:      formats formats/mesh formats/mesh/step/cost formats/mesh/step/entities
 formats/mesh/readers:   formats formats/mesh
 pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query

@@ -159,6 +159,14 @@ TEST(DamagedGltf, SaysWhichNodesThereAre) {
                "several nodes of this name; use one of: root/a, root/b/a");
 }
 
+// A parser keeps one of two values, and drops the faces of the other.
+TEST(DamagedGltf, SaysWhichKeyStandsTwice) {
+  expect_error(read_changed(R"("nodes":)", R"("nodes":[{"mesh":0}],"nodes":)"), kUnreadable, "JSON",
+               "the key 'nodes' twice");
+  expect_error(read_changed(R"("indices":1)", R"("indices":1,"indices":1)"), kUnreadable, "JSON",
+               "the key 'indices' twice");
+}
+
 TEST(DamagedGltf, WithoutTrianglesIsEmpty) {
   expect_error(read_nodes(R"([{"name":"nothing"}])"), ErrorCode::kMeshEmpty, "", "no node");
   expect_error(read_changed(R"("indices":1)", R"("mode":0)"), ErrorCode::kMeshEmpty, "",
@@ -174,6 +182,8 @@ TEST(DamagedGltf, NamesTheBufferThatIsMissing) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
   EXPECT_NE(missing.error().file.find("nothing.bin"), std::string::npos);
+  EXPECT_TRUE(missing.error().where.starts_with("buffers[0] of ")) << missing.error().where;
+  EXPECT_TRUE(missing.error().where.ends_with(".gltf")) << missing.error().where;
   expect_error(with_uri("https://example.org/a.bin"), kUnsupported, "buffers[0]", "local file");
   expect_error(with_uri("data:;base64,!!!!"), kUnreadable, "buffers[0]", "not base64");
   expect_error(with_uri("data:;base64,AAAA"), kIncomplete, "buffers[0]", "has 3");

@@ -149,5 +149,16 @@ TEST(SmallFiles, ManifestsToo) {
   }
 }
 
+// Of two lists of parts a parser keeps one.
+TEST(SmallFiles, ManifestsWithAKeyTwiceAreRefused) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "scene.json")
+      << R"({"voxel_size": "1mm", "parts": [{"mesh": "a.stl"}], "parts": [{"mesh": "b.stl"}]})";
+  const auto manifest = mesh::read_manifest((folder / "scene.json").string());
+  ASSERT_FALSE(manifest);
+  EXPECT_EQ(manifest.error().where, "parts");
+  EXPECT_EQ(manifest.error().what, "stands twice in one object");
+}
+
 }  // namespace
 }  // namespace forcelayer

@@ -338,6 +338,13 @@ TEST(GltfReader, TakesTheWeightsOfANodeBeforeThoseOfItsMesh) {
                                 "node1: morph targets applied with their default weights 0, 0.5"}));
 }
 
+TEST(GltfReader, NamesTheNodesThatAScaleMakesFlat) {
+  const mesh::Assembly flat = read_nodes(R"([{"name":"lid","mesh":0,"scale":[1,0,1]}])");
+  EXPECT_EQ(flat.warnings,
+            (std::vector<std::string>{"lid: a scale of 0 makes it flat, or a point"}));
+  EXPECT_TRUE(read_nodes(R"([{"name":"lid","mesh":0,"scale":[1,-1e-6,1]}])").warnings.empty());
+}
+
 TEST(GltfReader, NamesTheNodesWithASkin) {
   const mesh::Assembly skinned = read_nodes(R"([{"name":"arm","mesh":0,"skin":0}])");
   ASSERT_EQ(skinned.warnings.size(), 1u);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <string_view>
 
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/scene.h"
@@ -15,12 +16,19 @@
 
 #ifdef FORCELAYER_STEP
 #include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepTools.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_Plane.hxx>
 #include <Poly_Triangulation.hxx>
 #include <TopExp_Explorer.hxx>
 
 #include "formats/mesh/step/edge_cover.h"
+#include "formats/mesh/step/holes.h"
+#include "formats/mesh/step/sliver.h"
 #include "formats/mesh/step/tessellator.h"
 #include "tests/support/places.h"
 #include "tests/support/step_shapes.h"
@@ -199,6 +207,81 @@ double distance_to(const mesh::Mesh& mesh, const gp_XYZ& place) {
     nearest = std::min(nearest, mesh::distance_to_triangle(place, triangle));
   }
   return nearest;
+}
+
+// A face that has lost an edge of its outline: what is left of that has no area.
+TEST(StepTessellator, DoesNotTakeAnOpenOutlineForOneWithoutArea) {
+  BRepBuilderAPI_MakeWire wire;
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(10, 0, 0)));
+  const BRep_Builder builder;
+  TopoDS_Face face;
+  builder.MakeFace(face, new Geom_Plane(gp_Pln()), 1e-7);
+  builder.Add(face, wire.Wire());
+  EXPECT_GT(mesh::reach_from_edges(face, 0.01), 9);
+}
+
+// A pyramid stands on its tip. Of the squares of its base random ones are taken out: no middle of
+// those is farther from what is left.
+TEST(StepHoles, ReachAsFarAsWhatIsMissing) {
+  constexpr std::uint32_t kSeed = 72, kSquares = 8, kRow = kSquares + 1, kRounds = 40;
+  for (std::uint32_t round = 0; round < kRounds; ++round) {
+    Random random(kSeed + round);
+    const std::int64_t tenths = integer(random, 1, 9);
+    mesh::Mesh pyramid;
+    for (std::uint32_t i = 0; i < kRow; ++i) {
+      for (std::uint32_t j = 0; j < kRow; ++j)
+        pyramid.vertices.push_back({1.0 * i, 3.0 * j, 0.5 * i});
+    }
+    const std::uint32_t tip = kRow * kRow;
+    pyramid.vertices.push_back({4, 12, -1000});
+    for (std::uint32_t i = 0; i < kSquares; ++i) {
+      const std::uint32_t far = kSquares * kRow;
+      pyramid.triangles.push_back({i + 1, i, tip});
+      pyramid.triangles.push_back({far + i, far + i + 1, tip});
+      pyramid.triangles.push_back({i * kRow, (i + 1) * kRow, tip});
+      pyramid.triangles.push_back({(i + 1) * kRow + kSquares, i * kRow + kSquares, tip});
+    }
+    mesh::Mesh whole = pyramid;
+    std::vector<gp_XYZ> missing;
+    for (std::uint32_t i = 0; i < kSquares; ++i) {
+      for (std::uint32_t j = 0; j < kSquares; ++j) {
+        const std::uint32_t a = i * kRow + j, b = a + kRow;
+        const bool is_left = integer(random, 0, 9) >= tenths;
+        for (mesh::Mesh* mesh : {&whole, &pyramid}) {
+          if (mesh == &pyramid && !is_left) continue;
+          mesh->triangles.push_back({a, b + 1, b});
+          mesh->triangles.push_back({a, a + 1, b + 1});
+        }
+        if (!is_left) missing.emplace_back(i + 0.5, 3 * (j + 0.5), 0.5 * (i + 0.5));
+      }
+    }
+    EXPECT_EQ(mesh::widest_hole(whole), 0);
+    const double reach = mesh::widest_hole(pyramid);
+    for (const gp_XYZ& place : missing) {
+      EXPECT_LE(distance_to(pyramid, place), reach + 1e-12) << "seed " << kSeed + round;
+    }
+    EXPECT_LE(reach, 13);  // half across the base
+  }
+}
+
+TEST(StepForecast, IsWithinAFactorOfTwo) {
+  for (const auto& [name, shape] :
+       {std::pair<const char*, TopoDS_Shape>{"box", BRepPrimAPI_MakeBox(10, 20, 30).Shape()},
+        {"cylinder", BRepPrimAPI_MakeCylinder(10, 30).Shape()},
+        {"sphere", BRepPrimAPI_MakeSphere(20).Shape()},
+        {"torus", BRepPrimAPI_MakeTorus(30, 5).Shape()},
+        {"waves", BRepBuilderAPI_MakeFace(wavy_surface(12), 1e-6).Face()}}) {
+    const bool is_large = std::string_view(name) == "waves";
+    for (const double deflection : {is_large ? 8 : 0.5, is_large ? 4 : 0.1, is_large ? 2 : 0.02}) {
+      mesh::StepTessellator tessellator(kFile, deflection);
+      const double forecast = tessellator.forecast(shape);
+      BRepTools::Clean(shape);
+      const auto made =
+          static_cast<double>(tessellator.tessellate(shape, name).mesh.triangles.size());
+      EXPECT_LE(forecast, 2 * made) << name << " at " << deflection;
+      EXPECT_GE(forecast, made / 2) << name << " at " << deflection;
+    }
+  }
 }
 
 TEST(StepTessellator, ProvesHowFarTheTrianglesOfAFreeFormSurfaceLie) {

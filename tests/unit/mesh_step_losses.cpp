@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "formats/mesh/mesh_facts.h"
 #include "tests/support/models.h"
@@ -185,6 +186,24 @@ TEST(StepLosses, NoUnitOfLengthIsTold) {
   EXPECT_TRUE(warnings_of(box, ".step").empty());
 }
 
+// OpenCASCADE takes each of them for a meter.
+TEST(StepLosses, AnOddUnitIsTold) {
+  const std::string box = step_box();
+  for (const char* unit : {"SI_UNIT(.MILLI.,.SECOND.)", "SI_UNIT(.MILLI.)",
+                           "SI_UNIT(.METRE.,.MILLI.)", "SI_UNIT(.SECOND.,.METRE.)"}) {
+    const auto warnings =
+        warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step");
+    ASSERT_EQ(warnings.size(), 1u) << unit;
+    expect_in(" is no sensible unit of length: look at the size", warnings[0]);
+  }
+  const auto angle = warnings_of(replaced(box, ".RADIAN.", ".SECOND."), ".step");
+  ASSERT_EQ(angle.size(), 1u);
+  expect_in(" is no sensible unit of angle", angle[0]);
+  for (const char* unit : {"SI_UNIT($,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"}) {
+    EXPECT_TRUE(warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step").empty());
+  }
+}
+
 TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
   const std::string box = iges_box(true);
   EXPECT_TRUE(warnings_of(box, ".igs").empty());
@@ -290,6 +309,19 @@ TEST(StepLosses, MappedItemsAreReadOrNamed) {
   }
 }
 
+// OpenCASCADE crashes on it where it reads properties.
+TEST(StepLosses, ADamagedPropertyLosesNoShape) {
+  const ScratchFolder folder;
+  const auto box = mesh::read_assembly(write_file(
+      folder / "a.step",
+      with_entities(step_box(),
+                    "#9001=PROPERTY_DEFINITION('geometric validation property','area "
+                    "measure',#4);\n#9002=PROPERTY_DEFINITION_REPRESENTATION(#9001,$);\n")));
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 12u);
+  EXPECT_TRUE(box->warnings.empty());
+}
+
 TEST(StepLosses, OccurrencesWithoutAPlacing) {
   const ScratchFolder folder;
   run_in(folder.path(), "make_step_assembly clamp.step");
@@ -300,6 +332,11 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
   expect_in(
       "NEXT_ASSEMBLY_USAGE_OCCURRENCE",
       step_error(replaced(clamp, R"(#\d+ = CONTEXT_DEPENDENT_SHAPE_REPRESENTATION[^;]*;)", "")));
+  // Nor where the occurrence is not there, and its placing is of nothing.
+  expect_in(
+      " CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
+      step_error(replaced(
+          clamp, R"(#\d+ = NEXT_ASSEMBLY_USAGE_OCCURRENCE\([^;]*'bracket-assembly_2'[^;]*;)", "")));
   // The second of two occurrences of the bracket assembly: the faces of the first are there.
   const std::size_t second = clamp.find("'bracket-assembly_2'");
   ASSERT_NE(second, std::string::npos);
@@ -324,7 +361,7 @@ TEST(IgesLosses, ADamagedSurfaceOfACube) {
   expect_in(lost, iges_error(with_parameters(box, 19, "144,27,1,0,23;")));
   expect_in(lost, iges_error(with_type(box, 21, "999")));
   // Of a face that is not a face any more, its boundary tells.
-  expect_in("1 face with the boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
+  expect_in("1 faceless boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
   expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
 }
 
@@ -405,6 +442,18 @@ TEST(IgesLosses, AnEdgeThatOnlyItsToleranceTiesIsTold) {
   EXPECT_GE(box->deviation_units, 10);
 }
 
+// OpenCASCADE leaves a triangle of twelve out, and takes the edge for 3.33 mm off.
+TEST(IgesLosses, AHoleBesideADamagedEdgeIsTold) {
+  const ScratchFolder folder;
+  const std::string text = with_parameters(iges_box(true), 39, "110,0.,0.,30.,10.,0.,15.;");
+  const auto box = mesh::read_assembly(write_file(folder / "a.igs", text));
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 11u);
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("an edge lies up to 4.74 mm from its faces", box->warnings[0]);
+  EXPECT_GE(box->deviation_units, 4.74);
+}
+
 // The line ends 0.9 mm beside the corner, and the reader bends it.
 TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   const ScratchFolder folder;
@@ -416,7 +465,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
       "6 loose faces sewn where edges are within 0.05 mm of each other; the joined edges lie up to "
-      "0.473 mm from their faces, and the guarantee is less by it; look whether an edge is damaged",
+      "0.473 mm from their faces, and the guarantee is less by it; 3 edges of them still open; "
+      "look "
+      "whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -445,6 +496,156 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
+}
+
+// The group (type 402) of the six faces lists five, none, one twice, or is no group any more.
+TEST(IgesLosses, ABodyThatIsInSeveralNodesIsReadAsOne) {
+  const ScratchFolder folder;
+  const std::string box = iges_box(false);
+  for (const auto& [text, others] :
+       {std::pair{with_parameters(box, 1, "402,5,3,19,35,51,67,83;"), "1 other node (FACE)"},
+        {with_parameters(box, 1, "402,6,3,3,35,51,67,83;"), "1 other node (FACE)"},
+        {with_parameters(box, 1, "402,3,3,19,35;"), "3 other nodes (FACE, ...)"},
+        {with_parameters(box, 1, "402,x,3,19,35,51,67,83;"), "5 other nodes (FACE[2], ...)"},
+        {with_type(box, 1, "999"), "5 other nodes (FACE[2], ...)"}}) {
+    const auto body = mesh::read_assembly(write_file(folder / "a.igs", text));
+    ASSERT_TRUE(body) << to_line(body.error());
+    ASSERT_EQ(body->instances.size(), 1u);
+    EXPECT_EQ(body->triangle_count(), 12u);
+    const mesh::MeshFacts facts = mesh::mesh_facts(body->meshes[0]);
+    EXPECT_TRUE(facts.closed);
+    EXPECT_NEAR(std::abs(facts.signed_volume), 6000, 1e-6);
+    expect_in(others + std::string(" whose faces meet it at open edges read as one with it"),
+              body->warnings.at(0));
+  }
+  // Its nodes stay: each can be read alone, and left out.
+  const std::string path = (folder / "a.igs").string();
+  EXPECT_EQ(mesh::read_assembly(path + "#FACE[2]")->triangle_count(), 2u);
+  EXPECT_EQ(mesh::read_assembly(path, {.without = {"FACE[2]"}})->triangle_count(), 10u);
+}
+
+TEST(IgesLosses, ClosedBodiesThatTouchStayNodes) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file two.igs two");
+  const auto two = mesh::read_assembly((folder / "two.igs").string());
+  ASSERT_TRUE(two) << to_line(two.error());
+  ASSERT_EQ(two->instances.size(), 2u);
+  for (const mesh::Mesh& mesh : two->meshes) EXPECT_TRUE(mesh::mesh_facts(mesh).closed);
+  // Without their groups (entries 1 and 99) all twelve faces are nodes, and meet.
+  const std::string text = read_text((folder / "two.igs").string());
+  const auto bare = mesh::read_assembly(
+      write_file(folder / "a.igs", with_type(with_type(text, 1, "999"), 99, "999")));
+  ASSERT_TRUE(bare) << to_line(bare.error());
+  EXPECT_EQ(bare->triangle_count(), 24u);
+}
+
+// OpenCASCADE crashes on each: a face or loop without parameters, a list that is too long, an edge
+// whose line has no numbers.
+TEST(IgesLosses, WhatOpenCascadeCrashesOnLeavesAWayOut) {
+  const ScratchFolder folder;
+  const std::string box = iges_box(true);
+  for (const auto& [text, name, faces] :
+       {std::tuple{with_parameters(box, 45, "510;"), "1 of 6 faces: D45 (type 510)", 5u},
+        {with_parameters(box, 5, "510;"), "1 of 6 faces: D5 (type 510)", 5u},
+        {with_parameters(box, 15, "508,8,0,17,1,0,0,0,17,2,1,0;"), "D15 (type 508)", 5u},
+        {with_parameters(box, 37, "110;"), "2 damaged entities: D67 (type 508), D91", 4u}}) {
+    expect_in(name, iges_error(text));
+    const auto accepted =
+        mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 3});
+    ASSERT_TRUE(accepted) << to_line(accepted.error());
+    EXPECT_EQ(accepted->triangle_count(), 2 * faces);
+  }
+  // Boundaries that refer to themselves fill its stack.
+  const std::string loose = iges_box(false);
+  for (const auto& [text, name] :
+       {std::pair{with_parameters(loose, 7, "142,0,5,0,7,2;"), "D3 (type 144)"},
+        {with_parameters(loose, 19, "144,19,1,0,23;"), "D19 (type 144)"}}) {
+    expect_in(name, iges_error(text));
+    const auto rest = mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 1});
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    EXPECT_EQ(rest->triangle_count(), 10u);
+  }
+  // Where the shell is none, its faces are read, and belong together.
+  const auto body = mesh::read_assembly(write_file(folder / "a.igs", with_type(box, 3, "999")));
+  ASSERT_TRUE(body) << to_line(body.error());
+  ASSERT_EQ(body->meshes.size(), 1u);
+  EXPECT_TRUE(mesh::mesh_facts(body->meshes[0]).closed);
+}
+
+TEST(StepLosses, ACrashOfOpenCascadeNamesItsEntity) {
+  const ScratchFolder folder;
+  const std::string text =
+      replaced(step_box(), R"(SURFACE_CURVE\('',(#\d+),\([^)]*\))", "SURFACE_CURVE('',$1,()");
+  const auto assembly = mesh::read_assembly(write_file(folder / "a.step", text));
+  ASSERT_FALSE(assembly);
+  const std::string line = to_line(assembly.error());
+  EXPECT_TRUE(std::regex_search(line, std::regex(R"(OpenCASCADE crashes on #\d+ SURFACE_CURVE;)")))
+      << line;
+}
+
+// No way out is offered that leaves nothing: neither where all is lost, nor the only node.
+TEST(StepLosses, NoWayOutLeadsToNothing) {
+  const std::string box = step_box();
+  const auto all = std::regex_replace(box, std::regex(R"(ADVANCED_FACE\('',\((#\d+)\),#\d+)"),
+                                      "ADVANCED_FACE('',($1),#99999");
+  const std::string none = step_error(all),
+                    one = step_error(replaced(box, R"(ADVANCED_FACE\('',\((#\d+)\),#\d+)",
+                                              "ADVANCED_FACE('',($1),#99999"));
+  expect_in("could not read 6 of 6 faces", none);
+  expect_in("no other face is in this file", none);
+  EXPECT_EQ(none.find("--missing-faces"), std::string::npos) << none;
+  expect_in("or accept the holes with --missing-faces 1", one);
+  EXPECT_EQ(one.find("--without"), std::string::npos) << one;
+  const ScratchFolder folder;
+  const auto accepted =
+      mesh::read_assembly(write_file(folder / "a.step", all), {.missing_faces = 40});
+  ASSERT_FALSE(accepted);
+  expect_in("none of its faces can be read", to_line(accepted.error()));
+}
+
+// A loss of one of several nodes belongs to that node, and goes with it.
+TEST(IgesLosses, BelongToTheirNodes) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file two.igs two");
+  const std::string two = read_text((folder / "two.igs").string());
+  for (const auto& [surface, node] : {std::pair{21, "COMPOUND"}, {119, "COMPOUND[2]"}}) {
+    const std::string path =
+        write_file(folder / "a.igs", with_parameters(two, surface, "108,x,y,z;"));
+    const auto refused = mesh::read_assembly(path);
+    ASSERT_FALSE(refused);
+    expect_in(node + std::string(": OpenCASCADE could not read 1 of 12 faces"),
+              to_line(refused.error()));
+    const auto rest = mesh::read_assembly(path, {.without = {node}});
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    EXPECT_EQ(rest->triangle_count(), 12u);
+  }
+}
+
+// A bore whose loop lists an edge of elsewhere gets no triangles: 76 of 620 are missing.
+TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step");
+  const auto bracket = mesh::read_assembly(write_file(
+      folder / "a.step", replaced(clamp, R"((#1750 = EDGE_LOOP\('',\()#1751)", "$1#81")));
+  ASSERT_TRUE(bracket) << to_line(bracket.error());
+  ASSERT_EQ(bracket->warnings.size(), 2u);
+  expect_in("#822 MANIFOLD_SOLID_BREP does not close: 2 edges of one face only",
+            bracket->warnings[0]);
+  expect_in("bracket_1: an edge lies up to 5 mm from its faces", bracket->warnings[1]);
+  EXPECT_GE(bracket->deviation_units, 5);
+}
+
+TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
+  const ScratchFolder folder;
+  const std::string path =
+      write_file(folder / "a.igs",
+                 with_parameters(iges_box(true), 15, "508,3,0,17,1,0,0,0,17,2,1,0,0,17,3,1,0;"));
+  const auto box = mesh::read_assembly(path);
+  ASSERT_TRUE(box) << to_line(box.error());
+  EXPECT_EQ(box->triangle_count(), 12u);
+  ASSERT_EQ(box->warnings.size(), 1u);
+  expect_in("D1 (type 186) does not close: 1 edge of one face only", box->warnings[0]);
 }
 
 TEST(StepLosses, AFileThatCannotBeParsedSaysWhy) {

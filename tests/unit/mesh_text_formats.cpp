@@ -72,6 +72,16 @@ TEST(ObjReader, WarnsOfLinesAndPoints) {
   EXPECT_NE(assembly->warnings[0].find("2 line or point elements left out"), std::string::npos);
 }
 
+TEST(ObjReader, NamesStatementsThatOBJDoesNotHave) {
+  const std::string sound = "# box\nmtllib a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1 2 3\n";
+  EXPECT_TRUE(read_bytes(sound + "#end\nusemtl red\n\n", ".obj")->warnings.empty());
+  const auto odd = read_bytes(sound + "F 1 2 3\n 3 2 1\n", ".obj");
+  ASSERT_TRUE(odd) << to_line(odd.error());
+  EXPECT_EQ(odd->warnings,
+            (std::vector<std::string>{
+                "2 statements left out that OBJ does not have: 'F' in line 8, ..."}));
+}
+
 TEST(OffReader, TakesItsHeadersAndComments) {
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   for (const std::string header :

@@ -188,6 +188,7 @@ Digest MeshOutline::digest() const {
 
 Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
   File file{path, options, {}, {}, {}, {}};
+  file.options.progress = nullptr;  // whoever listens now may be gone when it is read again
   std::optional<Digest> key;
   if (cache_ != nullptr) key = assembly_key(path, options);
   if (key) {

@@ -8,6 +8,7 @@
 
 #include "formats/mesh/confined_path.h"
 #include "formats/mesh/readers/meshopt_view.h"
+#include "formats/mesh/unique_keys.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -131,12 +132,18 @@ std::string_view GltfDocument::take_apart_glb(std::string_view& binary) const {
 }
 
 void GltfDocument::parse_json(std::string_view text) {
+  std::string repeated;
   try {
-    json_ = nlohmann::json::parse(text);
+    json_ = mesh::parse_json<nlohmann::json>(text, repeated);
   } catch (const nlohmann::json::parse_error& error) {
     fail(ErrorCode::kMeshUnreadable, "JSON " + at_byte(error.byte), "no valid JSON");
   }
   if (!json_.is_object()) fail(ErrorCode::kMeshUnreadable, "JSON", "not a JSON object");
+  if (!repeated.empty()) {
+    fail(ErrorCode::kMeshUnreadable, "JSON",
+         "an object has the key " + in_quotes(repeated) + " twice, and only one can be read",
+         "export the file again");
+  }
 }
 
 void GltfDocument::check_version_and_extensions() const {
@@ -263,7 +270,11 @@ std::string_view GltfDocument::load_buffer(const nlohmann::json& buffer, std::ui
          kOutsideMend);
   }
   auto mapped = MappedFile::open(path);
-  if (!mapped) throw ReadFailure{mapped.error()};
+  if (!mapped) {
+    Error error = mapped.error();
+    error.where = where + " of " + file_.path;
+    throw ReadFailure{error};
+  }
   return text_of(mapped_buffers_.emplace_back(std::move(*mapped)));
 }
 

@@ -48,6 +48,13 @@ bool is_finite(const Affine& affine) {
          std::all_of(affine.translation.begin(), affine.translation.end(), finite);
 }
 
+bool is_flat(const Affine& a) {
+  const auto& m = a.linear;
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+             m[2] * (m[3] * m[7] - m[4] * m[6]) ==
+         0;
+}
+
 Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
   const nlohmann::json& node = document.element("nodes", index);
   std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -241,19 +248,24 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
 }
 
 void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
-  GroupedWarnings skinned("nodes");
+  GroupedWarnings odd("nodes");
   std::set<std::uint64_t> placed;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     if (!is_read_[n]) continue;
     const nlohmann::json& json = document_.element("nodes", nodes_[n].index);
     if (!json.contains("mesh")) continue;
     if (json.contains("skin")) {
-      skinned.add(nodes_[n].name.path,
-                  "skinned, read in its bind pose where the node stands: joints move nothing");
+      odd.add(nodes_[n].name.path,
+              "skinned, read in its bind pose where the node stands: joints move nothing");
+    }
+    const std::vector<Affine> instances = instancing_of(json);
+    if (is_flat(nodes_[n].assembly_from_node) ||
+        std::any_of(instances.begin(), instances.end(), is_flat)) {
+      odd.add(nodes_[n].name.path, "a scale of 0 makes it flat, or a point");
     }
     placed.insert(document_.index(json, "mesh"));
   }
-  for (std::string& line : skinned.lines()) warnings.push_back(std::move(line));
+  for (std::string& line : odd.lines()) warnings.push_back(std::move(line));
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +

@@ -1,6 +1,9 @@
 // Wavefront OBJ: vertices and polygons. Groups, objects, materials, normals and texture coordinates
 // do not change the surface and are skipped.
+#include <algorithm>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "formats/mesh/reader.h"
@@ -9,6 +12,19 @@
 
 namespace forcelayer::mesh {
 namespace {
+
+// Those of the format that hold no face, and comments.
+bool is_statement(std::string_view keyword) {
+  constexpr std::string_view kStatements[] = {
+      "vn",     "vt",         "vp",       "g",    "o",     "s",        "mg",       "usemtl",
+      "mtllib", "usemap",     "maplib",   "l",    "p",     "curv",     "curv2",    "surf",
+      "call",   "cstype",     "deg",      "bmat", "step",  "parm",     "trim",     "hole",
+      "scrv",   "sp",         "end",      "con",  "bevel", "c_interp", "d_interp", "lod",
+      "ctech",  "stech",      "csh",      "bsp",  "bzp",   "cdc",      "cdp",      "res",
+      "vc",     "shadow_obj", "trace_obj"};
+  return keyword.starts_with('#') || std::find(std::begin(kStatements), std::end(kStatements),
+                                               keyword) != std::end(kStatements);
+}
 
 class ObjReader {
  public:
@@ -26,6 +42,12 @@ class ObjReader {
     split_polygons();
     Assembly assembly = assembly_of(file_, std::move(mesh_));
     splitter_.add_warnings(assembly.warnings);
+    if (unknown_ > 0) {
+      assembly.warnings.push_back(counted(unknown_, "statement") +
+                                  " left out that OBJ does not have: " + in_quotes(first_unknown_) +
+                                  " in line " + std::to_string(cursor_.line_of(unknown_place_)) +
+                                  (unknown_ > 1 ? ", ..." : ""));
+    }
     if (lines_and_points_ > 0) {
       assembly.warnings.push_back(counted(lines_and_points_, "line or point element") +
                                   " left out: they have no surface");
@@ -38,7 +60,12 @@ class ObjReader {
     const std::string_view keyword = cursor_.word();
     if (keyword == "v") return read_vertex();
     if (keyword == "f" || keyword == "fo") return read_face();
+    if (keyword == "vn" || keyword == "vt") return;
     if (keyword == "l" || keyword == "p") ++lines_and_points_;
+    if (!keyword.empty() && !is_statement(keyword) && ++unknown_ == 1) {
+      first_unknown_ = keyword;
+      unknown_place_ = cursor_.offset();
+    }
     if (keyword == "curv" || keyword == "surf" || keyword == "call") {
       cursor_.fail(ErrorCode::kMeshUnsupported,
                    in_quotes(keyword) + " (free-form surface or included file) is not read",
@@ -150,6 +177,9 @@ class ObjReader {
   std::int64_t highest_index_ = 0;  // from 1
   std::uint64_t highest_index_place_ = 0;
   std::uint64_t lines_and_points_ = 0;
+  std::uint64_t unknown_ = 0;  // statements
+  std::string first_unknown_;
+  std::uint64_t unknown_place_ = 0;
 };
 
 }  // namespace

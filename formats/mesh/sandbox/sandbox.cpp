@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -28,7 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kChildOption = "--read-mesh-for-sandbox";
-constexpr int kResultDescriptor = 3;
+constexpr int kResultDescriptor = 3, kProgressDescriptor = 4;
 constexpr int kNotStarted = 127;
 constexpr int kToldAfterS = 20;  // without a word from the child
 
@@ -58,19 +59,18 @@ void limit(__rlimit_resource_t resource, std::uint64_t amount) {
 }
 
 // Between fork and exec, in a child of a process with threads: system calls and nothing else.
-[[noreturn]] void become_reader(int result, pid_t parent, const SandboxLimits& limits,
+[[noreturn]] void become_reader(int result, int progress, pid_t parent, const SandboxLimits& limits,
                                 char* const* arguments) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(kNotStarted);  // it died before the line above
   const int null = ::open("/dev/null", O_RDWR);
   for (int number = 0; number < 3; ++number) ::dup2(null, number);
-  // dup2 onto itself would leave it to be closed by exec.
-  if (result == kResultDescriptor) {
-    ::fcntl(result, F_SETFD, 0);
-  } else {
-    ::dup2(result, kResultDescriptor);
-  }
-  ::close_range(kResultDescriptor + 1, ~0u, 0);
+  // Out of the way of each other; copies are not closed by exec.
+  const int own_result = ::fcntl(result, F_DUPFD, kProgressDescriptor + 1),
+            own_progress = ::fcntl(progress, F_DUPFD, kProgressDescriptor + 1);
+  ::dup2(own_result, kResultDescriptor);
+  ::dup2(own_progress, kProgressDescriptor);
+  ::close_range(kProgressDescriptor + 1, ~0u, 0);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
   if (kLimitsMemory) limit(RLIMIT_AS, limits.memory_bytes);
@@ -102,17 +102,61 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
           "raise --sandbox-time if you trust the file"};
 }
 
-// Nobody knows beforehand how long OpenCASCADE takes for a file, so a long wait is told. It goes
-// on.
-void tell_if_slow(int result, const std::string& path, const ReadOptions& options) {
-  pollfd first_bytes{result, POLLIN, 0};
-  if (::poll(&first_bytes, 1, 1000 * kToldAfterS) != 0) return;
-  std::string text = path + " has been read for " + std::to_string(kToldAfterS) + " s";
-  if (may_crash_its_reader(path) && options.deflection_m > 0) {
-    text += ": its surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
-            " mm (in a bake a hundredth of a voxel); coarser is faster";
+std::string deflection_text(const std::string& path, const ReadOptions& options) {
+  if (!may_crash_its_reader(path) || !(options.deflection_m > 0)) return "";
+  return ": its surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
+         " mm (in a bake a hundredth of a voxel); coarser is faster";
+}
+
+// The forecast of a file that takes long. Time and memory of a triangle are those of a free-form
+// surface of one face, which needs the most.
+void tell_if_expensive(const ReadingProgress& forecast, const std::string& path,
+                       const ReadOptions& options) {
+  constexpr double kSecondsPerTriangle = 1.1e-5, kBytesPerTriangle = 2000, kMinuteS = 60,
+                   kGigabyte = 1e9;
+  const double seconds = kSecondsPerTriangle * forecast.expected_triangles,
+               bytes = kBytesPerTriangle * forecast.expected_triangles;
+  if (seconds <= kMinuteS && bytes <= kGigabyte) return;
+  char text[120];
+  std::snprintf(
+      text, sizeof text,
+      " will be some %.2g million triangles, which take about %.2g minutes and up to %.2g GB",
+      1e-6 * forecast.expected_triangles, seconds / kMinuteS, bytes / kGigabyte);
+  command::tell_waiting(path + text + deflection_text(path, options) + "; Ctrl-C stops it");
+}
+
+// Milliseconds to wait for, for poll().
+int wait_until(Clock::time_point end) {
+  using std::chrono::milliseconds;
+  constexpr milliseconds kLongest = std::chrono::hours(1);
+  const auto left = std::chrono::duration_cast<milliseconds>(end - Clock::now());
+  return static_cast<int>(std::clamp(left, milliseconds(0), kLongest).count());
+}
+
+// Hands on the progress of the child until it begins to send its result, or the deadline is past.
+// How long OpenCASCADE takes to parse a file nobody knows beforehand, so a long wait is told.
+void follow_progress(int result, int progress, const std::string& path, const ReadOptions& options,
+                     Clock::time_point deadline) {
+  const auto slow = Clock::now() + std::chrono::seconds(kToldAfterS);
+  bool is_told = deadline <= slow, is_open = true;
+  while (Clock::now() < deadline) {
+    pollfd ends[2] = {{result, POLLIN, 0}, {is_open ? progress : -1, POLLIN, 0}};
+    const int ready = ::poll(ends, 2, wait_until(is_told ? deadline : slow));
+    if (ready < 0 && errno != EINTR) return;
+    if (ready == 0 && !is_told && Clock::now() >= slow) {
+      is_told = true;
+      command::tell_waiting(path + " has been read for " + std::to_string(kToldAfterS) + " s" +
+                            deflection_text(path, options) +
+                            "; Ctrl-C stops it, and --sandbox-time 5min sets a limit");
+    }
+    if (ready <= 0) continue;
+    if (ends[0].revents != 0) return;
+    ReadingProgress told;
+    is_open = ::read(progress, &told, sizeof told) == sizeof told;
+    if (!is_open || !(told.share_done >= 0 && told.share_done <= 1)) continue;
+    if (told.share_done == 0) tell_if_expensive(told, path, options);
+    if (options.progress) options.progress(told);
   }
-  command::tell_waiting(text + "; Ctrl-C stops it, and --sandbox-time 5min sets a limit");
 }
 
 // The error for a child that ended with this status and sent no mesh.
@@ -167,6 +211,10 @@ std::optional<int> run_as_sandbox(int argc, char** argv) {
   if (nodes < 0 || nodes > argc - 7) return 1;
   options.nodes.assign(first, first + nodes);
   options.without.assign(first + nodes, argv + argc);
+  options.progress = [](const ReadingProgress& progress) {
+    // Less than a pipe holds at once; where nobody listens the reading goes on.
+    if (::write(kProgressDescriptor, &progress, sizeof progress) < 0) return;
+  };
   load_reader_of(argv[2]);
   give_up_rights(argv[2], options.allow_outside);
   return send_assembly(kResultDescriptor, read_assembly(argv[2], options)) ? 0 : 1;
@@ -177,8 +225,14 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   if (!main_is_ready) {
     return Error{ErrorCode::kInternal, path, "", "this program has no sandbox", ""};
   }
-  int pipe[2];
+  int pipe[2], progress[2];
   if (::pipe2(pipe, O_CLOEXEC) != 0) return no_child(path, errno);
+  if (::pipe2(progress, O_CLOEXEC) != 0) {
+    const int number = errno;
+    ::close(pipe[0]);
+    ::close(pipe[1]);
+    return no_child(path, number);
+  }
   std::vector<std::string> words = {"sandbox",
                                     kChildOption,
                                     path,
@@ -193,18 +247,21 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   arguments.push_back(nullptr);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
-  if (child == 0) become_reader(pipe[1], parent, limits, arguments.data());
+  if (child == 0) become_reader(pipe[1], progress[1], parent, limits, arguments.data());
   const int fork_error = errno;
   ::close(pipe[1]);
+  ::close(progress[1]);
   if (child < 0) {
     ::close(pipe[0]);
+    ::close(progress[0]);
     return no_child(path, fork_error);
   }
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(limits.time_s));
-  if (limits.time_s > kToldAfterS) tell_if_slow(pipe[0], path, options);
+  follow_progress(pipe[0], progress[0], path, options, deadline);
   ReceivedAssembly received = receive_assembly(pipe[0], limits.memory_bytes, deadline);
   ::close(pipe[0]);
+  ::close(progress[0]);
   ::kill(child, SIGKILL);  // no effect on a child that has ended
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {

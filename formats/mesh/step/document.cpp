@@ -6,25 +6,61 @@
 #include <IGESData_IGESModel.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
+#include <Standard_ErrorHandler.hxx>
+#include <Standard_Failure.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <TDF_Tool.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <algorithm>
 #include <cstdio>
 
 #include "formats/file/mapped_file.h"
+#include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/entities/constructive.h"
+#include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
 #include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
+#include "formats/mesh/step/open_solids.h"
 #include "formats/mesh/step/references.h"
 
 namespace forcelayer::mesh {
 namespace {
+
+Handle(Interface_InterfaceModel) model_of(const STEPCAFControl_Reader& reader) {
+  return reader.Reader().WS()->Model();
+}
+
+Handle(Interface_InterfaceModel) model_of(const IGESCAFControl_Reader& reader) {
+  return reader.WS()->Model();
+}
+
+constexpr const char* kAnotherWay =
+    "export the file again, or in another format: STEP or IGES, or triangles such as STL";
+
+[[noreturn]] void fail_crash(const SourceFile& file,
+                             const Handle(Interface_InterfaceModel) & model) {
+  const Handle(Standard_Transient) entity = crashing_entity(model);
+  fail_read(file, ErrorCode::kMeshUnreadable, "",
+            entity.IsNull() ? "OpenCASCADE crashes on it"
+                            : "OpenCASCADE crashes on " + entity_name(model, entity),
+            kAnotherWay);
+}
+
+// False where OpenCASCADE does not do it.
+template <typename Reader, typename Step>
+bool do_or_fail(const SourceFile& file, Reader& reader, const Step& step) {
+  try {
+    OCC_CATCH_SIGNALS
+    return step(reader);
+  } catch (const Standard_Failure&) {
+  }
+  fail_crash(file, model_of(reader));
+}
 
 template <typename Reader>
 void read(const SourceFile& file, Reader& reader) {
@@ -32,9 +68,15 @@ void read(const SourceFile& file, Reader& reader) {
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
   const OcctMessages messages;
-  if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
+  const auto parse = [&](Reader& by) { return by.ReadFile(file.path.c_str()) == IFSelect_RetDone; };
+  if (do_or_fail(file, reader, parse)) return;
   fail_read(file, ErrorCode::kMeshUnreadable, "",
             "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
+}
+
+template <typename Reader>
+bool transfer(const SourceFile& file, Reader& reader, StepDocument& document) {
+  return do_or_fail(file, reader, [&](Reader& by) { return by.Transfer(document.document); });
 }
 
 [[noreturn]] void fail_shapes(const SourceFile& file, const OcctMessages& messages) {
@@ -105,8 +147,23 @@ void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& los
             losses.mend);
 }
 
+// Faces that are missing leave edges open, and are told themselves.
+void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
+                  StepDocument& document) {
+  if (!document.losses.pieces.empty()) return;
+  constexpr double kLeast = 1e-3;
+  const double tolerance_mm = std::max(kLeast, 1e3 * file.options.deflection_m);
+  for (std::string& line : open_solids(session, tolerance_mm)) {
+    document.warnings.push_back(std::move(line));
+  }
+}
+
 void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
+  reader.SetPropsMode(false);  // of no use for shapes, and OpenCASCADE crashes on damaged ones
+  reader.SetGDTMode(false);
+  reader.SetMatMode(false);
+  reader.SetViewMode(false);
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
   const StepDamage damage = take_out_damage(session, text);
@@ -114,7 +171,7 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
   ReadEntities read_entities = make_constructive_solids(session);
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
-  const bool has_shapes = reader.Transfer(document.document);
+  const bool has_shapes = transfer(file, reader, document);
   read_entities.merge(keep_triangles(items, reader, document));
   keep_losses(find_step_losses(session, document.document, read_entities, damage), reader,
               document);
@@ -123,8 +180,11 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
     document.warnings.push_back(shape +
                                 " states no unit of length that is understood: its numbers "
                                 "were taken for millimeters; --units says what they are");
+  } else if (std::string unit = odd_unit(session); !unit.empty()) {
+    document.warnings.push_back(std::move(unit));
   }
   check_shapes(file, has_shapes, document.losses, messages);
+  check_solids(file, session, document);
 }
 
 // The sizes of a file that states another unit than it names are of one of them.
@@ -152,24 +212,20 @@ void read_iges_file(const SourceFile& file, StepDocument& document) {
   read(file, reader);
   const IgesDamage damage = take_out_iges_damage(reader.WS());
   const OcctMessages messages;
-  const bool has_shapes = reader.Transfer(document.document);
+  const bool has_shapes = transfer(file, reader, document);
   check_iges_units(reader.Model(), document);
   document.losses = find_iges_losses(reader.WS(), document.document, damage);
   check_shapes(file, has_shapes, document.losses, messages);
+  check_solids(file, reader.WS(), document);
 }
 
 }  // namespace
 
-std::string entry_of(const TDF_Label& label) {
-  TCollection_AsciiString entry;
-  TDF_Tool::Entry(label, entry);
-  return entry.ToCString();
-}
-
 StepDocument read_step_document(const SourceFile& file) {
   StepDocument document;
   document.document = new TDocStd_Document("BinXCAF");
-  if (lower_case_extension(file.path).starts_with(".ig")) {
+  document.is_iges = lower_case_extension(file.path).starts_with(".ig");
+  if (document.is_iges) {
     read_iges_file(file, document);
   } else {
     const Result<MappedFile> mapped = MappedFile::open(file.path);

@@ -21,10 +21,8 @@ struct StepDocument {
   std::map<std::string, std::vector<Mesh>> triangles;
   FileLosses losses;
   std::vector<std::string> warnings;
+  bool is_iges = false;
 };
-
-// The place of a label in its document.
-std::string entry_of(const TDF_Label& label);
 
 // Reads the whole file; OpenCASCADE turns all units into millimeters. Throws where the file cannot
 // be parsed, or where nothing of it became a shape.

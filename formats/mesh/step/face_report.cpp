@@ -47,9 +47,10 @@ std::string places_text(std::span<const MissingPiece> missing) {
 }
 
 std::string way_out(std::string mend, std::span<const MissingPiece> missing,
-                    const std::vector<std::string>& unknown_nodes) {
-  mend += ", leave their node out with --without, or accept the holes with --missing-faces " +
-          std::to_string(missing.size());
+                    const std::vector<std::string>& unknown_nodes, std::size_t nodes) {
+  if (nodes == 0) return mend + "; no other face is in this file";
+  if (nodes > 1) mend += ", leave their node out with --without";
+  mend += ", or accept the holes with --missing-faces " + std::to_string(missing.size());
   for (const std::string& name : unknown_nodes) {
     mend += "; no node of this file is called " + in_quotes(name);
   }
@@ -72,6 +73,9 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
         length_text(tessellation.sewing_tolerance_mm) +
         " of each other; the joined edges lie up to " + length_text(tessellation.sewn_gap_mm) +
         " from their faces, and the guarantee is less by it" +
+        (tessellation.open_edges > 0
+             ? "; " + counted(tessellation.open_edges, "edge") + " of them still open"
+             : "") +
         (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
              ? "; look whether an edge is damaged"
              : ""));
@@ -99,19 +103,20 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
 
 void fail_for_losses(const SourceFile& file, const FileLosses& losses,
                      const std::vector<std::string>& unknown_nodes,
-                     std::span<const MissingPiece> missing) {
+                     std::span<const MissingPiece> missing, std::size_t nodes) {
   fail_read(file, ErrorCode::kMeshIncomplete, missing.front().face.node,
             "OpenCASCADE could not read " + losses.text + " (" + places_text(missing) + ")",
-            way_out(losses.mend, missing, unknown_nodes));
+            way_out(losses.mend, missing, unknown_nodes, nodes));
 }
 
 void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
-                         std::span<const MissingPiece> missing, Assembly& assembly) {
+                         std::span<const MissingPiece> missing, std::size_t nodes,
+                         Assembly& assembly) {
   if (missing.size() > file.options.missing_faces) {
     fail_read(file, ErrorCode::kMeshIncomplete, "",
               "OpenCASCADE could not tessellate " + counted(missing.size(), "face") + ": " +
                   places_text(missing),
-              way_out("mend them where the part was drawn", missing, unknown_nodes));
+              way_out("mend them where the part was drawn", missing, unknown_nodes, nodes));
   }
   for (const MissingPiece& piece : missing) {
     assembly.missing_faces.push_back(piece.face);

@@ -23,15 +23,17 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                        std::vector<std::string>& warnings);
 
 // Throws kMeshIncomplete with the losses of `file`, and the places of the first pieces of
-// `missing`. `unknown_nodes`: the names of ReadOptions::without that no node has.
+// `missing`. `unknown_nodes`: the names of ReadOptions::without that no node has. `nodes`: how many
+// nodes have faces; a way out that leaves none is not offered.
 [[noreturn]] void fail_for_losses(const SourceFile& file, const FileLosses& losses,
                                   const std::vector<std::string>& unknown_nodes,
-                                  std::span<const MissingPiece> missing);
+                                  std::span<const MissingPiece> missing, std::size_t nodes);
 
-// Notes and warns of every missing piece of `assembly`, whose unit is the millimeter. Throws
-// kMeshIncomplete, with node and place of the first ones, where they are more than the options
-// accept.
+// Notes and warns of every missing piece of `assembly`, whose unit is the millimeter and of which
+// `nodes` have triangles. Throws kMeshIncomplete, with node and place of the first ones, where they
+// are more than the options accept.
 void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
-                         std::span<const MissingPiece> missing, Assembly& assembly);
+                         std::span<const MissingPiece> missing, std::size_t nodes,
+                         Assembly& assembly);
 
 }  // namespace forcelayer::mesh

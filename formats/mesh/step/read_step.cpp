@@ -10,7 +10,9 @@
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,9 +20,11 @@
 #include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/document.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/face_report.h"
+#include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/references.h"
 #include "formats/mesh/step/tessellator.h"
 
@@ -104,16 +108,19 @@ class StepReader {
     chain_.push_back(&top);
     add_level(top, roots_of(top), nullptr, Affine{});
     NodesToRead to_read = choose_readable();
+    join_nodes(to_read);
     collect_losses(to_read);
+    forecast(to_read);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
-    check_missing_faces(file_, to_read.unknown, missing_, assembly_);
+    check_missing_faces(file_, to_read.unknown, missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
-      fail_read(
-          file_, ErrorCode::kMeshEmpty, "",
-          to_read.left_out.empty() ? "no faces in this file" : "no faces are left in this file",
-          "export the file again");
+      fail_read(file_, ErrorCode::kMeshEmpty, "",
+                !missing_.empty()          ? "none of its faces can be read"
+                : to_read.left_out.empty() ? "no faces in this file"
+                                           : "no faces are left in this file",
+                "export the file again");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
@@ -143,6 +150,105 @@ class StepReader {
     return to_read;
   }
 
+  void forecast(const NodesToRead& to_read) {
+    if (!file_.options.progress) return;
+    std::set<std::pair<const OpenFile*, std::string>> known;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (!to_read.is_read[i] || !is_tessellated(i)) continue;
+      if (!known.insert({products_[i].file, entry_of(products_[i].label)}).second) continue;
+      expected_[i] = tessellator_.forecast(shape_of(i));
+      all_expected_ += expected_[i];
+    }
+    file_.options.progress({0, all_expected_});
+  }
+
+  // A node that has a shape and is not read as one with another.
+  bool is_tessellated(std::size_t node) const {
+    const TDF_Label& label = products_[node].label;
+    return !label.IsNull() && !XCAFDoc_ShapeTool::IsAssembly(label) && !is_joined_.contains(node);
+  }
+
+  void tell_progress(std::size_t node) {
+    if (!file_.options.progress || !(all_expected_ > 0)) return;
+    done_ += expected_[node];
+    file_.options.progress({std::min(1.0, done_ / all_expected_), all_expected_});
+  }
+
+  // The leaves of IGES files that are read and end at open edges, by file and parent.
+  std::map<std::string, std::vector<std::size_t>> open_nodes(const NodesToRead& to_read) const {
+    std::map<std::string, std::vector<std::size_t>> leaves, open;
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      const auto& [file, label] = products_[i];
+      if (!to_read.is_read[i] || !file->content.is_iges || label.IsNull()) continue;
+      const std::string& path = names_[i].path;
+      const std::string parent = path.substr(0, path.size() - names_[i].label.size());
+      leaves[parent + '\n' + file->source.path].push_back(i);
+    }
+    for (const auto& [parent, nodes] : leaves) {
+      if (nodes.size() < 2) continue;
+      for (const std::size_t i : nodes) {
+        const TopoDS_Shape shape = shape_of(i);
+        if (count_open_edges(shape, tessellator_.deflection_mm(shape)) > 0)
+          open[parent].push_back(i);
+      }
+    }
+    return open;
+  }
+
+  // The faces of one body may be in many nodes of an IGES file, or the group that held them is
+  // damaged: nodes whose faces meet at open edges are read as the first of them.
+  void join_nodes(const NodesToRead& to_read) {
+    for (const auto& [parent, nodes] : open_nodes(to_read)) {
+      std::vector<TopoDS_Shape> shapes;
+      for (const std::size_t i : nodes) shapes.push_back(shape_of(i));
+      const double deflection_mm = tessellator_.deflection_mm(loose_faces_of(shapes));
+      const std::vector<std::size_t> first = first_met(shapes, deflection_mm);
+      for (std::size_t n = 0; n < nodes.size(); ++n) {
+        if (first[n] == n) continue;
+        std::vector<std::size_t>& joined = joined_[nodes[first[n]]];
+        joined.push_back(nodes[n]);
+        is_joined_.insert(nodes[n]);
+      }
+    }
+    for (const auto& [first, others] : joined_) {
+      assembly_.warnings.push_back(
+          names_[first].path + ": " + counted(others.size(), "other node") + " (" +
+          names_[others.front()].path + (others.size() > 1 ? ", ..." : "") +
+          ") whose faces meet it at open edges read as one with it; the group of their faces may "
+          "be damaged or missing");
+    }
+  }
+
+  TopoDS_Shape shape_of(std::size_t node) const {
+    const auto others = joined_.find(node);
+    const TopoDS_Shape own = XCAFDoc_ShapeTool::GetShape(products_[node].label);
+    if (others == joined_.end()) return own;
+    std::vector<TopoDS_Shape> all{own};
+    for (const std::size_t i : others->second) {
+      all.push_back(XCAFDoc_ShapeTool::GetShape(products_[i].label));
+    }
+    return loose_faces_of(all);
+  }
+
+  // Where a face of joined nodes is: the node that it came from.
+  std::size_t node_of(const LostFace& face, std::size_t node) const {
+    const auto others = joined_.find(node);
+    if (others == joined_.end()) return node;
+    std::size_t nearest = node;
+    double least = std::numeric_limits<double>::infinity();
+    const auto look_at = [&](std::size_t i) {
+      const LostFace own = box_of_edges(XCAFDoc_ShapeTool::GetShape(products_[i].label));
+      double distance = std::abs(own.size_mm - face.size_mm);
+      for (std::size_t k = 0; k < 3; ++k) {
+        distance += std::abs(own.center_mm[k] - face.center_mm[k]);
+      }
+      if (distance < least) least = distance, nearest = i;
+    };
+    look_at(node);
+    for (const std::size_t i : others->second) look_at(i);
+    return nearest;
+  }
+
   // The losses of nodes that are read; an error where they are more than the user accepts.
   void collect_losses(const NodesToRead& to_read) {
     const OpenFile* flawed = nullptr;
@@ -154,7 +260,20 @@ class StepReader {
     }
     if (flawed == nullptr || missing_.size() <= file_.options.missing_faces) return;
     const FileLosses& losses = flawed->content.losses;
-    fail_for_losses(flawed->source, losses, to_read.unknown, missing_);
+    fail_for_losses(flawed->source, losses, to_read.unknown, missing_, nodes_with_faces(to_read));
+  }
+
+  std::size_t nodes_with_faces(const NodesToRead& to_read) const {
+    std::size_t nodes = 0;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      const auto& [file, label] = products_[i];
+      if (!to_read.is_read[i] || label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) continue;
+      if (count_faces(XCAFDoc_ShapeTool::GetShape(label)) > 0 ||
+          file->content.triangles.contains(entry_of(label))) {
+        ++nodes;
+      }
+    }
+    return nodes;
   }
 
   // A piece belongs to the nodes of its products; where these are unknown, to the one node of its
@@ -167,7 +286,7 @@ class StepReader {
       if (of != &file) continue;
       is_any_read = is_any_read || to_read.is_read[i];
       if (label.IsNull()) continue;
-      const bool is_leaf = !XCAFDoc_ShapeTool::IsAssembly(label);
+      const bool is_leaf = !XCAFDoc_ShapeTool::IsAssembly(label) && !is_joined_.contains(i);
       if (is_leaf && count_faces(XCAFDoc_ShapeTool::GetShape(label)) > 0) leaves.push_back(i);
       const auto& known = piece.owners;
       if (std::find(known.begin(), known.end(), entry_of(label)) != known.end()) {
@@ -303,21 +422,21 @@ class StepReader {
 
   void place(std::size_t node) {
     const auto& [file, label] = products_[node];
-    if (label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) return;
+    if (!is_tessellated(node)) return;
     const auto [known, is_new] = products_done_.try_emplace({file, entry_of(label)});
     auto& [mesh, lost] = known->second;
-    if (is_new) {
-      Tessellation made =
-          tessellator_.tessellate(XCAFDoc_ShapeTool::GetShape(label), names_[node].path);
+    if (is_new || joined_.contains(node)) {
+      Tessellation made = tessellator_.tessellate(shape_of(node), names_[node].path);
       add_face_warnings(made, names_[node].path, assembly_.warnings);
       add_triangles(*file, label, names_[node].path, made.mesh);
+      tell_progress(node);
       lost = std::move(made.lost);
       if (!made.mesh.triangles.empty()) {
         assembly_.meshes.push_back(std::move(made.mesh));
         mesh = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
       }
     }
-    for (const LostFace& face : lost) add_missing(node, face, "");
+    for (const LostFace& face : lost) add_missing(node_of(face, node), face, "");
     if (mesh == kNoTriangles) {
       if (lost.empty() && !is_flawed_.contains(node)) {
         node_warnings_.add(names_[node].path, "left out: no faces, only curves or points");
@@ -377,6 +496,10 @@ class StepReader {
   std::vector<AssemblyNode> names_;  // of all nodes, each before its children
   std::vector<Product> products_;
   std::vector<Affine> placings_;
+  std::map<std::size_t, double> expected_;  // triangles of nodes, the first of each product
+  double all_expected_ = 0, done_ = 0;
+  std::map<std::size_t, std::vector<std::size_t>> joined_;  // nodes that are read as one with it
+  std::set<std::size_t> is_joined_;                         // those nodes
   std::map<std::pair<const OpenFile*, std::string>, TessellatedProduct> products_done_;
   GroupedWarnings node_warnings_{"nodes"};
   std::vector<std::size_t> nodes_of_instances_;  // [instances]
@@ -389,6 +512,7 @@ class StepReader {
 extern "C" void forcelayer_read_step(const SourceFile& file, Assembly& assembly) {
   static std::mutex mutex;  // OpenCASCADE keeps its reading parameters in globals
   const std::lock_guard lock(mutex);
+  const CrashesAreFailures crashes;
   Message::DefaultMessenger()->ChangePrinters().Clear();  // it reports on standard output
   try {
     assembly = StepReader(file).read();

@@ -40,7 +40,9 @@ std::vector<gp_Pnt> outline_of(const TopoDS_Face& face, double tolerance_mm) {
     }
     outline.insert(outline.end(), polygon.begin(), polygon.end());
   }
-  return walked == edges ? outline : std::vector<gp_Pnt>{};
+  const bool closes = walked == edges && !outline.empty() &&
+                      outline.front().Distance(outline.back()) <= tolerance_mm;
+  return closes ? outline : std::vector<gp_Pnt>{};
 }
 
 // A polygon of points and the share of its length at which each of them stands.

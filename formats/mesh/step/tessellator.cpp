@@ -8,6 +8,7 @@
 #include <Bnd_Box.hxx>
 #include <Poly_Triangulation.hxx>
 #include <ShapeBuild_ReShape.hxx>
+#include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -15,7 +16,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/mesh/step/cost/triangle_forecast.h"
 #include "formats/mesh/step/edge_cover.h"
+#include "formats/mesh/step/holes.h"
 #include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/sliver.h"
 #include "formats/mesh/step/spline_deviation.h"
@@ -37,8 +40,13 @@ Handle(Poly_Triangulation) triangulation_of(const TopoDS_Face& face, TopLoc_Loca
   return made.IsNull() || made->NbTriangles() == 0 ? Handle(Poly_Triangulation)() : made;
 }
 
+// Faces that OpenCASCADE crashes or fails on get no triangles.
 void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
-  BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
+  try {
+    OCC_CATCH_SIGNALS
+    BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
+  } catch (const Standard_Failure&) {
+  }
 }
 
 // A face without edges is somewhere in the box of its shape.
@@ -84,6 +92,14 @@ double largest_tolerance(const TopoDS_Face& face) {
   return largest_mm;
 }
 
+// Whether the triangles of a shape have holes where they do not close: no edge is of one face only,
+// or it consists of solids, and such edges have no other beside them.
+bool should_close(const TopoDS_Shape& shape, double tolerance_mm) {
+  if (count_open_edges(shape) == 0) return true;
+  if (TopExp_Explorer(shape, TopAbs_FACE, TopAbs_SOLID).More()) return false;
+  return count_open_edges(shape, tolerance_mm) > 0;
+}
+
 TopoDS_Compound compound_of(const Faces& faces) {
   TopoDS_Compound compound;
   const BRep_Builder builder;
@@ -96,7 +112,10 @@ TopoDS_Compound compound_of(const Faces& faces) {
 class ShapeTessellation {
  public:
   ShapeTessellation(const SourceFile& file, const TopoDS_Shape& shape, double deflection_mm)
-      : file_(file), shape_(shape), deflection_mm_(deflection_mm) {}
+      : file_(file),
+        shape_(shape),
+        deflection_mm_(deflection_mm),
+        should_close_(should_close(shape, deflection_mm)) {}
 
   // Finer triangles cost least, and keep the faces joined; dropping a face costs its reach, coarser
   // triangles theirs.
@@ -137,10 +156,10 @@ class ShapeTessellation {
       }
     }
     Tessellation& made = result.made;
-    if (made.edge_gap_mm <= reach_mm(deflection_mm)) {
-      made.edge_gap_mm = std::max(made.edge_gap_mm, made.tied_gap_mm);
-      made.deviation_mm = std::max(made.deviation_mm, made.tied_gap_mm);
-    }
+    double gap_mm = made.edge_gap_mm <= reach_mm(deflection_mm) ? made.tied_gap_mm : 0;
+    if (result.failed.empty() && should_close_) gap_mm = std::max(gap_mm, widest_hole(made.mesh));
+    made.edge_gap_mm = std::max(made.edge_gap_mm, gap_mm);
+    made.deviation_mm = std::max(made.deviation_mm, gap_mm);
     return result;
   }
 
@@ -299,6 +318,7 @@ class ShapeTessellation {
   const SourceFile& file_;
   const TopoDS_Shape& shape_;
   double deflection_mm_;
+  bool should_close_;
 };
 
 }  // namespace
@@ -322,6 +342,7 @@ Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
   Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm).best();
   made.sewn = sewn->faces;
   made.sewn_gap_mm = sewn->gap_mm;
+  made.open_edges = sewn->open_edges;
   made.sewing_tolerance_mm = deflection_mm;
   made.deviation_mm += sewn->gap_mm;
   return made;
@@ -336,9 +357,17 @@ Tessellation StepTessellator::tessellate_at(const TopoDS_Shape& shape, double de
   return made;
 }
 
+double StepTessellator::forecast(const TopoDS_Shape& shape) const {
+  return forecast_triangles(shape, deflection_mm(shape), kAngularDeflectionRad);
+}
+
+double StepTessellator::deflection_mm(const TopoDS_Shape& shape) const {
+  return deflection_mm_ == kDeflectionBySize ? deflection_by_size_mm(shape) : deflection_mm_;
+}
+
 Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::string& name) {
   const bool by_size = deflection_mm_ == kDeflectionBySize;
-  const double deflection_mm = by_size ? deflection_by_size_mm(shape) : deflection_mm_;
+  const double deflection_mm = this->deflection_mm(shape);
   Tessellation made = tessellate_at(shape, deflection_mm);
   if (by_size && deflection_by_size_mm(made.mesh) < deflection_mm / 2) {
     // The box of an edge that leads away from its faces is not the size of the shape.

@@ -29,7 +29,8 @@ struct Tessellation {
   std::uint64_t sewn = 0;       // loose faces that were joined first
   double sewn_gap_mm = 0;       // how far an edge so joined may be from its faces
   double sewing_tolerance_mm = 0;
-  double edge_gap_mm = 0;  // how far an edge may be from its faces, as OpenCASCADE found it
+  std::uint64_t open_edges = 0;  // of the loose faces, after that
+  double edge_gap_mm = 0;        // how far an edge may be from its faces, as OpenCASCADE found it
   // The same by tolerances alone, which tie edges to corners that are elsewhere: counts where
   // OpenCASCADE finds nothing.
   double tied_gap_mm = 0;
@@ -52,6 +53,12 @@ class StepTessellator {
 
   // `name` is the node, for errors.
   Tessellation tessellate(const TopoDS_Shape& shape, const std::string& name);
+
+  // How many triangles `shape` will have, about.
+  double forecast(const TopoDS_Shape& shape) const;
+
+  // The deflection of `shape`, before it is known how large its triangles are.
+  double deflection_mm(const TopoDS_Shape& shape) const;
 
   // The largest deviation of all shapes so far, at least the deflection.
   double deviation_mm() const { return deviation_mm_; }

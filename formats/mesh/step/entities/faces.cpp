@@ -1,10 +1,12 @@
 #include "formats/mesh/step/entities/faces.h"
 
 #include <TDF_LabelSequence.hxx>
+#include <TDF_Tool.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <unordered_set>
 
 namespace forcelayer::mesh {
 namespace {
@@ -37,13 +39,30 @@ std::string text_of(const Losses& losses) {
 
 }  // namespace
 
+std::string entry_of(const TDF_Label& label) {
+  TCollection_AsciiString entry;
+  TDF_Tool::Entry(label, entry);
+  return entry.ToCString();
+}
+
 DocumentFaces::DocumentFaces(const Handle(TDocStd_Document) & document) {
   TDF_LabelSequence roots;
   XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
   ShapeSet seen;
   for (TDF_LabelSequence::Iterator root(roots); root.More(); root.Next()) {
-    add_faces(XCAFDoc_ShapeTool::GetShape(root.Value()), seen, faces_);
+    ShapeSet faces;
+    add_faces(XCAFDoc_ShapeTool::GetShape(root.Value()), seen, faces);
+    for (const TopoDS_TShape* face : faces) faces_.try_emplace(face, entry_of(root.Value()));
   }
+}
+
+std::set<std::string> DocumentFaces::owners_of(const TopoDS_Shape& shape) const {
+  std::set<std::string> owners;
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    const auto found = faces_.find(face.Current().TShape().get());
+    if (found != faces_.end()) owners.insert(found->second);
+  }
+  return owners;
 }
 
 bool DocumentFaces::has(const TopoDS_Shape& shape) const {

@@ -1,17 +1,22 @@
 // The faces that the document of a STEP or IGES file holds, and what of a file has no shape there.
 #pragma once
 
+#include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopoDS_Shape.hxx>
 #include <TopoDS_TShape.hxx>
 #include <cstdint>
+#include <set>
 #include <string>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "formats/mesh/reader.h"
 
 namespace forcelayer::mesh {
+
+// The place of a label in its document.
+std::string entry_of(const TDF_Label& label);
 
 class DocumentFaces {
  public:
@@ -20,8 +25,11 @@ class DocumentFaces {
   // Whether a face of `shape` is in the document.
   bool has(const TopoDS_Shape& shape) const;
 
+  // entry_of() the free shapes that have faces of `shape`.
+  std::set<std::string> owners_of(const TopoDS_Shape& shape) const;
+
  private:
-  std::unordered_set<const TopoDS_TShape*> faces_;
+  std::unordered_map<const TopoDS_TShape*, std::string> faces_;  // with the first that has it
 };
 
 std::uint64_t count_faces(const TopoDS_Shape& shape);

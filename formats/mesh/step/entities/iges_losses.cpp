@@ -3,11 +3,16 @@
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESData_UndefinedEntity.hxx>
+#include <IGESGeom_Line.hxx>
+#include <IGESSolid_EdgeList.hxx>
 #include <IGESSolid_HArray1OfFace.hxx>
+#include <IGESSolid_Loop.hxx>
 #include <IGESSolid_Shell.hxx>
+#include <IGESSolid_VertexList.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
+#include <StepData_StepModel.hxx>
 #include <TColStd_HArray1OfInteger.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
@@ -54,9 +59,18 @@ constexpr int kExternalReference = 416;
 
 bool is_group(const Entity& entity) { return is_one_of(entity, {308, 402, 406, 408, 412, 414}); }
 
-std::string name_of(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
-  return "D" + std::to_string(model->DNum(entity)) + " (type " +
-         std::to_string(entity->TypeNumber()) + ")";
+// All that refer to it, over others too.
+std::vector<Entity> holders_of(const Interface_Graph& graph, const Entity& entity) {
+  std::vector<Entity> holders{entity};
+  std::unordered_set<const Standard_Transient*> seen{entity.get()};
+  for (std::size_t n = 0; n < holders.size(); ++n) {
+    Interface_EntityIterator user = graph.Sharings(holders[n]);
+    for (user.Start(); user.More(); user.Next()) {
+      const Entity holder = Entity::DownCast(user.Value());
+      if (!holder.IsNull() && seen.insert(holder.get()).second) holders.push_back(holder);
+    }
+  }
+  return holders;
 }
 
 class IgesCheck {
@@ -76,8 +90,11 @@ class IgesCheck {
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
     std::vector<Losses> all = {lost_faces_, lost_owners_, lost_solids_, lost_placings_,
                                lost_files_};
-    for (const Losses& losses : all) {
-      for (const std::string& name : losses.names) found.pieces.push_back({name, {}, {}, {}, 0});
+    for (const Entity& entity : lost_) {
+      found.pieces.push_back({name_of(entity), {}, owners_of(holders_of(graph_, entity)), {}, 0});
+    }
+    for (std::size_t n = 0; n < damage_.pieces.size(); ++n) {
+      found.pieces[n].owners = owners_of(damage_.holders[n]);
     }
     all.insert(all.end(), damage_.told.begin(), damage_.told.end());
     found.text = text_of(all);
@@ -90,21 +107,36 @@ class IgesCheck {
     if (is_face(entity) || (is_surface(entity) && stands_alone(entity))) {
       ++lost_faces_.count;
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
-        lost_faces_.names.push_back(name_of(entity));
+        lose(entity, lost_faces_);
       }
     } else if (is_constructive(entity) && stands_alone(entity)) {
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
-        lost_solids_.names.push_back(name_of(entity));
+        lose(entity, lost_solids_);
       }
     } else if (is_boundary(entity) && is_orphan(entity)) {
-      lost_owners_.names.push_back(name_of(entity));
+      lose(entity, lost_owners_);
     } else if (entity->TypeNumber() == kExternalReference) {
-      lost_files_.names.push_back(name_of(entity));
+      lose(entity, lost_files_);
     } else if (is_placing(entity) && holds_faces(entity)) {
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
-        lost_placings_.names.push_back(name_of(entity));
+        lose(entity, lost_placings_);
       }
     }
+  }
+
+  void lose(const Entity& entity, Losses& kind) {
+    kind.names.push_back(name_of(entity));
+    lost_.push_back(entity);
+  }
+
+  // The labels of the document that hold faces of these entities.
+  std::vector<std::string> owners_of(const std::vector<Entity>& holders) const {
+    std::set<std::string> owners;
+    for (const Entity& holder : holders) {
+      const TopoDS_Shape shape = TransferBRep::ShapeResult(process_, holder);
+      if (!shape.IsNull()) owners.merge(faces_.owners_of(shape));
+    }
+    return {owners.begin(), owners.end()};
   }
 
   // Whether it is geometry of its own: no construction, and nothing but groups refers to it.
@@ -138,7 +170,7 @@ class IgesCheck {
     return holds_[entity.get()] = holds;
   }
 
-  std::string name_of(const Entity& entity) const { return mesh::name_of(model_, entity); }
+  std::string name_of(const Entity& entity) const { return iges_name(model_, entity); }
 
   Handle(IGESData_IGESModel) model_;
   const Interface_Graph& graph_;
@@ -146,8 +178,9 @@ class IgesCheck {
   DocumentFaces faces_;
   const IgesDamage& damage_;
   std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
+  std::vector<Entity> lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
-      lost_files_{"external reference", 0, {}}, lost_owners_{"face with the boundary", 0, {}};
+      lost_files_{"external reference", 0, {}}, lost_owners_{"faceless boundary", 0, {}};
 };
 
 constexpr int kFace = 510, kShell = 514, kSolid = 186;
@@ -237,7 +270,8 @@ class IgesCut {
   }
 
   void add_piece(const Entity& entity) {
-    damage_.pieces.push_back({name_of(model_, entity), {}, {}, {}, 0});
+    damage_.pieces.push_back({iges_name(model_, entity), {}, {}, {}, 0});
+    damage_.holders.push_back(holders_of(session_->Graph(), entity));
     add_below(entity);
   }
 
@@ -253,22 +287,81 @@ class IgesCut {
   std::unordered_set<const Standard_Transient*> seen_, replaced_;
 };
 
+// Edges of boundary representations that make no sense. The loops that use them are damaged: a list
+// of edges serves all loops of a solid.
+class IgesEdges {
+ public:
+  explicit IgesEdges(const Handle(IGESData_IGESModel) & model) : model_(model) {}
+
+  // Of entities that could be read at all.
+  bool is_damaged(const Entity& entity) const {
+    const auto loop = Handle(IGESSolid_Loop)::DownCast(entity);
+    if (loop.IsNull()) return false;
+    for (Standard_Integer i = 1; i <= loop->NbEdges(); ++i) {
+      constexpr int kEdge = 0;
+      if (loop->EdgeType(i) == kEdge && is_damaged(loop->Edge(i), loop->ListIndex(i))) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool is_damaged(const Entity& list, Standard_Integer i) const {
+    const auto edges = Handle(IGESSolid_EdgeList)::DownCast(list);
+    if (edges.IsNull()) return true;
+    if (fails(edges)) return false;  // it is damaged itself
+    if (i < 1 || i > edges->NbEdges() || edges->Curve(i).IsNull()) return true;
+    return fails(edges->Curve(i)) || is_point(edges->Curve(i)) ||
+           is_damaged(edges->StartVertexList(i), edges->StartVertexIndex(i)) ||
+           is_damaged(edges->EndVertexList(i), edges->EndVertexIndex(i));
+  }
+
+  bool is_damaged(const Handle(IGESSolid_VertexList) & list, Standard_Integer i) const {
+    return list.IsNull() || (!fails(list) && (i < 1 || i > list->NbVertices()));
+  }
+
+  // A line whose numbers are left out: OpenCASCADE crashes on some.
+  static bool is_point(const Entity& curve) {
+    const auto line = Handle(IGESGeom_Line)::DownCast(curve);
+    return !line.IsNull() && line->StartPoint().Distance(line->EndPoint()) == 0;
+  }
+
+  bool fails(const Entity& entity) const {
+    const Standard_Integer number = model_->Number(entity);
+    return number > 0 && model_->Check(number, Standard_True)->NbFails() > 0;
+  }
+
+  Handle(IGESData_IGESModel) model_;
+};
+
 }  // namespace
+
+std::string iges_name(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
+  return "D" + std::to_string(model->DNum(entity)) + " (type " +
+         std::to_string(entity->TypeNumber()) + ")";
+}
+
+std::string entity_name(const Handle(Interface_InterfaceModel) & model,
+                        const Handle(Standard_Transient) & entity) {
+  const auto iges = Handle(IGESData_IGESModel)::DownCast(model);
+  if (!iges.IsNull()) return iges_name(iges, Handle(IGESData_IGESEntity)::DownCast(entity));
+  return step_name(Handle(StepData_StepModel)::DownCast(model), entity);
+}
 
 IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
   Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  const IgesEdges edges(model);
   std::vector<Entity> damaged;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
     if (!is_of_boundary_representation(entity)) continue;
     const bool is_face = entity->TypeNumber() == kFace;
     if (is_face) ++faces.count;
-    if (model->Check(i, Standard_True)->NbFails() == 0) continue;
-    (is_face ? faces : others).names.push_back(name_of(model, entity));
+    if (model->Check(i, Standard_True)->NbFails() == 0 && !edges.is_damaged(entity)) continue;
+    (is_face ? faces : others).names.push_back(iges_name(model, entity));
     damaged.push_back(entity);
   }
-  IgesDamage damage{{faces, others}, {}, {}};
+  IgesDamage damage{{faces, others}, {}, {}, {}};
   IgesCut cut(session, damage);
   for (const Entity& entity : damaged) cut.climb(entity);
   cut.finish();

@@ -1,6 +1,8 @@
 // Finds the parts of an IGES file that OpenCASCADE did not turn into shapes.
 #pragma once
 
+#include <IGESData_IGESEntity.hxx>
+#include <IGESData_IGESModel.hxx>
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <unordered_set>
@@ -11,11 +13,20 @@
 
 namespace forcelayer::mesh {
 
+// "D45 (type 510)".
+std::string iges_name(const Handle(IGESData_IGESModel) & model,
+                      const Handle(IGESData_IGESEntity) & entity);
+
+// The name of an entity of either format: "#45 ADVANCED_FACE 'left'", "D45 (type 510)".
+std::string entity_name(const Handle(Interface_InterfaceModel) & model,
+                        const Handle(Standard_Transient) & entity);
+
 // Damage that was taken out of a file before it was transferred.
 struct IgesDamage {
   std::vector<Losses> told;
   std::vector<LostPiece> pieces;
-  std::unordered_set<const Standard_Transient*> below;  // entities that the pieces hold
+  std::vector<std::vector<Handle(IGESData_IGESEntity)>> holders;  // [pieces] all that refer to them
+  std::unordered_set<const Standard_Transient*> below;            // entities that the pieces hold
 };
 
 // Takes out of the file that was read in `session` the faces and solids of boundary representations

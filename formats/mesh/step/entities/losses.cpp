@@ -21,6 +21,7 @@
 #include <StepRepr_ItemDefinedTransformation.hxx>
 #include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_ProductDefinitionShape.hxx>
 #include <StepRepr_PropertyDefinition.hxx>
 #include <StepRepr_Representation.hxx>
 #include <StepRepr_RepresentationMap.hxx>
@@ -126,7 +127,11 @@ bool can_be_placed(const Handle(StepRepr_RepresentationItem) & target) {
 // for none, and leaves the part at the origin.
 bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) & occurrence) {
   if (occurrence->RepresentationRelation().IsNull() ||
-      occurrence->RepresentedProductRelation().IsNull()) {
+      occurrence->RepresentedProductRelation().IsNull() ||
+      occurrence->RepresentedProductRelation()
+          ->Definition()
+          .ProductDefinitionRelationship()
+          .IsNull()) {
     return false;
   }
   const auto relation = Handle(StepRepr_RepresentationRelationshipWithTransformation)::DownCast(

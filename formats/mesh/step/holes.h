@@ -1,0 +1,13 @@
+// Holes that OpenCASCADE leaves in the triangles of a closed shape, where it bends a damaged edge.
+#pragma once
+
+#include "formats/mesh/mesh.h"
+
+namespace forcelayer::mesh {
+
+// How far a point that the triangles should cover may be from them: the largest of all outlines of
+// holes, each measured across its length. 0 for a closed mesh. A surface that bulges out of its
+// outline may be farther.
+double widest_hole(const Mesh& mesh);
+
+}  // namespace forcelayer::mesh
