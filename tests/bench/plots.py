@@ -230,8 +230,8 @@ def bake_error(rows, _):
         axis.yaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
     axes[0][0].invert_xaxis()
     axes[0][0].set_ylabel("time (s)")
-    figure.supxlabel("RMS error of the force layer's mid-surface, percent of the longest side", y=0.08, fontsize=9)
-    legend_below(figure, axes[0][:1], 3, 0.06)
+    figure.supxlabel("RMS error of the force layer's mid-surface, percent of the longest side", y=0.15, fontsize=9)
+    legend_below(figure, axes[0][:1], 3, 0.14)
     return figure
 
 
