@@ -29,8 +29,8 @@ QUERY_TARGETS = {("corner", FCL): 0.8, ("tight fit", FCL): 1.0, ("tight fit", BE
 # Why a target is missed where it is; bake.md and query.md have the figures and the ways that were tried.
 WHY_BAKE_MISSED = "three fifths of what distances add are a filter of triangles, and exact distances to four for 2^3 voxels"
 WHY_MISSED = {("corner", FCL): "two thirds of the points looked at are in the band; half of the work goes into them",
-              ("tight fit", BEFORE): "a tenth of all points is in the band; handing them on takes longer than that",
-              ("wall", BEFORE): "bounds free few rows there, and trying them costs about as much as it saves"}
+              ("tight fit", BEFORE): "a tenth of all points is in the band; handing them on takes about as long as that alone",
+              ("wall", BEFORE): "bounds free few rows there, and trying them costs more than it saves"}
 
 
 def run(*command):
