@@ -164,7 +164,7 @@ def gap(readme, kind, case, low, high):
 WALL, ALL = "contact query, 10^6 points against a wall", "contact query, 10^6 points all in contact"
 ENGINE = "bake of the engine, 1024 voxels across, whole command"
 LARGE, PAPER = "bake of 10.5 million triangles, 4,000 voxels across", "bake of the paper's 593,409 polygons at 5 mm"
-FRAMES, REST = "penetrating frames in a million contact frames", "presses that come to rest"
+FRAMES, REST = "frames with a point behind the force layer, of a million in contact", "presses that come to rest"
 LOOP = "30 minutes at 1 kHz, all cores busy: late frames"
 ENGINE_ROW = {"model": "engine", "voxels": 1024, "kind": "full"}
 SHORT_GAPS = "by half a voxel in the short form"

@@ -243,6 +243,7 @@ def interval(row):
 OUTCOME = [("model", text("model")), ("trials", text("trials")), ("contact frames", text("force_layer_frames")),
            ("penetrating", share("penetration_ratio", 3)), ("95% interval", interval),
            ("trials that penetrate", lambda r: str(r.get("penetrating_trials", ""))),
+           ("energy, J", scaled("energy_generated_j_worst", 1, 2)),
            ("nearest / proven, mm", lambda r: pair(r["smallest_distance_m"] and 1e3 * r["smallest_distance_m"],
                                                    1e3 * r["guaranteed_m"]))]
 
@@ -607,6 +608,10 @@ def summary():
         return (f"{digits(full['cpu_s'])} s of processor time, {digits(full['file_bytes'] / 1e6)} MB; `--metric chebyshev`: "
                 f"{digits(lean['cpu_s'])} s, {digits(lean['file_bytes'] / 1e6)} MB")
 
+    def penetrating(model):
+        row = table2[model]
+        return f"{percent(row['penetration_ratio'])}, in {row['penetrating_trials']} of {row['trials']} trials"
+
     def wrench_row(contacts, label):
         of = by("method", ("contacts",), by("figure", ("contacts", "method"), where(voxel_m=0.005, contacts=contacts)(rows("wrench"))))
         of = {method: row["of"] for method, row in of[0]["of"].items()}
@@ -614,38 +619,41 @@ def summary():
         def said(method):
             force = of[method]["force"]
             return f"{median_of(force)} in {digits(of[method]['frame, us']['p50'])} us"
-        ours = of["default, distances"]
+
+        def half(method, figure):
+            return f"{figure.removesuffix(' force')} {percent(of[method][figure]['p50'])}"
+        ours, run = of["default, distances"], "default as voxrun runs it"
         return [f"{label}, {ours['force']['n']} cases",
-                f"{said('default, distances')}, raw {percent(ours['raw force']['p50'])}; as `voxrun` runs it: "
-                f"{said('default as voxrun runs it')}; `--metric chebyshev`: "
+                f"field: {said('default, distances')}, {half('default, distances', 'raw force')}; as `voxrun` runs it: "
+                f"{median_of(of[run]['force'])}, {half(run, 'touching')}, {half(run, 'raw force')}; `--metric chebyshev`: "
                 f"{said('default, Chebyshev layers')}",
-                f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}", "wrench",
-                measured("wrench", ours["force"])]
+                f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}, "
+                f"{half('FCL distance', 'touching')}", "wrench", measured("wrench", ours["force"])]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours['p50_us'])} us, p99 {digits(ours['p99_us'])} us",
-         f"OpenVDB `ValueAccessor`, every point: {digits(vdb['p50_us'])} us; FCL contacts: {digits(fcl['p50_us'])} us", "query",
+         f"OpenVDB `ValueAccessor`, every point: {digits(vdb['p50_us'])} us; FCL contacts: {digits(fcl['p50_us'])} us, "
+         f"p99 {digits(fcl['p99_us'])} us", "query",
          measured("query", ours)],
         ["contact query, 10^6 points all in contact", f"{digits(every['p50_us'])} us, p99 {digits(every['p99_us'])} us",
          "a frame: 1,000 us", "query", measured("query", every)],
         ["bake of the engine, 1024 voxels across, whole command",
          f"{digits(engine['full']['command_s'])} s; `--metric chebyshev`: {digits(engine['lean, chebyshev']['command_s'])} s",
-         f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s", "bake", measured("bake_kinds", engine["full"])],
+         f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s, one run", "bake", measured("bake_kinds", engine["full"])],
         ["bake of 10.5 million triangles, 4,000 voxels across", baked(large_bay), "", "bake",
          measured("bake_full", large_bay["full"])],
         ["bake of the paper's 593,409 polygons at 5 mm", baked(paper_bay), f"1999: {in_1999['bake_s']} s, {in_1999['file_bytes'] / 1e6:g} MB",
          "bake", measured("bake_full", paper_bay["full"])],
         wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
         wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
-        ["penetrating frames in a million contact frames", f"{percent(table2['default']['penetration_ratio'])}, in "
-         f"{table2['default']['trials']} trials",
-         f"the paper's model: {percent(table2['paper, braking']['penetration_ratio'])}; {percent(min(by_stiffness))} to "
+        [readme_figures.FRAMES, penetrating("default"),
+         f"the paper's model: {penetrating('paper, braking')}; {percent(min(by_stiffness))} to "
          f"{percent(max(by_stiffness))} by the stiffness of its field", "stability", measured("stability", table2["default"])],
         ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
          f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability", measured("stability", rest["default"])],
         ["30 minutes at 1 kHz, all cores busy: late frames",
          f"{loop['deadline_misses']} late and {loop['skipped_ticks']:,} left out of {loop['frames'] + loop['skipped_ticks']:,}; "
          f"the output went to zero {loop['output_trips']} times; wake-up p99 {digits(loop['wakeup_p99_us'])} us, "
-         f"most {digits(loop['wakeup_max_us'] / 1e3)} ms", "", "loop", measured("loop", rows("loop")[0])]]
+         f"most {loop['wakeup_max_us'] / 1e3:.0f} ms", "", "loop", measured("loop", rows("loop")[0])]]
     return list(markdown(["figure", "Forcelayer", "beside", "page", "measured"],
                          ([*line[:3], f"[{line[3]}](tests/bench/{line[3]}.md)", line[4]] for line in lines)))
 
