@@ -85,7 +85,6 @@ part_query() {
     return 0
   fi
   "$bin/query_bench" --motion wall --from 1000000 --largest 10000000 --our-seconds 60 --json "$out/query_large.json"
-  "$bin/query_bench" --motion tumbling --from 10000 --no-peers --seconds 5 --json "$out/query_worst.json"
 }
 part_force() {
   if [ $long = no ]; then
