@@ -73,8 +73,8 @@ Mesh bent_peg() {
   return wire(line, 0.004);
 }
 
-// Its upper leg stands in the hole of a plate, the lower one lies in a box under it. Its bend passes
-// the hole along a diagonal alone, half a turn up, with 1.1 mm to either side.
+// Its upper leg stands in the hole of a plate, the lower one lies in a box under it. Its bend
+// passes the hole along a diagonal alone, half a turn up, with 1.1 mm to either side.
 Puzzle peg_with_bend() {
   Mesh scene = empty();
   const double half = 0.008, out = 0.06, low = -0.004 + 0.006, high = 0.022;
