@@ -11,8 +11,13 @@
 namespace forcelayer::query {
 namespace {
 
-constexpr std::uint32_t kGroup = 16;               // discs looked at together: a vector
-constexpr std::uint8_t kLooksBetweenSurveys = 24;  // of a disc for which one was in vain
+constexpr std::uint32_t kGroup = 16;  // discs looked at together: a vector
+
+// How often a disc for which a survey was in vain is let be, by the first disc of its group: groups
+// are not all surveyed in one run.
+std::uint8_t looks_until_surveyed(std::uint32_t first) {
+  return static_cast<std::uint8_t>(16 + (first * 2654435761u >> 28));
+}
 constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
 constexpr float kMotionRounding = RowSkipper::kMotionRounding;
 constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
@@ -125,7 +130,7 @@ void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& le
     const float here = travel + level.reach_voxels[i] * turn;
     const float by = std::min(slack[i - begin], static_cast<float>(kMostMotionVoxels));
     const float until = by > kMotionRounding ? here + by - kMotionRounding : kNever;
-    if (until == kNever) level.let_be[i] = kLooksBetweenSurveys;
+    if (until == kNever) level.let_be[i] = looks_until_surveyed(begin);
     level.free_until[i] = options_.coherence ? std::max(level.free_until[i], until) : until;
   }
 }

@@ -21,8 +21,14 @@ constexpr Leeway kMostBlockLeeway = {3, 8}, kMostRowLeeway = {2, 6};
 // Runs that leeway must last, else looking up is cheaper than trying again.
 constexpr float kLeastRuns = 2;
 // A piece that is not free most likely has points in contact, now and in the next runs; trying a
-// row costs about as much as looking it up.
-constexpr std::uint8_t kLooksBetweenTries = 48;
+// row costs about as much as looking it up. So after a try in vain it is let be for 24 to 39 looks,
+// by its number, and after each further one for twice as many, up to four times: pieces that were
+// all tried in one run are not all tried again in one, which would take several times as long.
+constexpr std::uint8_t kMostDoublings = 2;
+
+std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
+  return static_cast<std::uint8_t>((24 + (piece * 2654435761u >> 28)) << doublings);
+}
 
 [[gnu::cold]] std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin,
                                              std::uint64_t end) {
@@ -69,6 +75,7 @@ constexpr std::uint8_t kLooksBetweenTries = 48;
   pieces.found = std::vector<FoundFree>(pieces.discs.size());
   pieces.free_until.assign(pieces.discs.size(), kNever);
   pieces.let_be.assign(pieces.discs.size(), 0);
+  pieces.doublings.assign(pieces.discs.size(), 0);
   return pieces;
 }
 
@@ -167,11 +174,15 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
       leeway.across > kMotionRounding + kLeastRuns * last.across) {
     found = {{now.center + from_base_, now.axis}, leeway};
     pieces.free_until[i] = spent + left;
+    pieces.doublings[i] = 0;
     return true;
   }
   found.leeway = {};
   pieces.free_until[i] = kNever;
-  pieces.let_be[i] = coherence_ ? kLooksBetweenTries : 0;
+  if (coherence_) {
+    pieces.let_be[i] = looks_until_tried(i, pieces.doublings[i]);
+    if (pieces.doublings[i] < kMostDoublings) ++pieces.doublings[i];
+  }
   return false;
 }
 

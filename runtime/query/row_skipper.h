@@ -69,8 +69,9 @@ class RowSkipper {
   struct Pieces {
     std::vector<PartDisc> discs;
     std::vector<FoundFree> found;
-    std::vector<float> free_until;     // spent motion (voxels) up to which each is known free
-    std::vector<std::uint8_t> let_be;  // looks until it is tried again
+    std::vector<float> free_until;        // spent motion (voxels) up to which each is known free
+    std::vector<std::uint8_t> let_be;     // looks until it is tried again
+    std::vector<std::uint8_t> doublings;  // of these, at its next try in vain
   };
   static Pieces cut(const PshellView& shell, std::uint64_t piece_points);
   Placed place(const PartDisc& disc) const noexcept;
