@@ -11,18 +11,18 @@
 namespace forcelayer::query {
 namespace {
 
-constexpr std::uint32_t kGroup = 16;  // discs looked at together: a vector
+constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
+constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
+constexpr float kMotionRounding = RowSkipper::kMotionRounding;
+constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
+constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
+constexpr float kNever = RowSkipper::kNever;
 
 // How often a disc for which a survey was in vain is let be, by the first disc of its group: groups
 // are not all surveyed in one run.
 std::uint8_t looks_until_surveyed(std::uint32_t first) {
   return static_cast<std::uint8_t>(16 + (first * 2654435761u >> 28));
 }
-constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
-constexpr float kMotionRounding = RowSkipper::kMotionRounding;
-constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
-constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
-constexpr float kNever = RowSkipper::kNever;
 
 bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitTolerance; }
 
