@@ -21,11 +21,13 @@ VOXEL_M = 0.005
 MOST_OVER_LEAN = 2.5
 LEAST_OVER_VDB_TOOL = 40
 POINTS = "1000000"
-# Median time of a frame with a million points over that of another method in the same run, at most: FCL's contacts, the
-# query without the bounds of bricks (as it was before them, but with today's kernel), and without any skipping.
+# Time of a frame with a million points over that of another method in the same run, each at this percentile, at most:
+# FCL's contacts, the query without the bounds of bricks (as it was before them, but with today's kernel), and without any
+# skipping.
 FCL, BEFORE, BRUTE_FORCE = "FCL meshes, contacts", "no walls", "no skipping"
-QUERY_TARGETS = {("corner", FCL): 0.8, ("tight fit", FCL): 1.0, ("tight fit", BEFORE): 0.4, ("wall", BEFORE): 1.0,
-                 ("tumbling", BRUTE_FORCE): 1.2}
+QUERY_TARGETS = {("corner", FCL, "p50"): 0.8, ("tight fit", FCL, "p50"): 1.0, ("tight fit", BEFORE, "p50"): 0.4,
+                 ("wall", BEFORE, "p50"): 1.0, ("everything", BRUTE_FORCE, "p50"): 1.2, ("everything", BRUTE_FORCE, "p99"): 1.2,
+                 ("tumbling", BRUTE_FORCE, "p50"): 1.2, ("tumbling", BRUTE_FORCE, "p99"): 1.2}
 # Why a target is missed where it is; bake.md and query.md have the figures and the ways that were tried.
 WHY_BAKE_MISSED = "three fifths of what distances add are a filter of triangles, and exact distances to four for 2^3 voxels"
 WHY_MISSED = {("corner", FCL): "two thirds of the points looked at are in the band; half of the work goes into them",
@@ -69,17 +71,16 @@ def bay_rows(bin_folder, folder, short):
 
 def query_rows(bin_folder, folder, short):
     report = folder / "query.json"
-    motions = dict.fromkeys(motion for motion, _ in QUERY_TARGETS)
+    motions = dict.fromkeys(motion for motion, _, _ in QUERY_TARGETS)
     run(bin_folder / "query_bench", *(word for motion in motions for word in ("--motion", motion)), "--from", POINTS,
         "--largest", POINTS, "--seconds", 0.5 if short else 5, "--our-seconds", 2 if short else 30, "--json", report)
     rows = []
     for row in json.loads(report.read_text())["results"]["rows"]:
-        p50 = {name: method["frame_ns"]["p50"] for name, method in row["methods"].items()}
-        ours, motion = p50["all skipping"], row["motion"]
-        for (of, peer), most in QUERY_TARGETS.items():
-            if of == motion:
-                rows.append((f"{motion}, 10^6 points, {ours / 1e3:.0f} us: over {peer}", ours / p50[peer], "<=", most,
-                             WHY_MISSED.get((motion, peer), "")))
+        for (motion, peer, percentile), most in QUERY_TARGETS.items():
+            if motion == row["motion"]:
+                ours, theirs = (row["methods"][name]["frame_ns"][percentile] for name in ("all skipping", peer))
+                rows.append((f"{motion}, 10^6 points, {percentile} {ours / 1e3:.0f} us: over {peer}", ours / theirs, "<=",
+                             most, WHY_MISSED.get((motion, peer), "")))
     return rows
 
 
