@@ -32,7 +32,9 @@ QUERY_TARGETS = {("corner", FCL, "p50"): 0.8, ("tight fit", FCL, "p50"): 1.0, ("
 WHY_BAKE_MISSED = "three fifths of what distances add are a filter of triangles, and exact distances to four for 2^3 voxels"
 WHY_MISSED = {("corner", FCL): "two thirds of the points looked at are in the band; half of the work goes into them",
               ("tight fit", BEFORE): "a tenth of all points is in the band; handing them on takes about as long as that alone",
-              ("wall", BEFORE): "bounds free few rows there, and trying them costs more than it saves"}
+              ("wall", BEFORE): "bounds free few rows there, and trying them costs more than it saves",
+              **dict.fromkeys([("everything", BRUTE_FORCE), ("tumbling", BRUTE_FORCE)],
+                              "nothing can be skipped there; pieces that touch are tried again now and then all the same")}
 
 
 def run(*command):
