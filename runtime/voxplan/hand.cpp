@@ -452,17 +452,12 @@ void Hand::Parts::take_to_goal() {
   done = true;
 }
 
-Hand::Hand(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Hand::~Hand() = default;
-
-Result<std::unique_ptr<Hand>> Hand::create(const Problem& problem, const Destination& goal,
-                                           std::size_t number, std::uint64_t seed) {
-  auto check = PoseCheck::create(problem);
-  if (!check) return check.error();
-  auto parts = std::make_unique<Parts>(problem, goal, number, seed, std::move(*check));
-  parts->begin();
-  return std::unique_ptr<Hand>(new Hand(std::move(parts)));
+Hand::Hand(const Problem& problem, const Destination& goal, std::size_t number, std::uint64_t seed,
+           std::unique_ptr<PoseCheck> check)
+    : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {
+  parts_->begin();
 }
+Hand::~Hand() = default;
 
 void Hand::Parts::begin() {
   done = false;

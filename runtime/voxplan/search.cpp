@@ -11,7 +11,6 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr std::size_t kHands = 4;             // whatever the threads
 constexpr std::uint64_t kPosesARound = 4000;  // of each hand
 
 using Hands = std::vector<std::unique_ptr<Hand>>;
@@ -50,9 +49,9 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   seed_planners(request.seed);
   Hands hands;
   for (std::size_t n = 0; n < kHands; ++n) {
-    auto hand = Hand::create(problem, goal, n, request.seed);
-    if (!hand) return hand.error();
-    hands.push_back(std::move(*hand));
+    auto check = request.make_check(problem);
+    if (!check) return check.error();
+    hands.push_back(std::make_unique<Hand>(problem, goal, n, request.seed, std::move(*check)));
   }
   SearchResult result;
   // All hands do the same work in a round, so that the clock does not choose the way.
