@@ -241,21 +241,6 @@ std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& wa
   return few;
 }
 
-// The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
-std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
-                              const std::function<bool(const Pose&)>& ends) {
-  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
-  std::vector<Pose> first{way.front()};
-  for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
-    const bool is_end = ends(fine[i]);
-    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
-    if (is_corner) ++corner;
-    if (is_end || is_corner) first.push_back(fine[i]);
-    if (is_end) break;
-  }
-  return first;
-}
-
 }  // namespace
 
 void seed_planners(std::uint64_t seed) {
