@@ -27,6 +27,7 @@ struct SearchRequest {
   std::function<double()> clock_s = steady_s;  // by which the time is told
   // Of each hand, in the order of their numbers.
   std::function<Result<std::unique_ptr<PoseCheck>>(const Problem&)> make_check = PoseCheck::create;
+  // Told in and between rounds, by one thread at a time.
   std::function<void(double share_of_time, double out_m)> progress;
   // A pose at which a way that was found does not prove clear: the search goes on for one that does
   // not lead by it. None where it proves.

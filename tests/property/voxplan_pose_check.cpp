@@ -234,6 +234,26 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   EXPECT_GT(result->refused, 0u);
 }
 
+// A clock that makes the first round the last one.
+TEST(Search, TellsItsProgressWithinARound) {
+  Bench bench(0.03);
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  voxplan::SearchRequest request;
+  request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
+    return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
+  };
+  int read = 0;
+  request.clock_s = [&] { return ++read; };
+  request.most_s = 40;
+  std::vector<double> told;
+  request.progress = [&](double share, double) { told.push_back(share); };
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_LT(result->poses_tested, 4 * 4000u);
+  EXPECT_GT(told.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+}
+
 // OMPL's trees ask for no less: a pose that is apart from itself was freed twice.
 TEST(PoseDistance, IsAMetricAndNothingFromAPoseToItself) {
   voxplan::Random random(9);
