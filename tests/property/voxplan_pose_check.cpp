@@ -114,6 +114,35 @@ TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
   EXPECT_GT(cut, 20);
 }
 
+// The twin: a check that was asked nothing before.
+TEST(PoseCheck, NoAnswerDependsOnEarlierQuestions) {
+  Bench bench;
+  voxplan::Random random(12);
+  const auto any = [&](double low_m, double high_m) {
+    Pose pose{{}, random.orientation()};
+    for (int axis = 0; axis < 2; ++axis) pose.position_m[axis] = random.between(-0.04, 0.04);
+    pose.position_m.z = random.between(low_m, high_m);
+    return pose;
+  };
+  int free = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    // Far away, so that bounds that are still held would skip what is near now.
+    bench.check->clearance_m(any(0.1, 0.3));
+    bench.check->is_kept(Rule::kClear, any(0.06, 0.1), any(0.06, 0.1));
+    const Pose pose = any(0.03, 0.07), to = any(0.03, 0.1);
+    const auto fresh = PoseCheck::create(bench.problem);
+    ASSERT_TRUE(fresh) << to_line(fresh.error());
+    EXPECT_EQ(bench.check->clearance_m(pose), (*fresh)->clearance_m(pose)) << trial;
+    EXPECT_EQ(bench.check->holds(Rule::kClear, pose), (*fresh)->holds(Rule::kClear, pose)) << trial;
+    EXPECT_EQ(bench.check->share_kept(Rule::kClear, pose, to),
+              (*fresh)->share_kept(Rule::kClear, pose, to))
+        << trial;
+    free += (*fresh)->holds(Rule::kClear, pose) ? 1 : 0;
+  }
+  EXPECT_GT(free, 50);
+  EXPECT_LT(free, 150);
+}
+
 // The twin: the look-up of a frame, and what it bars. Edges between points: runtime_seat.cpp.
 TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   Bench bench;
