@@ -11,6 +11,7 @@ namespace {
 constexpr double kMostPoses = 200;         // of a stretch,
 constexpr double kLeastStepVoxels = 2;     // no nearer to each other than this
 constexpr double kLeastGain = 1e-3;        // of a shorter way across a detour
+constexpr double kKept = 0.8;              // of the clearance of a pose that goes there
 constexpr double kLeastMoveVoxels = 0.01;  // of a pose
 constexpr int kEvenings = 60;              // passes at most
 
@@ -71,7 +72,7 @@ bool Stretch::cross(std::size_t from, std::size_t to) {
     const double share = static_cast<double>(i - from) / static_cast<double>(to - from);
     across.push_back(pose_between(way_[from], way_[to], share));
     across_m.push_back(worth_m(across.back()));
-    if (across_m.back() < least_m) return false;
+    if (across_m.back() < std::max(least_m, kKept * worth_m_[i])) return false;
   }
   if (!is_kept(way_[from], way_[to])) return false;
   std::copy(across.begin(), across.end(), way_.begin() + from + 1);
