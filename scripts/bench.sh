@@ -9,11 +9,11 @@
 #                                      from there in tests/bench/results/<machine> and in the pages
 #   scripts/bench.sh --out FOLDER ...  results in FOLDER alone
 # Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path
-# verdicts python progress paper gaps assembly, and by name only: loop (the long form takes half an hour), streams (bakes up
+# verdicts python progress paper gaps assembly puzzles, and by name only: loop (the long form takes half an hour), streams (bakes up
 # to 100 million triangles), and targets (what the speed of bake and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
-all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly)
+all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly puzzles)
 readme_parts=(bake query wrench stability gaps)  # what the figures of the README and of runtime/limits.md come from
 bin=$root/build/release/bin
 bench=$root/tests/bench
@@ -44,7 +44,7 @@ declare -A targets=(
   [bake]="bake_bench voxelize" [error]=geometry_bench [growth]=voxelize [streams]=voxelize [plan]=voxelize [tree]="voxelize voxinfo"
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench [clearance]=clearance_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
-  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [verdicts]="verdict_bench voxelize pointshell voxrun voxcheck voxcheck-exact forcelayer" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [progress]="voxelize pointshell" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun" [gaps]=stress_tests [assembly]=assembly_bench
+  [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [verdicts]="verdict_bench voxelize pointshell voxrun voxcheck voxcheck-exact forcelayer" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [progress]="voxelize pointshell" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun" [gaps]=stress_tests [assembly]=assembly_bench [puzzles]="puzzle_bench voxelize pointshell"
   [targets]="bake_bench voxelize query_bench")
 
 # The long form also measures what a processor without AVX-512 would run.
@@ -130,6 +130,7 @@ part_assembly() {
     "$bin/assembly_bench" $task $(either --short "") --json "$out/assembly_$task.json"
   done
 }
+part_puzzles() { "$bin/puzzle_bench" $(either "--seeds 1 --time 2" "--seeds 10 --time 10") --poses 20000 --json "$out/puzzles.json"; }
 part_targets() { "$bench/speed_targets.py" $(either --short ""); }  # prints all that it has to say
 part_loop() {
   "$bench/bench_loop.py" --minutes "$(either 1 30)" --out "$root/build/loop_bench" --json "$out/loop.json"

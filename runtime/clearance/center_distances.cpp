@@ -14,9 +14,11 @@ namespace {
 // Fronts at the far end of what is stored must be so far from the mesh, in voxels (front.h).
 constexpr double kFarEnough = 2.7;
 
-constexpr std::size_t kMostBlocks = 1 << 14;  // 100 MB; beyond that all are read anew
-constexpr float kRoundDown = 1 - 0x1p-20f;    // exceeds the rounding of a squared distance
-constexpr double kSumRounding = 1e-5;         // voxels^2, of the interpolation, from floats
+// Blocks with and without distances that are searched for: 100 MB, 50 MB. Beyond that all are read
+// anew.
+constexpr std::size_t kMostSearched = 1 << 14, kMostStored = 1 << 16;
+constexpr float kRoundDown = 1 - 0x1p-20f;  // exceeds the rounding of a squared distance
+constexpr double kSumRounding = 1e-5;       // voxels^2, of the interpolation, from floats
 // Places as integers, and those whose bricks have a key.
 constexpr double kMostInteger = 1 << 30, kMostVoxel = 1 << 23;
 
@@ -200,7 +202,7 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
 CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick, std::uint64_t key) {
   auto found = blocks_.find(key);
   if (found == blocks_.end()) {
-    if (blocks_.size() >= kMostBlocks) {
+    if (blocks_.size() >= (searches_ ? kMostSearched : kMostStored)) {
       blocks_.clear();
       slots_.fill({});
       fronts_.forget();

@@ -90,7 +90,7 @@ class CenterDistances {
     std::uint64_t key = ~std::uint64_t{0};
     Block* block = nullptr;
   };
-  static constexpr int kSlotBits = 11;
+  static constexpr int kSlotBits = 13;
   static std::size_t slot_of(std::uint64_t key) {
     return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> (64 - kSlotBits));
   }

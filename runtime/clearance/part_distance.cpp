@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 namespace forcelayer::clearance {
 namespace {
@@ -37,6 +38,7 @@ PartDistance::Level PartDistance::make_level(const BoundingSphere* spheres, std:
   }
   level.least.assign(count, -kInfinity);
   level.travel.assign(count, 0);
+  level.question.assign(count, 0);
   return level;
 }
 
@@ -116,10 +118,17 @@ void PartDistance::make_groups() {
 }
 
 void PartDistance::forget() {
-  for (Level* level : {&groups_, &blocks_, &super_blocks_}) {
-    std::fill(level->least.begin(), level->least.end(), -kInfinity);
-  }
+  std::fill(super_blocks_.least.begin(), super_blocks_.least.end(), -kInfinity);
+  ++question_;
   last_block_ = 0;
+}
+
+// Forgets the blocks of a super-block, or the groups of a block, that were looked at before.
+void PartDistance::forget_below(Level& level, std::size_t i, Level& below, std::size_t first,
+                                std::size_t end) {
+  if (std::exchange(level.question[i], question_) == question_) return;
+  std::fill(below.least.begin() + static_cast<std::ptrdiff_t>(first),
+            below.least.begin() + static_cast<std::ptrdiff_t>(end), -kInfinity);
 }
 
 glm::dvec3 PartDistance::to_voxels(const glm::dvec3& place_m) const {
@@ -192,6 +201,7 @@ bool PartDistance::look_at_group(const Place& place, std::size_t group) {
 void PartDistance::look_at_block(const Place& place, std::size_t block) {
   double least = kInfinity;
   const double before = best_.voxels;
+  forget_below(blocks_, block, groups_, first_group(block), first_group(block + 1));
   for (std::size_t group = first_group(block); group < first_group(block + 1); ++group) {
     if (group_first_[group] == group_first_[group + 1]) continue;
     if (!is_far(place, groups_, group, true) && !look_at_group(place, group)) return;
@@ -207,6 +217,7 @@ void PartDistance::look_at_blocks(const Place& place, std::size_t super_block) {
   const std::size_t begin = super_block * v.super_block_blocks;
   const std::size_t end = std::min<std::size_t>(begin + v.super_block_blocks, v.block_count);
   double least = kInfinity;
+  forget_below(super_blocks_, super_block, blocks_, begin, end);
   for (std::size_t block = begin; block < end; ++block) {
     if (!is_far(place, blocks_, block, true)) look_at_block(place, block);
     if (stops()) return;
@@ -232,7 +243,11 @@ LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, d
     const double there = distance(place, last_stop_);
     if (there < stop_) return {there, last_stop_};
   }
-  if (blocks_.least[last_block_] > -kInfinity) look_at_block(place, last_block_);
+  const std::size_t last_super_block = last_block_ / shell_.view().super_block_blocks;
+  if (super_blocks_.question[last_super_block] == question_ &&
+      blocks_.least[last_block_] > -kInfinity) {
+    look_at_block(place, last_block_);
+  }
   for (std::size_t i = 0; i < super_blocks_.least.size() && !stops(); ++i) {
     if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
   }

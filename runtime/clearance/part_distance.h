@@ -55,10 +55,11 @@ class PartDistance {
   // Bounding spheres, each with a lower bound of its points' distance and the travel at which that
   // bound was found.
   struct Level {
-    std::vector<double> least;       // voxels
-    std::vector<double> travel;      // voxels
-    std::vector<glm::dvec3> center;  // from the centroid, voxels
-    std::vector<double> radius;      // voxels
+    std::vector<double> least;            // voxels
+    std::vector<double> travel;           // voxels
+    std::vector<glm::dvec3> center;       // from the centroid, voxels
+    std::vector<double> radius;           // voxels
+    std::vector<std::uint64_t> question;  // for which what is below was last forgotten
     double now(std::size_t i, double at) const {
       return least[i] - (at > travel[i] ? at - travel[i] : travel[i] - at);
     }
@@ -66,6 +67,7 @@ class PartDistance {
   struct Place;  // of the part, in voxels from the directory on
 
   void make_groups();
+  void forget_below(Level& level, std::size_t i, Level& below, std::size_t first, std::size_t end);
   std::size_t first_group(std::size_t block) const { return block * groups_a_block_; }
   double distance(const Place& place, std::size_t point);
   bool look_at_group(const Place& place, std::size_t group);
@@ -90,6 +92,7 @@ class PartDistance {
   double radius_;                           // voxels
   double rounding_m_;
   std::size_t last_block_ = 0;
+  std::uint64_t question_ = 0;                      // one more with each forget()
   std::uint32_t last_stop_ = LeastDistance::kNone;  // the point that ended a search
   std::uint64_t points_looked_at_ = 0;
   // The search at the current pose.

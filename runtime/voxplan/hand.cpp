@@ -241,21 +241,6 @@ std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& wa
   return few;
 }
 
-// The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
-std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
-                              const std::function<bool(const Pose&)>& ends) {
-  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
-  std::vector<Pose> first{way.front()};
-  for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
-    const bool is_end = ends(fine[i]);
-    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
-    if (is_corner) ++corner;
-    if (is_end || is_corner) first.push_back(fine[i]);
-    if (is_end) break;
-  }
-  return first;
-}
-
 }  // namespace
 
 void seed_planners(std::uint64_t seed) {
@@ -452,17 +437,12 @@ void Hand::Parts::take_to_goal() {
   done = true;
 }
 
-Hand::Hand(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Hand::~Hand() = default;
-
-Result<std::unique_ptr<Hand>> Hand::create(const Problem& problem, const Destination& goal,
-                                           std::size_t number, std::uint64_t seed) {
-  auto check = PoseCheck::create(problem);
-  if (!check) return check.error();
-  auto parts = std::make_unique<Parts>(problem, goal, number, seed, std::move(*check));
-  parts->begin();
-  return std::unique_ptr<Hand>(new Hand(std::move(parts)));
+Hand::Hand(const Problem& problem, const Destination& goal, std::size_t number, std::uint64_t seed,
+           std::unique_ptr<PoseCheck> check)
+    : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {
+  parts_->begin();
 }
+Hand::~Hand() = default;
 
 void Hand::Parts::begin() {
   done = false;

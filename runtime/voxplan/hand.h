@@ -9,7 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "formats/result.h"
 #include "runtime/voxplan/destination.h"
 #include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/problem.h"
@@ -23,9 +22,8 @@ void seed_planners(std::uint64_t seed);
 // of their numbers, so that OMPL hands out its random numbers in one order.
 class Hand {
  public:
-  // Errors: those of PoseCheck::create().
-  static Result<std::unique_ptr<Hand>> create(const Problem& problem, const Destination& goal,
-                                              std::size_t number, std::uint64_t seed);
+  Hand(const Problem& problem, const Destination& goal, std::size_t number, std::uint64_t seed,
+       std::unique_ptr<PoseCheck> check);
   ~Hand();
 
   // Tests so many poses more, or until it is done or the time is over.
@@ -55,7 +53,6 @@ class Hand {
 
  private:
   struct Parts;
-  explicit Hand(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };
 

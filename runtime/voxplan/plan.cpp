@@ -9,6 +9,7 @@
 #include "runtime/voxplan/destination.h"
 #include "runtime/voxplan/hand.h"
 #include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/smooth/smoothed.h"
 #include "runtime/voxplan/way.h"
 
 namespace forcelayer::voxplan {
@@ -60,11 +61,11 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   request.unproven_at = [&](const Way& in_seat, const Way& beyond) -> Result<std::optional<Pose>> {
     const auto wide = widened(problem, beyond, options.seed);
     if (!wide) return wide.error();
-    const auto smooth = smoothed(problem, in_seat, *wide);
+    const auto smooth = smoothed(problem, {in_seat, *wide});
     if (!smooth) return smooth.error();
-    // Should the smooth one not prove clear as a whole, the other may.
-    for (const Way* const way : {&*smooth, &*wide}) {
-      made.rows = rows_of(problem, in_seat, *way, options.speed_mps);
+    // Should the smoothest not prove clear as a whole, another may.
+    for (const WholeWay& way : *smooth) {
+      made.rows = rows_of(problem, way.in_seat, way.beyond, options.speed_mps);
       auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
       if (!checked) return checked.error();
       made.checked = std::move(*checked);

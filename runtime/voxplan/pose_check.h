@@ -24,9 +24,10 @@ class PoseCheck {
  public:
   // Errors: those of SeatStretch::find().
   static Result<std::unique_ptr<PoseCheck>> create(const Problem& problem);
+  virtual ~PoseCheck() = default;
 
   bool holds(Rule rule, const Pose& pose);
-  bool holds(Rule rule, const Pose& pose, clearance::LeastDistance& known);  // what it tells
+  virtual bool holds(Rule rule, const Pose& pose, clearance::LeastDistance& known);  // it tells
 
   // From now on no way leads by that pose, or within a voxel of travel around it: it belongs to a
   // way that was found and did not prove clear. The start stays allowed.
@@ -56,11 +57,16 @@ class PoseCheck {
   double kept_m() const { return kept_m_; }                     // their travel
   const Problem& problem() const { return problem_; }
 
- private:
+ protected:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
+  // All questions about motions end here.
+  virtual double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                            clearance::KnownEnds& known);
+  // For one that answers without a test: so many poses count as tested.
+  void count_tested(std::uint64_t poses) { tested_ += poses; }
+
+ private:
   clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
-  double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                    clearance::KnownEnds& known);
   double share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                     clearance::KnownEnds& known);
   double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,

@@ -43,4 +43,18 @@ std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose
   return fine;
 }
 
+std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
+                              const std::function<bool(const Pose&)>& ends) {
+  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
+  std::vector<Pose> first{way.front()};
+  for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
+    const bool is_end = ends(fine[i]);
+    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
+    if (is_corner) ++corner;
+    if (is_end || is_corner) first.push_back(fine[i]);
+    if (is_end) break;
+  }
+  return first;
+}
+
 }  // namespace forcelayer::voxplan

@@ -1,6 +1,7 @@
 // The question: which part leaves which scene, from where, and with which clearance.
 #pragma once
 
+#include <functional>
 #include <glm/geometric.hpp>
 #include <vector>
 
@@ -40,5 +41,9 @@ PathRow row_of(double time_s, const Pose& pose);
 // Poses along a way, no two farther apart than `step_m`, its own among them.
 std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,
                                   double step_m);
+
+// The way up to the first pose, looked for every voxel of travel, for which `ends` says so.
+std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
+                              const std::function<bool(const Pose&)>& ends);
 
 }  // namespace forcelayer::voxplan

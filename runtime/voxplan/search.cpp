@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <glm/geometric.hpp>
+#include <mutex>
 #include <utility>
 
 #include "runtime/clearance/share_out.h"
@@ -11,7 +12,6 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr std::size_t kHands = 4;             // whatever the threads
 constexpr std::uint64_t kPosesARound = 4000;  // of each hand
 
 using Hands = std::vector<std::unique_ptr<Hand>>;
@@ -50,18 +50,28 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   seed_planners(request.seed);
   Hands hands;
   for (std::size_t n = 0; n < kHands; ++n) {
-    auto hand = Hand::create(problem, goal, n, request.seed);
-    if (!hand) return hand.error();
-    hands.push_back(std::move(*hand));
+    auto check = request.make_check(problem);
+    if (!check) return check.error();
+    hands.push_back(std::make_unique<Hand>(problem, goal, n, request.seed, std::move(*check)));
   }
   SearchResult result;
+  std::mutex telling;
+  const auto tell = [&](double now_s) {
+    const std::unique_lock lock(telling, std::try_to_lock);
+    if (!lock || !request.progress) return;
+    request.progress(std::min(1.0, (now_s - begin_s) / request.most_s), result.out_m);
+  };
   // All hands do the same work in a round, so that the clock does not choose the way.
   if (Status s = take_proven(hands, request, result); !s) return s.error();
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
   while (!result.found && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
                          [&](std::size_t, std::size_t n) {
-                           hands[n]->work(kPosesARound, [&] { return request.clock_s() >= end_s; });
+                           hands[n]->work(kPosesARound, [&] {
+                             const double now_s = request.clock_s();
+                             tell(now_s);  // a round may take seconds
+                             return now_s >= end_s;
+                           });
                          });
     const bool notes = ++round >= next_note;
     if (notes) next_note = 2 * round;
@@ -75,9 +85,6 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     std::uint64_t tested = 0;
     for (const auto& hand : hands) tested += hand->poses_tested();
     if (std::exchange(last_tested, tested) == tested) break;
-    if (request.progress) {
-      request.progress(std::min(1.0, (request.clock_s() - begin_s) / request.most_s), result.out_m);
-    }
   }
   for (const auto& hand : hands) {
     if (!result.found) hand->note_farthest();

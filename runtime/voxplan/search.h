@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "formats/result.h"
 #include "runtime/voxplan/destination.h"
+#include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/problem.h"
 
 namespace forcelayer::voxplan {
@@ -16,11 +18,16 @@ double steady_s();  // the steady clock, s
 // Poses of the centroid frame; between two of them the part goes straight.
 using Way = std::vector<Pose>;
 
+constexpr std::size_t kHands = 4;  // that search side by side, whatever the threads
+
 struct SearchRequest {
   std::uint64_t seed = 1;  // the same way for the same seed, whatever the threads
   unsigned threads = 1;
   double most_s = 60;
-  double (*clock_s)() = steady_s;  // by which the time is told
+  std::function<double()> clock_s = steady_s;  // by which the time is told
+  // Of each hand, in the order of their numbers.
+  std::function<Result<std::unique_ptr<PoseCheck>>(const Problem&)> make_check = PoseCheck::create;
+  // Told in and between rounds, by one thread at a time.
   std::function<void(double share_of_time, double out_m)> progress;
   // A pose at which a way that was found does not prove clear: the search goes on for one that does
   // not lead by it. None where it proves.
@@ -43,7 +50,7 @@ struct SearchResult {
   double seconds = 0;
 };
 
-// Errors: those of PoseCheck::create() and of the request's own function.
+// Errors: those of the request's own functions.
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request);
 

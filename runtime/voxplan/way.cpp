@@ -13,9 +13,6 @@ constexpr double kMostPoses = 200;      // of a way that is widened
 constexpr double kLeastStepVoxels = 2;  // between two of them
 constexpr int kPasses = 12;
 constexpr double kFirstShiftVoxels = 3, kShrink = 0.8;  // of what is tried, from pass to pass
-constexpr int kEvenings = 60;                           // passes of smoothed()
-constexpr int kCuts = 4;                                // times that its corners are cut
-constexpr double kCornerRad = 0.03;                     // a corner that is cut
 
 double length_m(const Problem& problem, const Way& way) {
   double all_m = 0;
@@ -30,89 +27,6 @@ Pose shifted(const Pose& pose, double shift_m, double radius_m, Random& random) 
   const glm::dvec3 turn_rad = random.direction() * (random.normal() * shift_m / radius_m);
   return {pose.position_m + random.direction() * (random.normal() * shift_m),
           glm::normalize(coupling::rotation_by(turn_rad) * pose.orientation)};
-}
-
-// The turn of the centroid's way at the second of three poses.
-double corner_rad(const Pose& a, const Pose& b, const Pose& c) {
-  const glm::dvec3 in_m = b.position_m - a.position_m, out_m = c.position_m - b.position_m;
-  const double lengths = glm::length(in_m) * glm::length(out_m);
-  if (!(lengths > 0)) return 0;
-  return std::atan2(glm::length(glm::cross(in_m, out_m)), glm::dot(in_m, out_m));
-}
-
-class Smoother {
- public:
-  Smoother(const Problem& problem, PoseCheck& check, const Way& way)
-      : problem_(problem), check_(check), way_(way) {}
-  Way run(const Way& in_seat) {
-    even(go_straight_on(in_seat) ? 2 : 1);
-    for (int n = 0; n < kCuts; ++n) cut_corners();
-    return way_;
-  }
-
- private:
-  bool go_straight_on(const Way& in_seat);
-  void even(std::size_t first);
-  void cut_corners();
-
-  const Problem& problem_;
-  PoseCheck& check_;
-  Way way_;
-};
-
-// A way out of a seat goes straight on for a step before it turns.
-bool Smoother::go_straight_on(const Way& in_seat) {
-  if (in_seat.size() < 2 || way_.size() < 2) return false;
-  const Pose &last = in_seat[in_seat.size() - 2], &joint = way_.front();
-  const glm::dvec3 leg_m = joint.position_m - last.position_m;
-  if (!(glm::length(leg_m) > 0)) return false;
-  const double step_m = kLeastStepVoxels * problem_.scene.voxel_size_m();
-  Pose on = joint;
-  on.position_m += leg_m * (step_m / glm::length(leg_m));
-  if (!check_.is_kept(Rule::kClear, joint, on) || !check_.is_kept(Rule::kClear, on, way_[1])) {
-    return false;
-  }
-  way_.insert(way_.begin() + 1, on);
-  return true;
-}
-
-// Poses to the middle of their neighbors, where no clearance falls below the least of the three.
-void Smoother::even(std::size_t first) {
-  std::vector<double> clearance_m;
-  for (const Pose& pose : way_) clearance_m.push_back(check_.clearance_m(pose));
-  for (int pass = 0; pass < kEvenings; ++pass) {
-    for (std::size_t i = first; i + 1 < way_.size(); ++i) {
-      const Pose there = pose_between(way_[i - 1], way_[i + 1], 0.5);
-      const double there_m = check_.clearance_m(there);
-      if (there_m < std::min({clearance_m[i - 1], clearance_m[i], clearance_m[i + 1]})) continue;
-      if (!check_.is_kept(Rule::kClear, way_[i - 1], there) ||
-          !check_.is_kept(Rule::kClear, there, way_[i + 1])) {
-        continue;
-      }
-      way_[i] = there;
-      clearance_m[i] = there_m;
-    }
-  }
-}
-
-// Each corner by two, a quarter of its legs away from it (Chaikin): the more often, the nearer to a
-// quadratic B-spline. A cut that is not kept leaves its corner.
-void Smoother::cut_corners() {
-  Way cut{way_.front()};
-  for (std::size_t i = 1; i + 1 < way_.size(); ++i) {
-    const Pose before = pose_between(way_[i], way_[i - 1], 0.25);
-    const Pose behind = pose_between(way_[i], way_[i + 1], 0.25);
-    const bool cuts = corner_rad(way_[i - 1], way_[i], way_[i + 1]) > kCornerRad &&
-                      check_.is_kept(Rule::kClear, before, behind);
-    if (cuts) {
-      cut.push_back(before);
-      cut.push_back(behind);
-    } else {
-      cut.push_back(way_[i]);
-    }
-  }
-  cut.push_back(way_.back());
-  way_ = std::move(cut);
 }
 
 }  // namespace
@@ -146,13 +60,6 @@ Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed) 
     }
   }
   return wide;
-}
-
-Result<Way> smoothed(const Problem& problem, const Way& in_seat, const Way& way) {
-  auto made = PoseCheck::create(problem);
-  if (!made) return made.error();
-  Smoother smoother(problem, **made, way);
-  return smoother.run(in_seat);
 }
 
 std::vector<PathRow> rows_of(const Problem& problem, const Way& in_seat, const Way& beyond,

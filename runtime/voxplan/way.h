@@ -17,12 +17,6 @@ namespace forcelayer::voxplan {
 // that is required, and no pose comes nearer than it was. Errors: those of PoseCheck::create().
 Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed);
 
-// The same way as a hand would feel it: its poses moved to the middle of their neighbors, where
-// none comes nearer than the nearest of the three was, and its corners cut again and again. Behind
-// its first pose it goes straight on as the way out of the seat came. Every motion keeps the
-// clearance that is required. Errors: those of PoseCheck::create().
-Result<Way> smoothed(const Problem& problem, const Way& in_seat, const Way& way);
-
 // Poses of the part (world_from_part) over time: its points go at `speed_mps` or less.
 std::vector<PathRow> rows_of(const Problem& problem, const Way& in_seat, const Way& beyond,
                              double speed_mps);

@@ -97,6 +97,7 @@ FILES = {
     "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
     "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
+    "puzzles": (("puzzle", "validity"), times("poses_per_s", "at_once_poses_per_s", "steps_per_s")),
     "verdicts": (("case",), {**same("poses", "too_near", "contradictions"), "told_m": 1.02}),
     "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
     "progress": (("program", "case"), times("cpu_s")),
@@ -423,6 +424,11 @@ def skipped(rows):
                     "p99_us": figures["frame_us"]["p99"]}
 
 
+def puzzles(rows):
+    for r in rows:
+        yield "puzzles", r
+
+
 def path(rows):
     for r in rows:
         yield "path_poses", {key: r[key] for key in ("scenes", "moments", "too_much", "planted", "found")}
@@ -486,7 +492,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_err
         "stability_loops": stability_loops, "stability_seats": stability_seats,
         "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
         **{f"assembly_{task}": assembly(task) for task in ("peg", "nut", "scans")},
-        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "verdicts": verdicts, "paper_table": paper, "loop": loop}
+        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "puzzles": puzzles, "verdicts": verdicts, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

@@ -5,6 +5,7 @@
 //   puzzle_bench [--seeds N] [--time S] [--voxel-size MM] [--poses N] [--only NAME] [--bin FOLDER]
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
 #include "tests/bench/puzzle_bench_fcl.h"
+#include "tests/bench/puzzle_bench_replay.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::bench {
@@ -47,18 +49,74 @@ struct Trials {
   int solved = 0;
   std::vector<double> seconds;  // of those that are solved
   std::vector<double> poses_per_s, motions_per_s, steps_per_s;
-  // Of voxplan::SearchResult or PeerResult. A motion that is kept counts as the steps in which it
+  std::vector<double> at_once_poses_per_s;  // where its tests answer at once
+  // `replay_s` is the time of the replay. A motion that is kept counts as the steps in which it
   // would be tested, another one as one.
-  void add(bool found, double taken_s, std::uint64_t poses, std::uint64_t motions,
-           std::uint64_t kept, double kept_m, double step_m) {
-    solved += found ? 1 : 0;
-    if (found) seconds.push_back(taken_s);
-    poses_per_s.push_back(static_cast<double>(poses) / std::max(taken_s, 1e-9));
-    motions_per_s.push_back(static_cast<double>(motions) / std::max(taken_s, 1e-9));
-    steps_per_s.push_back((static_cast<double>(motions - kept) + kept_m / step_m) /
-                          std::max(taken_s, 1e-9));
+  void add(const Trial& trial, double replay_s, double step_m) {
+    solved += trial.found ? 1 : 0;
+    if (trial.found) seconds.push_back(trial.seconds);
+    const double taken_s = std::max(trial.seconds, 1e-9);
+    poses_per_s.push_back(static_cast<double>(trial.poses) / taken_s);
+    motions_per_s.push_back(static_cast<double>(trial.motions) / taken_s);
+    steps_per_s.push_back(
+        (static_cast<double>(trial.motions - trial.kept) + trial.kept_m / step_m) / taken_s);
+    at_once_poses_per_s.push_back(static_cast<double>(trial.poses) / std::max(replay_s, 1e-9));
   }
 };
+
+// What a run of voxplan's search asks for and gets.
+struct SearchAnswers {
+  std::array<Answers<PoseAnswer>, voxplan::kHands> of_hands;
+  Answers<double> clock;
+};
+
+Trial search_once(const voxplan::Problem& problem, const voxplan::Destination& goal,
+                  std::uint64_t seed, double most_s, SearchAnswers& answers) {
+  voxplan::SearchRequest request;
+  request.seed = seed;
+  request.most_s = most_s;
+  request.clock_s = [&] { return answers.clock.next(cpu_s); };
+  std::size_t hand = 0;
+  request.make_check = [&](const voxplan::Problem& of) {
+    return Result<std::unique_ptr<voxplan::PoseCheck>>(
+        std::make_unique<ReplayedCheck>(of, answers.of_hands.at(hand++)));
+  };
+  const double begin_s = cpu_s();
+  const auto r = value_of(voxplan::search(problem, goal, request));
+  return {r.found, cpu_s() - begin_s, r.poses_tested, r.motions_tested, r.motions_kept, r.kept_m};
+}
+
+// The time of the second run, which must be the first one again.
+double same_again(const Trial& first, const Trial& second, bool is_played) {
+  if (!is_played || second.found != first.found || second.poses != first.poses) {
+    throw std::runtime_error("a replay took another course than the run that was recorded");
+  }
+  return second.seconds;
+}
+
+void add_search(const voxplan::Problem& problem, const voxplan::Destination& goal,
+                std::uint64_t seed, double most_s, double step_m, Trials& trials) {
+  SearchAnswers answers;
+  const Trial first = search_once(problem, goal, seed, most_s, answers);
+  answers.clock.replay();
+  for (auto& hand : answers.of_hands) hand.replay();
+  const Trial second = search_once(problem, goal, seed, most_s, answers);
+  const bool is_played =
+      answers.clock.is_played() && std::all_of(answers.of_hands.begin(), answers.of_hands.end(),
+                                               [](const auto& hand) { return hand.is_played(); });
+  trials.add(first, same_again(first, second, is_played), step_m);
+}
+
+void add_peer(const Puzzle& puzzle, const voxplan::Problem& problem, std::uint64_t seed,
+              double most_s, double step_m, Trials& trials) {
+  MeshAnswers answers;
+  const Trial first = solve_by_meshes(puzzle, problem, step_m, seed, most_s, answers);
+  answers.clock.replay();
+  answers.is_free.replay();
+  const Trial second = solve_by_meshes(puzzle, problem, step_m, seed, most_s, answers);
+  const bool is_played = answers.clock.is_played() && answers.is_free.is_played();
+  trials.add(first, same_again(first, second, is_played), step_m);
+}
 
 // The lower quartile, the median and the upper quartile; null where there is nothing.
 Json quartiles(std::vector<double> sample) {
@@ -75,8 +133,13 @@ Json quartiles(std::vector<double> sample) {
   return all;
 }
 
+struct ValidityRates {
+  double poses_per_s, meshes_poses_per_s;
+  int wrong;  // poses that we call free and that collide by the meshes
+};
+
 // Both tests on the same poses, drawn as a search draws them.
-Json validity_rates(const Puzzle& puzzle, const voxplan::Problem& problem, int poses) {
+ValidityRates validity_rates(const Puzzle& puzzle, const voxplan::Problem& problem, int poses) {
   const auto check = value_of(voxplan::PoseCheck::create(problem));
   const MeshValidity meshes(puzzle, problem);
   const auto bounds = voxplan::Destination::out_of_scene(problem).bounds();
@@ -89,7 +152,6 @@ Json validity_rates(const Puzzle& puzzle, const voxplan::Problem& problem, int p
     }
     drawn.push_back(pose);
   }
-  int free = 0, by_meshes = 0, wrong = 0;
   const double begin_s = cpu_s();
   std::vector<bool> holds;
   for (const Pose& pose : drawn) holds.push_back(check->holds(voxplan::Rule::kClear, pose));
@@ -97,44 +159,37 @@ Json validity_rates(const Puzzle& puzzle, const voxplan::Problem& problem, int p
   std::vector<bool> is_free;
   for (const Pose& pose : drawn) is_free.push_back(meshes.is_free(pose));
   const double end_s = cpu_s();
-  for (std::size_t n = 0; n < drawn.size(); ++n) {
-    free += holds[n] ? 1 : 0;
-    by_meshes += is_free[n] ? 1 : 0;
-    wrong += holds[n] && !is_free[n] ? 1 : 0;
-  }
-  return {{"poses", poses},
-          {"free", free},
-          {"free_by_meshes", by_meshes},
-          {"free_but_not_by_meshes", wrong},
-          {"poses_per_s", poses / (middle_s - begin_s)},
-          {"meshes_poses_per_s", poses / (end_s - middle_s)}};
+  ValidityRates rates{poses / (middle_s - begin_s), poses / (end_s - middle_s), 0};
+  for (std::size_t n = 0; n < drawn.size(); ++n) rates.wrong += holds[n] && !is_free[n] ? 1 : 0;
+  return rates;
 }
 
-Json row_of(const Trials& trials, int seeds) {
-  return {{"solved", trials.solved},
-          {"seeds", seeds},
-          {"seconds", quartiles(trials.seconds)},
-          {"poses_per_s", quartiles(trials.poses_per_s)},
-          {"motions_per_s", quartiles(trials.motions_per_s)},
-          {"steps_per_s", quartiles(trials.steps_per_s)}};
-}
-
-void print(const std::string& puzzle, double voxel_m, const char* validity, const Json& row,
-           const Json& alone) {
-  const auto figure = [](const Json& number) {
-    char text[32] = "";
-    if (number.is_number()) std::snprintf(text, sizeof text, "%.3g", number.get<double>());
-    return std::string(text);
-  };
-  std::string line = '"' + puzzle + "\"," + figure(1e3 * voxel_m) + ',' + validity + ',' +
-                     row["solved"].dump() + ',' + row["seeds"].dump();
-  for (const Json& s : row["seconds"]) line += ',' + figure(s);
-  for (const char* rate : {"poses_per_s", "motions_per_s", "steps_per_s"}) {
-    line += ',' + figure(row[rate][1]);
+// A row of the report, and its line on the terminal.
+Json row_of(const Puzzle& puzzle, double voxel_m, const char* validity, const Trials& trials,
+            int seeds, const Json& alone_poses_per_s) {
+  const Json seconds = quartiles(trials.seconds);
+  Json row{{"puzzle", puzzle.name},
+           {"voxel_m", voxel_m},
+           {"validity", validity},
+           {"solved", trials.solved},
+           {"seeds", seeds},
+           {"q1_s", seconds[0]},
+           {"median_s", seconds[1]},
+           {"q3_s", seconds[2]},
+           {"poses_per_s", quartiles(trials.poses_per_s)[1]},
+           {"at_once_poses_per_s", quartiles(trials.at_once_poses_per_s)[1]},
+           {"motions_per_s", quartiles(trials.motions_per_s)[1]},
+           {"steps_per_s", quartiles(trials.steps_per_s)[1]},
+           {"alone_poses_per_s", alone_poses_per_s}};
+  std::string line;
+  for (const auto& [key, value] : row.items()) {
+    char number[32] = "";
+    if (value.is_number()) std::snprintf(number, sizeof number, "%.3g", value.get<double>());
+    line += key + ' ' + (value.is_string() ? value.get<std::string>() : number) + "  ";
   }
-  line += ',' + figure(alone);
   std::puts(line.c_str());
   std::fflush(stdout);
+  return row;
 }
 
 int run(int argc, char** argv) {
@@ -155,9 +210,6 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   }
-  std::puts(
-      "puzzle,voxel_mm,validity,solved,seeds,q1_s,median_s,q3_s,poses_per_s,motions_per_s,"
-      "steps_per_s,alone_poses_per_s");
   Json rows = Json::array();
   for (const Puzzle& puzzle : puzzles()) {
     if (!puzzle.name.starts_with(only)) continue;
@@ -174,30 +226,16 @@ int run(int argc, char** argv) {
     const auto goal = voxplan::Destination::out_of_scene(problem);
     Trials ours, theirs;
     for (int seed = 1; seed <= seeds; ++seed) {
-      voxplan::SearchRequest request;
-      request.seed = static_cast<std::uint64_t>(seed);
-      request.most_s = most_s;
-      request.clock_s = cpu_s;
-      const auto result = value_of(voxplan::search(problem, goal, request));
-      ours.add(result.found, result.seconds, result.poses_tested, result.motions_tested,
-               result.motions_kept, result.kept_m, step_m);
-      const PeerResult peer =
-          solve_by_meshes(puzzle, problem, step_m, static_cast<std::uint64_t>(seed), most_s);
-      theirs.add(peer.found, peer.seconds, peer.poses, peer.motions, peer.kept, peer.kept_m,
-                 step_m);
+      const auto n = static_cast<std::uint64_t>(seed);
+      add_search(problem, goal, n, most_s, step_m, ours);
+      add_peer(puzzle, problem, n, most_s, step_m, theirs);
     }
-    Json row{{"puzzle", puzzle.name},
-             {"voxel_size_m", voxel_m},
-             {"triangles", puzzle.scene.triangles.size() + puzzle.part.triangles.size()},
-             {"shell_points", part.view().point_count}};
-    row["voxplan"] = row_of(ours, seeds);
-    row["fcl"] = row_of(theirs, seeds);
-    row["validity"] = validity_rates(puzzle, problem, poses);
-    print(puzzle.name, voxel_m, "voxplan", row["voxplan"], row["validity"]["poses_per_s"]);
-    print(puzzle.name, voxel_m, "fcl", row["fcl"], row["validity"]["meshes_poses_per_s"]);
-    rows.push_back(std::move(row));
+    const ValidityRates alone = validity_rates(puzzle, problem, poses);
+    if (alone.wrong > 0) throw std::runtime_error("a pose is free that collides by the meshes");
+    rows.push_back(row_of(puzzle, voxel_m, "voxplan", ours, seeds, alone.poses_per_s));
+    rows.push_back(row_of(puzzle, voxel_m, "FCL", theirs, seeds, alone.meshes_poses_per_s));
   }
-  write_report("puzzles", argc, argv, {{"most_s", most_s}, {"rows", rows}}, json);
+  write_report("puzzles", argc, argv, rows, json);
   return 0;
 }
 

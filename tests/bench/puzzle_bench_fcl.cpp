@@ -50,7 +50,7 @@ Pose pose_of(const ob::State* state) {
 // OMPL's test of motions, which adds up what it keeps.
 class Motions final : public ob::DiscreteMotionValidator {
  public:
-  Motions(const ob::SpaceInformationPtr& space, PeerResult& result)
+  Motions(const ob::SpaceInformationPtr& space, Trial& result)
       : DiscreteMotionValidator(space), result_(result) {}
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     ++result_.motions;
@@ -61,7 +61,7 @@ class Motions final : public ob::DiscreteMotionValidator {
   }
 
  private:
-  PeerResult& result_;
+  Trial& result_;
 };
 
 class OutOfScene final : public ob::GoalSampleableRegion {
@@ -110,15 +110,15 @@ bool MeshValidity::is_free(const Pose& world_from_center) const {
   return !result.isCollision();
 }
 
-PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
-                           std::uint64_t seed, double most_s) {
+Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
+                      std::uint64_t seed, double most_s, MeshAnswers& answers) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed + 1));
   const MeshValidity validity(puzzle, problem);
   const auto goal = voxplan::Destination::out_of_scene(problem);
   voxplan::Random random(seed);
   const double radius_m = problem.part.header().bounding_radius_m;
-  PeerResult result;
+  Trial result;
   auto poses = std::make_shared<Space>(radius_m, step_m);
   ob::RealVectorBounds bounds(3);
   for (unsigned axis = 0; axis < 3; ++axis) {
@@ -129,7 +129,7 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
   auto space = std::make_shared<ob::SpaceInformation>(poses);
   space->setStateValidityChecker([&](const ob::State* state) {
     ++result.poses;
-    return validity.is_free(pose_of(state));
+    return answers.is_free.next([&] { return validity.is_free(pose_of(state)); }) != 0;
   });
   poses->setup();
   space->setMotionValidator(std::make_shared<Motions>(space, result));
@@ -149,8 +149,9 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
     planners.back()->setProblemDefinition(question);
     planners.back()->setup();
   }
-  const double begin_s = cpu_s();
-  while (!question->hasExactSolution() && cpu_s() < begin_s + most_s) {
+  const auto clock_s = [&] { return answers.clock.next(cpu_s); };
+  const double begin_cpu_s = cpu_s(), end_s = clock_s() + most_s;
+  while (!question->hasExactSolution() && clock_s() < end_s) {
     for (const auto& planner : planners) {
       const std::uint64_t enough = result.poses + kPosesARound;
       std::uint64_t asked = 0, next_clock = 0;
@@ -159,13 +160,13 @@ PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem
         if (++asked < kClockEvery && result.poses < next_clock) return false;
         asked = 0;
         next_clock = result.poses + kClockEvery;
-        return cpu_s() >= begin_s + most_s;
+        return clock_s() >= end_s;
       }));
       if (question->hasExactSolution()) break;
     }
   }
   result.found = question->hasExactSolution();
-  result.seconds = cpu_s() - begin_s;
+  result.seconds = cpu_s() - begin_cpu_s;
   return result;
 }
 

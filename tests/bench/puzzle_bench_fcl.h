@@ -5,6 +5,7 @@
 
 #include "runtime/voxplan/destination.h"
 #include "tests/bench/puzzle_bench_puzzles.h"
+#include "tests/bench/puzzle_bench_replay.h"
 
 namespace forcelayer::bench {
 
@@ -20,7 +21,8 @@ class MeshValidity {
   std::unique_ptr<Models> models_;
 };
 
-struct PeerResult {
+// A run of a search, ours or the peer's.
+struct Trial {
   bool found = false;
   double seconds = 0;         // of this process' processor time
   std::uint64_t poses = 0;    // tested
@@ -29,9 +31,15 @@ struct PeerResult {
   double kept_m = 0;          // their travel
 };
 
+// What the peer's run asks for and gets.
+struct MeshAnswers {
+  Answers<char> is_free;
+  Answers<double> clock;
+};
+
 // Four RRT-Connect of the ranges that voxplan gives its own, in turns, until one has a way out of
 // the scene. Motions are tested in steps of `step_m` of travel.
-PeerResult solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
-                           std::uint64_t seed, double most_s);
+Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
+                      std::uint64_t seed, double most_s, MeshAnswers& answers);
 
 }  // namespace forcelayer::bench

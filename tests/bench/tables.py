@@ -216,6 +216,17 @@ def over(key, item, base):
     return lambda row: times(row["of"].get(item, {}).get(key), row["of"].get(base, {}).get(key))
 
 
+def puzzles(rows):
+    """Each row with `peer`, FCL's row of the same puzzle."""
+    peers = {r["puzzle"]: r for r in rows if r["validity"] == "FCL"}
+    return [{**r, "peer": peers[r["puzzle"]]} for r in rows]
+
+
+def over_peer(key):
+    """Ours over FCL's poses a second."""
+    return lambda row: times(row[key], row["peer"]["poses_per_s"]) if row["validity"] == "voxplan" else ""
+
+
 def p50_p99(item):
     return lambda row: pair(row["of"][item]["p50_us"], row["of"][item]["p99_us"]) if item in row["of"] else ""
 
@@ -534,6 +545,15 @@ TABLES = {
         ("to", text("object")), ("poses too near", text("too_near")),
         ("deeper in its seat, found, mm", lambda r: digits(1e3 * r["told_deeper_m"])),
         ("at poses, mm", lambda r: digits(1e3 * r["deeper_m"])), ("contradictions", text("contradictions"))]),
+    "puzzles": ("puzzles", puzzles, [
+        ("puzzle", lambda r: r["puzzle"] if r["validity"] == "voxplan" else ""),
+        ("voxel, mm", lambda r: digits(1e3 * r["voxel_m"], 3) if r["validity"] == "voxplan" else ""), ("validity test", text("validity")),
+        ("solved", lambda r: f"{r['solved']} of {r['seeds']}"),
+        ("q1, median, q3", lambda r: ", ".join(digits(r[key]) for key in ("q1_s", "median_s", "q3_s")) if r["solved"] else ""),
+        *((label, scaled(f"{key}_per_s")) for label, key in (
+            ("poses a second", "poses"), ("with tests at once", "at_once_poses"), ("motions a second", "motions"),
+            ("steps a second", "steps"), ("alone", "alone_poses"))),
+        ("poses, times FCL's", over_peer("poses_per_s")), ("with tests at once, times FCL's", over_peer("at_once_poses_per_s"))]),
     "progress": ("progress", list, [
         ("command", lambda r: f"`{r['program']}`"), ("case", text("case")), ("processor time, s", scaled("cpu_s", 1, 2)),
         ("lines", text("lines")), ("told over true, least", lambda r: digits(r["least"])),

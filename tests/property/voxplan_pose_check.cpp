@@ -3,8 +3,10 @@
 // clear.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "runtime/clearance/path_check.h"
 #include "runtime/coupling/coupling.h"
@@ -13,6 +15,7 @@
 #include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/search.h"
 #include "runtime/voxplan/slide.h"
+#include "runtime/voxplan/smooth/smoothed.h"
 #include "runtime/voxplan/way.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
@@ -43,13 +46,38 @@ VoxelScene groove() {
 
 PointPart block() { return box_part({0.015, 0.012, kHalf}, 0.8 * kS, kS); }
 
+// The same with a name, so that the block can be seated on it.
+Voxmap named_groove() {
+  const VoxelScene scene = groove();
+  const SceneFile file(scene);
+  VoxmapContent content = file.content();
+  const SceneTree objects(
+      scene, kObjectBits, 0,
+      [&](const Voxel& v) -> std::uint32_t {
+        const std::uint32_t code = scene.code_at(v);
+        return code == 0 || code == kMostDistanceCode ? 0 : 1;
+      },
+      [](std::uint32_t object, const Voxel&, std::int64_t) { return uniform_entry(object); });
+  content.objects = objects.content();
+  std::string names;
+  add_object_name("groove", names);
+  content.object_names = names;
+  content.header.object_count = 1;
+  const ScratchFolder folder;  // the mapping outlives the file's name
+  save_bytes(folder / "scene.vox", voxmap_bytes(content));
+  auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
+  if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
+  return std::move(*voxmap);
+}
+
 struct Bench {
-  Voxmap scene = make_voxmap(groove());
+  Voxmap scene;
   Pshell part = make_pshell(block());
   Problem problem;
   std::unique_ptr<PoseCheck> check;
-  explicit Bench(double above_m = 0)
-      : problem{scene, part, 0.004, {{0.0007, 0, kHalf + above_m}, {1, 0, 0, 0}}, {}} {
+  explicit Bench(double above_m = 0, bool is_named = false)
+      : scene(is_named ? named_groove() : make_voxmap(groove())),
+        problem{scene, part, 0.004, {{0.0007, 0, kHalf + above_m}, {1, 0, 0, 0}}, {}} {
     auto made = PoseCheck::create(problem);
     if (!made) throw std::runtime_error(to_line(made.error()));
     check = std::move(*made);
@@ -84,6 +112,35 @@ TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
   }
   EXPECT_GT(kept, 20);
   EXPECT_GT(cut, 20);
+}
+
+// The twin: a check that was asked nothing before.
+TEST(PoseCheck, NoAnswerDependsOnEarlierQuestions) {
+  Bench bench;
+  voxplan::Random random(12);
+  const auto any = [&](double low_m, double high_m) {
+    Pose pose{{}, random.orientation()};
+    for (int axis = 0; axis < 2; ++axis) pose.position_m[axis] = random.between(-0.04, 0.04);
+    pose.position_m.z = random.between(low_m, high_m);
+    return pose;
+  };
+  int free = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    // Far away, so that bounds that are still held would skip what is near now.
+    bench.check->clearance_m(any(0.1, 0.3));
+    bench.check->is_kept(Rule::kClear, any(0.06, 0.1), any(0.06, 0.1));
+    const Pose pose = any(0.03, 0.07), to = any(0.03, 0.1);
+    const auto fresh = PoseCheck::create(bench.problem);
+    ASSERT_TRUE(fresh) << to_line(fresh.error());
+    EXPECT_EQ(bench.check->clearance_m(pose), (*fresh)->clearance_m(pose)) << trial;
+    EXPECT_EQ(bench.check->holds(Rule::kClear, pose), (*fresh)->holds(Rule::kClear, pose)) << trial;
+    EXPECT_EQ(bench.check->share_kept(Rule::kClear, pose, to),
+              (*fresh)->share_kept(Rule::kClear, pose, to))
+        << trial;
+    free += (*fresh)->holds(Rule::kClear, pose) ? 1 : 0;
+  }
+  EXPECT_GT(free, 50);
+  EXPECT_LT(free, 150);
 }
 
 // The twin: the look-up of a frame, and what it bars. Edges between points: runtime_seat.cpp.
@@ -206,6 +263,26 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   EXPECT_GT(result->refused, 0u);
 }
 
+// A clock that makes the first round the last one.
+TEST(Search, TellsItsProgressWithinARound) {
+  Bench bench(0.03);
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  voxplan::SearchRequest request;
+  request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
+    return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
+  };
+  int read = 0;
+  request.clock_s = [&] { return ++read; };
+  request.most_s = 40;
+  std::vector<double> told;
+  request.progress = [&](double share, double) { told.push_back(share); };
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_LT(result->poses_tested, 4 * 4000u);
+  EXPECT_GT(told.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+}
+
 // OMPL's trees ask for no less: a pose that is apart from itself was freed twice.
 TEST(PoseDistance, IsAMetricAndNothingFromAPoseToItself) {
   voxplan::Random random(9);
@@ -242,24 +319,36 @@ TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
   EXPECT_LT(result->seconds, 20);
 }
 
+// The sharpest turn of a way between three poses: of the centroid's way and the turn times the
+// part's radius.
+double sharpest_rad(const Problem& problem, const voxplan::Way& way) {
+  const double radius_m = problem.part.header().bounding_radius_m;
+  std::vector<std::array<double, 6>> legs;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const glm::dvec3 step = way[i].position_m - way[i - 1].position_m;
+    const glm::dvec3 turn =
+        radius_m *
+        coupling::rotation_vector(way[i].orientation * glm::conjugate(way[i - 1].orientation));
+    if (glm::length(step) + glm::length(turn) < 1e-9) continue;
+    legs.push_back({step.x, step.y, step.z, turn.x, turn.y, turn.z});
+  }
+  const auto dot = [](const auto& a, const auto& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  double most = 0;
+  for (std::size_t i = 1; i < legs.size(); ++i) {
+    const auto &a = legs[i - 1], &b = legs[i];
+    most = std::max(most,
+                    std::acos(std::clamp(dot(a, b) / std::sqrt(dot(a, a) * dot(b, b)), -1.0, 1.0)));
+  }
+  return most;
+}
+
 // Ways with corners over the groove's walls: the same ends, no motion that is not kept, no nearer
 // to the scene than before, and hardly a corner that a hand would feel.
 TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
   Bench bench(0.03);
   voxplan::Random random(21);
-  const auto corner_rad = [](const Pose& a, const Pose& b, const Pose& c) {
-    const glm::dvec3 in = b.position_m - a.position_m, out = c.position_m - b.position_m;
-    if (!(glm::length(in) > 1e-9 && glm::length(out) > 1e-9)) return 0.0;
-    return std::acos(
-        std::clamp(glm::dot(in, out) / (glm::length(in) * glm::length(out)), -1.0, 1.0));
-  };
-  const auto sharpest_rad = [&](const voxplan::Way& way) {
-    double most = 0;
-    for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-      most = std::max(most, corner_rad(way[i - 1], way[i], way[i + 1]));
-    }
-    return most;
-  };
   const auto least_m = [&](const voxplan::Way& way) {
     double least = 1;
     for (const Pose& pose : way) least = std::min(least, bench.check->clearance_m(pose));
@@ -280,23 +369,24 @@ TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
       if (next.position_m.z > 0.08 || !bench.check->is_kept(Rule::kClear, way.back(), next)) break;
       way.push_back(next);
     }
-    if (way.size() < 6 || sharpest_rad(way) < 0.7) continue;
+    if (way.size() < 6 || sharpest_rad(bench.problem, way) < 0.7) continue;
     ++ways;
     SCOPED_TRACE(trial);
     const auto wide = voxplan::widened(bench.problem, way, 3);
     ASSERT_TRUE(wide) << to_line(wide.error());
-    const auto smooth = voxplan::smoothed(bench.problem, {}, *wide);
-    ASSERT_TRUE(smooth) << to_line(smooth.error());
-    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth->front(), way.front()), 0);
-    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth->back(), way.back()), 0);
+    const auto all = voxplan::smoothed(bench.problem, {{}, *wide});
+    ASSERT_TRUE(all) << to_line(all.error());
+    const voxplan::Way& smooth = all->front().beyond;
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.front(), way.front()), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.back(), way.back()), 0);
     // Where walls leave no room for a cut a corner stays.
-    EXPECT_LT(sharpest_rad(*smooth), sharpest_rad(way) / 4);
-    round += sharpest_rad(*smooth) < 0.25;
+    EXPECT_LT(sharpest_rad(bench.problem, smooth), sharpest_rad(bench.problem, way) / 4);
+    round += sharpest_rad(bench.problem, smooth) < 0.25;
     // Between the poses of a straight way the clearance may be less than at both: by a tenth of a
     // voxel, for steps of two.
-    EXPECT_GE(least_m(*smooth), least_m(*wide) - 0.1 * kS);
+    EXPECT_GE(least_m(smooth), least_m(*wide) - 0.1 * kS);
     const auto checked = voxplan::proven(
-        bench.problem, voxplan::rows_of(bench.problem, {}, *smooth, 0.1), Rule::kClear, 1);
+        bench.problem, voxplan::rows_of(bench.problem, {}, smooth, 0.1), Rule::kClear, 1);
     ASSERT_TRUE(checked) << to_line(checked.error());
     EXPECT_TRUE(checked->clear());
   }
@@ -330,10 +420,55 @@ TEST(Smoothing, ComesNoNearerToARidge) {
     return least;
   };
   const voxplan::Way fine = voxplan::with_more_poses(problem, way, 2 * kS);
-  const auto smooth = voxplan::smoothed(problem, {}, fine);
+  const auto smooth = voxplan::smoothed(problem, {{}, fine});
   ASSERT_TRUE(smooth) << to_line(smooth.error());
   EXPECT_GT(least_m(fine), 0.015);
-  EXPECT_GE(least_m(*smooth), least_m(fine) - 0.1 * kS);
+  EXPECT_GE(least_m(smooth->front().beyond), least_m(fine) - 0.1 * kS);
+  EXPECT_LT(sharpest_rad(problem, smooth->front().beyond), 0.1);
+}
+
+// Along a groove, up and aside: corners in the seat, where it is left, and beyond. Each motion
+// keeps its rule, and the whole proves clear.
+TEST(Smoothing, RoundsCornersInASeatAndWhereItIsLeft) {
+  Bench bench(0, true);
+  const Pose start = bench.problem.world_from_start;
+  const auto at = [&](double x, double z) {
+    return Pose{start.position_m + glm::dvec3(x, 0, z), start.orientation};
+  };
+  const voxplan::Way corners{start, at(0.02, 0), at(0.02, 0.01), at(0.04, 0.02), at(0.04, 0.06)};
+  const auto is_clear = [&](const Pose& pose) { return bench.check->holds(Rule::kClear, pose); };
+  const voxplan::Way in_seat = voxplan::up_to_first(corners, bench.problem, is_clear);
+  ASSERT_GE(in_seat.size(), 4u);
+  const Pose joint = in_seat.back();
+  const voxplan::WholeWay way{in_seat, {joint, at(-0.02, 0.06), at(-0.02, 0.09)}};
+  const auto whole = [&](const voxplan::WholeWay& of) {
+    voxplan::Way poses = of.in_seat;
+    poses.insert(poses.end(), of.beyond.begin() + 1, of.beyond.end());
+    return poses;
+  };
+  const auto smooth = voxplan::smoothed(bench.problem, way);
+  ASSERT_TRUE(smooth) << to_line(smooth.error());
+  EXPECT_EQ(whole(smooth->back()).size(), whole(way).size());  // itself is the last resort
+  EXPECT_GT(sharpest_rad(bench.problem, whole(way)), 1.3);
+  EXPECT_LT(sharpest_rad(bench.problem, whole(smooth->front())), 0.2);
+  for (const voxplan::WholeWay& each : *smooth) {
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.in_seat.front(), start), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.beyond.back(), way.beyond.back()), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.in_seat.back(), each.beyond.front()),
+              0);
+    EXPECT_TRUE(is_clear(each.beyond.front()));
+    for (std::size_t i = 1; i < each.in_seat.size(); ++i) {
+      EXPECT_TRUE(bench.check->is_kept(Rule::kInSeat, each.in_seat[i - 1], each.in_seat[i]));
+    }
+    for (std::size_t i = 1; i < each.beyond.size(); ++i) {
+      EXPECT_TRUE(bench.check->is_kept(Rule::kClear, each.beyond[i - 1], each.beyond[i]));
+    }
+    const auto checked = voxplan::proven(
+        bench.problem, voxplan::rows_of(bench.problem, each.in_seat, each.beyond, 0.1),
+        Rule::kInSeat, 1);
+    ASSERT_TRUE(checked) << to_line(checked.error());
+    EXPECT_TRUE(checked->clear());
+  }
 }
 
 // Behind a seat the way goes on in the direction in which it came out.
@@ -343,10 +478,11 @@ TEST(Smoothing, GoesStraightOnOutOfASeat) {
   const auto at = [&](double x, double z) {
     return Pose{start.position_m + glm::dvec3(x, 0, z), start.orientation};
   };
-  const auto smooth = voxplan::smoothed(bench.problem, {at(0, -0.01), start},
-                                        {start, at(0.03, 0.005), at(0.03, 0.04)});
+  const auto smooth = voxplan::smoothed(
+      bench.problem, {{at(0, -0.01), start}, {start, at(0.03, 0.005), at(0.03, 0.04)}});
   ASSERT_TRUE(smooth) << to_line(smooth.error());
-  const glm::dvec3 first = (*smooth)[1].position_m - (*smooth)[0].position_m;
+  const voxplan::Way& beyond = smooth->front().beyond;
+  const glm::dvec3 first = beyond[1].position_m - beyond[0].position_m;
   EXPECT_GT(first.z, 0);
   EXPECT_LT(std::abs(first.x), 1e-9);
 }

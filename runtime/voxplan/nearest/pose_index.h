@@ -38,8 +38,8 @@ class PoseIndex {
   std::uint32_t nearest(const Pose& pose) const;
 
  private:
-  static constexpr std::uint32_t kLeafPoses = 64;  // a multiple of the lanes of any vector
-  static constexpr std::size_t kColumns = 7;       // the coordinates but for the 0
+  static constexpr std::uint32_t kLeafPoses = 256;  // a multiple of the lanes of any vector
+  static constexpr std::size_t kColumns = 7;        // the coordinates but for the 0
   struct Leaf {
     std::array<std::array<float, kLeafPoses>, kColumns> columns;
     std::array<std::uint32_t, kLeafPoses> numbers;
