@@ -472,11 +472,53 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   EXPECT_GE(box->deviation_units, 0.472);
 }
 
+// A plane in the group, in place of the face that it carries.
 TEST(IgesLosses, AFaceWithoutEdgesIsSomewhereInItsNode) {
-  const std::string text = with_parameters(iges_box(false), 15, "110,0.,0.,40.,0.,20.,30.;");
-  expect_in(
-      "COMPOUND, a face without edges somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
-      iges_error(text));
+  const std::string text = with_parameters(iges_box(false), 1, "402,6,5,19,35,51,67,83;");
+  expect_in("a face without edges somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
+            iges_error(text));
+}
+
+// A face of the plate, and its boundaries with other surfaces or curves: with those of another
+// face, one curve twice, a curve that is none, a list that lacks one, or an outline that does not
+// close. OpenCASCADE makes a face of it all the same, such as the cover of the hole.
+TEST(IgesLosses, ABadlyTrimmedFaceIsNamed) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file plate.igs plate");
+  const std::string plate = read_text((folder / "plate.igs").string());
+  for (const auto& [text, pieces] :
+       {std::pair{with_parameters(plate, 77, "142,0,113,79,79,2;"), 1u},
+        {with_parameters(plate, 77, "142,0,75,0,91,2;"), 1u},
+        {with_parameters(plate, 77, "142,0,75,0,113,2;"), 1u},
+        {with_parameters(plate, 77, "142,0,75,0,99999,2;"), 1u},
+        {with_parameters(plate, 79, "102,4,81,83,85,99999;"), 1u},
+        {with_parameters(plate, 79, "102,4,81,83,85,3;"), 1u},
+        {with_parameters(plate, 87, "110,1.;"), 1u},
+        {with_parameters(plate, 73, "144,97,1,1,77,89;"), 1u},
+        {with_type(plate, 89, "999"), 2u}}) {
+    expect_in("1 of 7 faces: D73 (type 144)", iges_error(text));
+    const auto rest =
+        mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = pieces});
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    ASSERT_EQ(rest->missing_faces.size(), pieces);
+    EXPECT_EQ(rest->missing_faces[0].node, "COMPOUND");
+    EXPECT_EQ(count_patches(*rest), 6u);
+  }
+  // An outline that does not close.
+  expect_in("1 of 7 faces: D73 (type 144)", iges_error(with_parameters(plate, 87, "110;")));
+}
+
+// Nothing is lost where only the boundary's own word for its surface is missing.
+TEST(IgesLosses, ABoundaryThatNamesNoSurfaceLiesOnItsFaces) {
+  const ScratchFolder folder;
+  for (const std::string surface : {"0", "", "99999", "x"}) {
+    const auto box = mesh::read_assembly(write_file(
+        folder / "a.igs", with_parameters(iges_box(false), 23, "142,0," + surface + ",0,25,2;")));
+    ASSERT_TRUE(box) << to_line(box.error());
+    ASSERT_EQ(box->meshes.size(), 1u);
+    EXPECT_EQ(box->triangle_count(), 12u);
+    EXPECT_TRUE(mesh::mesh_facts(box->meshes[0]).closed);
+  }
 }
 
 TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
