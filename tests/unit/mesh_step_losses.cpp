@@ -486,26 +486,37 @@ TEST(IgesLosses, ABadlyTrimmedFaceIsNamed) {
   const ScratchFolder folder;
   run_in(folder.path(), "make_box_file plate.igs plate");
   const std::string plate = read_text((folder / "plate.igs").string());
-  for (const auto& [text, pieces] :
-       {std::pair{with_parameters(plate, 77, "142,0,113,79,79,2;"), 1u},
-        {with_parameters(plate, 77, "142,0,75,0,91,2;"), 1u},
-        {with_parameters(plate, 77, "142,0,75,0,113,2;"), 1u},
-        {with_parameters(plate, 77, "142,0,75,0,99999,2;"), 1u},
-        {with_parameters(plate, 79, "102,4,81,83,85,99999;"), 1u},
-        {with_parameters(plate, 79, "102,4,81,83,85,3;"), 1u},
-        {with_parameters(plate, 87, "110,1.;"), 1u},
-        {with_parameters(plate, 73, "144,97,1,1,77,89;"), 1u},
-        {with_type(plate, 89, "999"), 2u}}) {
+  for (const auto& text :
+       {with_parameters(plate, 77, "142,0,113,79,79,2;"),
+        with_parameters(plate, 77, "142,0,75,0,91,2;"),
+        with_parameters(plate, 77, "142,0,75,0,113,2;"),
+        with_parameters(plate, 77, "142,0,75,0,99999,2;"),
+        with_parameters(plate, 79, "102,4,81,83,85,99999;"),
+        with_parameters(plate, 79, "102,4,81,83,85,3;"), with_parameters(plate, 87, "110,1.;"),
+        with_parameters(plate, 73, "144,97,1,1,77,89;"), with_type(plate, 89, "999")}) {
     expect_in("1 of 7 faces: D73 (type 144)", iges_error(text));
-    const auto rest =
-        mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = pieces});
+    const auto rest = mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 1});
     ASSERT_TRUE(rest) << to_line(rest.error());
-    ASSERT_EQ(rest->missing_faces.size(), pieces);
+    ASSERT_EQ(rest->missing_faces.size(), 1u);
     EXPECT_EQ(rest->missing_faces[0].node, "COMPOUND");
     EXPECT_EQ(count_patches(*rest), 6u);
   }
   // An outline that does not close.
   expect_in("1 of 7 faces: D73 (type 144)", iges_error(with_parameters(plate, 87, "110;")));
+}
+
+// Of two damaged faces one is found before OpenCASCADE makes shapes, and one when they are
+// tessellated.
+TEST(IgesLosses, AllAreToldAtOnce) {
+  const ScratchFolder folder;
+  const std::string text = with_parameters(
+      with_parameters(iges_box(false), 15, "110,0.,0.,40.,0.,20.,30.;"), 23, "142,0,21,0,99999,2;");
+  expect_in("could not read 1 of 6 faces: D19 (type 144), and could not tessellate 1 face (",
+            iges_error(text));
+  expect_in("--missing-faces 2", iges_error(text));
+  const auto rest = mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 2});
+  ASSERT_TRUE(rest) << to_line(rest.error());
+  EXPECT_EQ(count_patches(*rest), 4u);
 }
 
 // Nothing is lost where only the boundary's own word for its surface is missing.

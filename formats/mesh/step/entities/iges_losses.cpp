@@ -135,7 +135,8 @@ class IgesCheck {
   }
 
   // OpenCASCADE drops a boundary of which it makes no outline: of a plate with a hole the hole's
-  // cover is left. Of a closed surface it joins two boundaries by a seam.
+  // cover is left. Of a closed surface it joins two boundaries by a seam. A face without any gets
+  // no triangles.
   static bool lacks_a_boundary(const Entity& entity, const TopoDS_Shape& shape) {
     std::uint64_t outlines = 0;
     for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
@@ -145,7 +146,7 @@ class IgesCheck {
         if (wire.Value().ShapeType() == TopAbs_WIRE) ++outlines;
       }
     }
-    return outlines < count_boundaries(entity);
+    return outlines > 0 && outlines < count_boundaries(entity);
   }
 
   void lose(const Entity& entity, Losses& kind) {
@@ -292,13 +293,15 @@ class IgesCut {
   std::vector<Entity> all_below(const Entity& entity) const {
     std::vector<Entity> all{entity};
     EntitySet seen{entity.get()};
+    const auto add = [&](const Entity& part) {
+      if (!part.IsNull() && !is_trimmed(part) && seen.insert(part.get()).second)
+        all.push_back(part);
+    };
     for (std::size_t n = 0; n < all.size(); ++n) {
-      Interface_EntityIterator part = session_->Graph().Shareds(all[n]);
-      for (part.Start(); part.More(); part.Next()) {
-        const Entity other = Entity::DownCast(part.Value());
-        if (other.IsNull() || is_trimmed(other)) continue;
-        if (seen.insert(other.get()).second) all.push_back(other);
-      }
+      const Entity of = all[n];
+      for (const Entity& part : parts_of_trimmed(of)) add(part);
+      Interface_EntityIterator part = session_->Graph().Shareds(of);
+      for (part.Start(); part.More(); part.Next()) add(Entity::DownCast(part.Value()));
     }
     return all;
   }

@@ -5,6 +5,7 @@
 #include <IGESGeom_CompositeCurve.hxx>
 #include <IGESGeom_CurveOnSurface.hxx>
 #include <IGESGeom_TrimmedSurface.hxx>
+#include <IGESSolid_Face.hxx>
 #include <Interface_Check.hxx>
 #include <algorithm>
 #include <set>
@@ -121,6 +122,21 @@ bool is_badly_trimmed(const Handle(IGESData_IGESModel) & model, const Entity& en
   if (!trimmed.IsNull()) return Trims(model).is_bad(trimmed);
   const auto bounded = Handle(IGESGeom_BoundedSurface)::DownCast(entity);
   return !bounded.IsNull() && Trims(model).is_bad(bounded);
+}
+
+std::vector<Entity> parts_of_trimmed(const Entity& entity) {
+  if (const auto face = Handle(IGESGeom_TrimmedSurface)::DownCast(entity); !face.IsNull()) {
+    return {face->Surface(), face->OuterContour()};
+  }
+  if (const auto face = Handle(IGESGeom_BoundedSurface)::DownCast(entity); !face.IsNull()) {
+    return {face->Surface()};
+  }
+  if (const auto face = Handle(IGESSolid_Face)::DownCast(entity); !face.IsNull()) {
+    return {face->Surface()};
+  }
+  const auto boundary = Handle(IGESGeom_CurveOnSurface)::DownCast(entity);
+  if (boundary.IsNull()) return {};
+  return {boundary->Surface(), boundary->Curve3D(), boundary->CurveUV()};
 }
 
 void empty_trims(const Entity& entity) {

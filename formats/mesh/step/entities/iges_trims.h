@@ -4,6 +4,7 @@
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <cstdint>
+#include <vector>
 
 namespace forcelayer::mesh {
 
@@ -13,6 +14,11 @@ namespace forcelayer::mesh {
 // surface lies on this one.
 bool is_badly_trimmed(const Handle(IGESData_IGESModel) & model,
                       const Handle(IGESData_IGESEntity) & entity);
+
+// All that a face or boundary refers to, as far as it could be read: the graph of the file lacks it
+// where a parameter of the entity makes no sense.
+std::vector<Handle(IGESData_IGESEntity)> parts_of_trimmed(const Handle(IGESData_IGESEntity) &
+                                                          entity);
 
 // Of such a surface OpenCASCADE makes no face then, whatever lists it.
 void empty_trims(const Handle(IGESData_IGESEntity) & entity);
