@@ -689,6 +689,39 @@ TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
   EXPECT_GE(bracket->deviation_units, 5);
 }
 
+// A face is not there at all, and its shell does not list it. Half of its width counts at least,
+// where the shell should close, whether OpenCASCADE makes a solid or a shell of the rest.
+TEST(StepLosses, AHoleInAShellThatShouldCloseCounts) {
+  const ScratchFolder folder;
+  const std::string box = replaced(replaced(step_box(), R"(#17 = ADVANCED_FACE\([^;]*;)", ""),
+                                   R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',(");
+  const std::string shell =
+      replaced(box, R"(MANIFOLD_SOLID_BREP\('',#16\))", "SHELL_BASED_SURFACE_MODEL('',(#16))");
+  for (const std::string& text : {box, shell}) {
+    const auto rest = mesh::read_assembly(write_file(folder / "a.step", text));
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    EXPECT_EQ(rest->triangle_count(), 10u);
+    ASSERT_EQ(rest->warnings.size(), 2u);
+    expect_in("does not close: 4 edges", rest->warnings[0]);
+    EXPECT_GE(rest->deviation_units, 10);  // of 20 x 30
+  }
+  const auto sheet = mesh::read_assembly(
+      write_file(folder / "a.step", replaced(shell, "CLOSED_SHELL", "OPEN_SHELL")));
+  ASSERT_TRUE(sheet) << to_line(sheet.error());
+  EXPECT_TRUE(sheet->warnings.empty());
+  EXPECT_DOUBLE_EQ(sheet->deviation_units, 0.1);
+}
+
+// The rims of a hole are two rows of nearly the same points: no hole as wide as that.
+TEST(IgesLosses, RimsThatMeetAreNoHole) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file plate.igs plate");
+  const auto plate = mesh::read_assembly((folder / "plate.igs").string());
+  ASSERT_TRUE(plate) << to_line(plate.error());
+  EXPECT_EQ(plate->warnings.size(), 1u);  // of the sewing
+  EXPECT_LT(plate->deviation_units, 0.11);
+}
+
 TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
   const ScratchFolder folder;
   const std::string path =

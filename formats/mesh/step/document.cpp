@@ -153,8 +153,9 @@ void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & 
   if (!document.losses.pieces.empty()) return;
   constexpr double kLeast = 1e-3;
   const double tolerance_mm = std::max(kLeast, 1e3 * file.options.deflection_m);
-  for (std::string& line : open_solids(session, tolerance_mm)) {
-    document.warnings.push_back(std::move(line));
+  for (OpenSolid& solid : open_solids(session, tolerance_mm)) {
+    document.warnings.push_back(std::move(solid.line));
+    document.open_bodies.push_back(solid.shape);
   }
 }
 

@@ -397,6 +397,7 @@ class StepReader {
       for (const std::string& warning : file->content.warnings) {
         assembly_.warnings.push_back((node.empty() ? "" : node + ": ") + warning);
       }
+      tessellator_.add_open_bodies(file->content.open_bodies);
       return *file;
     } catch (ReadFailure& failure) {
       if (failure.error.where.empty()) failure.error.where = node;
