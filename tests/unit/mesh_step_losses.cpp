@@ -337,6 +337,20 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
       " CONTEXT_DEPENDENT_SHAPE_REPRESENTATION",
       step_error(replaced(
           clamp, R"(#\d+ = NEXT_ASSEMBLY_USAGE_OCCURRENCE\([^;]*'bracket-assembly_2'[^;]*;)", "")));
+  // Nor where the occurrence is of nothing, or in nothing.
+  for (const char* by : {"$1$$,#70,$3", "$1#1931,$$,$3", "$1#99999,#70,$3"}) {
+    expect_in(
+        "1 damaged entity: #2559 NEXT_ASSEMBLY_USAGE_OCCURRENCE",
+        step_error(replaced(
+            clamp, R"((#2559 = NEXT_ASSEMBLY_USAGE_OCCURRENCE\([^#]*)(#1931,#70,)(\$))", by)));
+  }
+  // A shape that no product has: 7 of 18 parts were left out.
+  for (const std::string& text :
+       {replaced(clamp, R"(#68 = SHAPE_DEFINITION_REPRESENTATION\(#69,#75\);)", ""),
+        replaced(clamp, R"((#68 = SHAPE_DEFINITION_REPRESENTATION\(#69,)#75)", "$1$$"),
+        replaced(clamp, R"((#69 = PRODUCT_DEFINITION_SHAPE\('','',)#70)", "$1$$")}) {
+    expect_in("1 placing: #75 ADVANCED_BREP_SHAPE_REPRESENTATION", step_error(text));
+  }
   // The second of two occurrences of the bracket assembly: the faces of the first are there.
   const std::size_t second = clamp.find("'bracket-assembly_2'");
   ASSERT_NE(second, std::string::npos);
