@@ -21,13 +21,16 @@ constexpr Leeway kMostBlockLeeway = {3, 8}, kMostRowLeeway = {2, 6};
 // Runs that leeway must last, else looking up is cheaper than trying again.
 constexpr float kLeastRuns = 2;
 // A piece that is not free most likely has points in contact, now and in the next runs; trying a
-// row costs about as much as looking it up. So after a try in vain it is let be for 24 to 39 looks,
-// by its number, and after each further one for twice as many, up to four times: pieces that were
+// row costs about as much as looking it up. So after a try in vain it is let be for 16 to 31 looks,
+// by its number, and after each further one for twice as many, up to eight times: pieces that were
 // all tried in one run are not all tried again in one, which would take several times as long.
-constexpr std::uint8_t kMostDoublings = 2;
+constexpr std::uint8_t kMostDoublings = 3;
+// Where a part comes into contact all over, all of its pieces stop being free in one run. So a run
+// tries no more in vain than one for so many rows that the run before looked up, and a few.
+constexpr std::uint32_t kRowsForATryInVain = 64, kLeastTriesInVain = 16;
 
 std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
-  return static_cast<std::uint8_t>((24 + (piece * 2654435761u >> 28)) << doublings);
+  return static_cast<std::uint8_t>((16 + (piece * 2654435761u >> 28)) << doublings);
 }
 
 [[gnu::cold]] std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin,
@@ -105,6 +108,8 @@ void RowSkipper::start(const KernelMap& map, const VoxelPose& pose, const DiscMa
   scale_ = margin.scale;
   margin_ = kAxes * margin.voxels + kAxisRounding;
   last_ = last;
+  tries_in_vain_left_ = kLeastTriesInVain + rows_taken_ / kRowsForATryInVain;
+  rows_taken_ = 0;
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t column = 0; column < 3; ++column) {
       turn_[column][axis] = pose.turn[axis][column];
@@ -157,6 +162,9 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
       pieces.free_until[i] = spent + left;
       return true;
     }
+    found.leeway = {};
+    pieces.free_until[i] = kNever;
+    if (tries_in_vain_left_ == 0) return false;
   }
   const PlacedDisc placed = {{now.center[0], now.center[1], now.center[2]},
                              whole_,
@@ -180,6 +188,7 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
   found.leeway = {};
   pieces.free_until[i] = kNever;
   if (coherence_) {
+    --tries_in_vain_left_;
     pieces.let_be[i] = looks_until_tried(i, pieces.doublings[i]);
     if (pieces.doublings[i] < kMostDoublings) ++pieces.doublings[i];
   }
@@ -194,15 +203,15 @@ inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& m
       --pieces.let_be[i];
       return false;
     }
+    if (tries_in_vain_left_ == 0 && pieces.free_until[i] == kNever) return false;
   }
   return look_around(pieces, i, most, spent);
 }
 
 float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
-  const FoundFree& found = blocks_.found[block];
-  if (!coherence_ || !(found.leeway.along > 0)) return kNever;
+  if (!coherence_ || blocks_.free_until[block] == kNever) return kNever;
   const PartDisc& disc = blocks_.discs[block];
-  const float left = leeway_left(found, place(disc), disc);
+  const float left = leeway_left(blocks_.found[block], place(disc), disc);
   if (!(left > 0)) return kNever;
   return blocks_.free_until[block] = spent + left;
 }
@@ -217,6 +226,7 @@ float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t* row
     if (!is_free(rows_, row, kMostRowLeeway, spent)) rows[count++] = row;
     until = std::min(until, rows_.free_until[row]);
   }
+  rows_taken_ += count - before;
   return count == before ? until : kNever;
 }
 

@@ -94,6 +94,8 @@ class RowSkipper {
   std::array<std::int32_t, 3> whole_{};
   float scale_ = 1, margin_ = 0;
   LastMotion last_{};
+  std::uint32_t rows_taken_ = 0;          // by the run before, until a run begins
+  std::uint32_t tries_in_vain_left_ = 0;  // in this run
 };
 
 }  // namespace forcelayer::query

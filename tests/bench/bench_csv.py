@@ -5,8 +5,8 @@ Usage: bench_csv.py folder                   where this machine's results stand
        bench_csv.py write JSON_FOLDER CSV_FOLDER
        bench_csv.py compare COMMITTED NEW    which figures of NEW moved by more than noise
 
-`write` turns the reports that the benchmarks wrote into CSV files. A file begins with comment lines: the
-machine, then one line per run with its number, command, date and vector instructions. The column `run` refers to these.
+`write` turns the reports that the benchmarks wrote into CSV files. A file begins with comment lines: the machine, the
+commit, then one line per run with its number, command, date and vector instructions. The column `run` refers to these.
 
 `compare` finds the same row by its keys and compares the columns that FILES lists. Times are compared after division
 by the median ratio of the file, the pace of the machine on that day. Where COMMITTED lacks a file, columns that do
@@ -19,6 +19,7 @@ import math
 import pathlib
 import re
 import statistics
+import subprocess
 import sys
 
 import bench_scenes
@@ -506,6 +507,12 @@ def machine_line(machine):
     return ", ".join([*words, re.sub(r" \d.*", "", machine["system"])])
 
 
+def commit():
+    """The commit that was measured, and whether the tree differed from it; empty outside of a repository."""
+    return subprocess.run(["git", "-C", bench_scenes.ROOT, "describe", "--always", "--dirty", "--abbrev=7", "--exclude=*"],
+                          capture_output=True, text=True).stdout.strip()
+
+
 def run_line(report):
     machine = report["machine"]
     words = [report["command"], machine["date"][:10]]
@@ -529,6 +536,7 @@ def write(reports, folder):
     for name, (runs, rows) in files.items():
         with open(folder / f"{name}.csv", "w", newline="") as file:
             print(f"# machine: {machine_line(runs[0]['machine'])}", file=file)
+            print(f"# commit: {commit()}", file=file)
             for number, report in enumerate(runs, 1):
                 print(f"# run {number}: {run_line(report)}", file=file)
             lines = csv.writer(file, lineterminator="\n")
@@ -542,13 +550,15 @@ DATE = r"\d{4}-\d\d-\d\d"
 
 
 class Table:
-    """A CSV file: `machine`, `runs` (text by number), `rows` (dicts of numbers, texts and None)."""
+    """A CSV file: `machine`, `commit`, `runs` (text by number), `rows` (dicts of numbers, texts and None)."""
 
     def __init__(self, path):
         lines = path.read_text().splitlines()
-        self.machine, self.runs = lines[0].removeprefix("# machine: "), {}
+        self.machine, self.commit, self.runs = lines[0].removeprefix("# machine: "), "", {}
         while lines[0].startswith("#"):
             line = lines.pop(0)
+            if line.startswith("# commit: "):
+                self.commit = line.removeprefix("# commit: ")
             if line.startswith("# run "):
                 number, text = line.removeprefix("# run ").split(": ", 1)
                 self.runs[int(number)] = text

@@ -575,7 +575,7 @@ def of_machine(path, name):
         row["ran"] = ", ".join(table.runs[row["run"]].split("; ")[1:])
     cells = [[cell(row) for _, cell in columns] for row in rows]
     kept = [n for n in range(len(columns)) if any(line[n] for line in cells)]
-    return [f"**{path.parent.name}** ({table.machine}): {', '.join(runs)}", "",
+    return [f"**{path.parent.name}** ({table.machine}{table.commit and ', commit ' + table.commit}): {', '.join(runs)}", "",
             *markdown([columns[n][0] for n in kept], ([line[n] for n in kept] for line in cells)), ""]
 
 
