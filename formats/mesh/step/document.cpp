@@ -19,6 +19,7 @@
 #include "formats/file/mapped_file.h"
 #include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/entities/constructive.h"
+#include "formats/mesh/step/entities/empty_lists.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
@@ -31,12 +32,17 @@
 namespace forcelayer::mesh {
 namespace {
 
-Handle(Interface_InterfaceModel) model_of(const STEPCAFControl_Reader& reader) {
-  return reader.Reader().WS()->Model();
+Handle(XSControl_WorkSession) session_of(const STEPCAFControl_Reader& reader) {
+  return reader.Reader().WS();
 }
 
-Handle(Interface_InterfaceModel) model_of(const IGESCAFControl_Reader& reader) {
-  return reader.WS()->Model();
+Handle(XSControl_WorkSession) session_of(const IGESCAFControl_Reader& reader) {
+  return reader.WS();
+}
+
+template <typename Reader>
+Handle(Interface_InterfaceModel) model_of(const Reader& reader) {
+  return session_of(reader)->Model();
 }
 
 constexpr const char* kAnotherWay =
@@ -51,15 +57,24 @@ constexpr const char* kAnotherWay =
             kAnotherWay);
 }
 
+// False where OpenCASCADE crashes.
+template <typename Step>
+bool survives(const Step& step) {
+  try {
+    OCC_CATCH_SIGNALS
+    step();
+    return true;
+  } catch (const Standard_Failure&) {
+    return false;
+  }
+}
+
 // False where OpenCASCADE does not do it.
 template <typename Reader, typename Step>
 bool do_or_fail(const SourceFile& file, Reader& reader, const Step& step) {
-  try {
-    OCC_CATCH_SIGNALS
-    return step(reader);
-  } catch (const Standard_Failure&) {
-  }
-  fail_crash(file, model_of(reader));
+  bool is_done = false;
+  if (!survives([&] { is_done = step(reader); })) fail_crash(file, model_of(reader));
+  return is_done;
 }
 
 template <typename Reader>
@@ -68,8 +83,22 @@ void read(const SourceFile& file, Reader& reader) {
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
   const OcctMessages messages;
-  const auto parse = [&](Reader& by) { return by.ReadFile(file.path.c_str()) == IFSelect_RetDone; };
-  if (do_or_fail(file, reader, parse)) return;
+  bool is_done = false;
+  const bool crashes =
+      !survives([&] { is_done = reader.ReadFile(file.path.c_str()) == IFSelect_RetDone; });
+  const Handle(XSControl_WorkSession) session = session_of(reader);
+  const Handle(Interface_InterfaceModel) model = session->Model();
+  if (!model.IsNull() && fill_empty_lists(model)) {
+    constexpr int kNewReader = 4;
+    const auto take_filled = [&](Reader&) {
+      session->SetModel(model);
+      session->InitTransferReader(kNewReader);
+      return true;
+    };
+    if (do_or_fail(file, reader, take_filled)) return;
+  }
+  if (crashes) fail_crash(file, model);
+  if (is_done) return;
   fail_read(file, ErrorCode::kMeshUnreadable, "",
             "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
 }
@@ -153,8 +182,9 @@ void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & 
   if (!document.losses.pieces.empty()) return;
   constexpr double kLeast = 1e-3;
   const double tolerance_mm = std::max(kLeast, 1e3 * file.options.deflection_m);
-  for (std::string& line : open_solids(session, tolerance_mm)) {
-    document.warnings.push_back(std::move(line));
+  for (OpenSolid& solid : open_solids(session, tolerance_mm)) {
+    document.warnings.push_back(std::move(solid.line));
+    document.open_bodies.push_back(solid.shape);
   }
 }
 

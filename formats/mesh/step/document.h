@@ -3,6 +3,7 @@
 
 #include <TDF_Label.hxx>
 #include <TDocStd_Document.hxx>
+#include <TopoDS_Shape.hxx>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct StepDocument {
   std::map<std::string, std::vector<Mesh>> triangles;
   FileLosses losses;
   std::vector<std::string> warnings;
+  std::vector<TopoDS_Shape> open_bodies;  // should close, and do not
   bool is_iges = false;
 };
 

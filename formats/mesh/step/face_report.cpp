@@ -101,22 +101,24 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   }
 }
 
-void fail_for_losses(const SourceFile& file, const FileLosses& losses,
-                     const std::vector<std::string>& unknown_nodes,
-                     std::span<const MissingPiece> missing, std::size_t nodes) {
-  fail_read(file, ErrorCode::kMeshIncomplete, missing.front().face.node,
-            "OpenCASCADE could not read " + losses.text + " (" + places_text(missing) + ")",
-            way_out(losses.mend, missing, unknown_nodes, nodes));
-}
-
-void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
+void check_missing_faces(const SourceFile& file, const FileLosses& losses,
+                         const std::vector<std::string>& unknown_nodes,
                          std::span<const MissingPiece> missing, std::size_t nodes,
                          Assembly& assembly) {
   if (missing.size() > file.options.missing_faces) {
-    fail_read(file, ErrorCode::kMeshIncomplete, "",
-              "OpenCASCADE could not tessellate " + counted(missing.size(), "face") + ": " +
-                  places_text(missing),
-              way_out("mend them where the part was drawn", missing, unknown_nodes, nodes));
+    const auto failed = static_cast<std::uint64_t>(
+        std::count_if(missing.begin(), missing.end(),
+                      [](const MissingPiece& piece) { return piece.name.empty(); }));
+    const bool is_read = losses.text.empty();
+    const std::string untessellated =
+        failed > 0 ? "could not tessellate " + counted(failed, "face") : "";
+    fail_read(
+        file, ErrorCode::kMeshIncomplete, is_read ? "" : missing.front().face.node,
+        "OpenCASCADE " + (is_read ? untessellated + ": " + places_text(missing)
+                                  : "could not read " + losses.text + (failed > 0 ? ", and " : "") +
+                                        untessellated + " (" + places_text(missing) + ")"),
+        way_out(is_read ? "mend them where the part was drawn" : losses.mend, missing,
+                unknown_nodes, nodes));
   }
   for (const MissingPiece& piece : missing) {
     assembly.missing_faces.push_back(piece.face);

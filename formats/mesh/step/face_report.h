@@ -22,17 +22,13 @@ struct MissingPiece {
 void add_face_warnings(const Tessellation& tessellation, const std::string& path,
                        std::vector<std::string>& warnings);
 
-// Throws kMeshIncomplete with the losses of `file`, and the places of the first pieces of
-// `missing`. `unknown_nodes`: the names of ReadOptions::without that no node has. `nodes`: how many
-// nodes have faces; a way out that leaves none is not offered.
-[[noreturn]] void fail_for_losses(const SourceFile& file, const FileLosses& losses,
-                                  const std::vector<std::string>& unknown_nodes,
-                                  std::span<const MissingPiece> missing, std::size_t nodes);
-
 // Notes and warns of every missing piece of `assembly`, whose unit is the millimeter and of which
-// `nodes` have triangles. Throws kMeshIncomplete, with node and place of the first ones, where they
-// are more than the options accept.
-void check_missing_faces(const SourceFile& file, const std::vector<std::string>& unknown_nodes,
+// `nodes` have triangles. Throws kMeshIncomplete where they are more than the options accept, with
+// `losses`, which the named pieces are, the number of the other faces, node and place of the first
+// ones, and a way out that leaves a face. `unknown_nodes`: the names of ReadOptions::without that
+// no node has.
+void check_missing_faces(const SourceFile& file, const FileLosses& losses,
+                         const std::vector<std::string>& unknown_nodes,
                          std::span<const MissingPiece> missing, std::size_t nodes,
                          Assembly& assembly);
 

@@ -46,20 +46,74 @@ std::vector<Segment> open_edges(const Mesh& mesh) {
   return open;
 }
 
-// The points of edges that hang together.
-std::vector<std::vector<Vec3d>> outlines_of(const std::vector<Segment>& edges) {
-  std::map<Vec3d, std::vector<Vec3d>> beside;
-  for (const auto& [a, b] : edges) beside[a].push_back(b), beside[b].push_back(a);
-  std::vector<std::vector<Vec3d>> outlines;
-  while (!beside.empty()) {
-    std::vector<Vec3d> outline{beside.begin()->first};
-    for (std::size_t n = 0; n < outline.size(); ++n) {
-      const auto next = beside.extract(outline[n]);
-      if (next) outline.insert(outline.end(), next.mapped().begin(), next.mapped().end());
+constexpr Vec3d kOblique{0.48, 0.6, 0.64};  // of length 1: few points have one place along it
+
+// Takes out edges that have another beside them, each end within the tolerance and a quarter of its
+// length: the widest of the slits between them.
+double close_slits(std::vector<Segment>& edges, double tolerance) {
+  const auto place = [](const Segment& edge) {
+    return 0.5 * (dot(edge.first, kOblique) + dot(edge.second, kOblique));
+  };
+  std::sort(edges.begin(), edges.end(),
+            [&](const Segment& a, const Segment& b) { return place(a) < place(b); });
+  std::vector<bool> is_met(edges.size());
+  double widest = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (is_met[i]) continue;
+    const auto& [from, to] = edges[i];
+    double least = std::min(tolerance, 0.25 * length_of(minus(to, from)));
+    std::size_t nearest = i;
+    for (std::size_t n = i + 1; n < edges.size(); ++n) {
+      if (place(edges[n]) > place(edges[i]) + tolerance) break;
+      if (is_met[n]) continue;
+      const auto& [a, b] = edges[n];
+      const double width = std::min(std::max(length_of(minus(a, from)), length_of(minus(b, to))),
+                                    std::max(length_of(minus(b, from)), length_of(minus(a, to))));
+      if (width <= least) least = width, nearest = n;
     }
-    outlines.push_back(std::move(outline));
+    if (nearest == i) continue;
+    is_met[i] = is_met[nearest] = true;
+    widest = std::max(widest, least);
   }
-  return outlines;
+  std::size_t n = 0;
+  std::erase_if(edges, [&](const Segment&) { return is_met[n++]; });
+  return widest;
+}
+
+// The root of `i` among `parents`.
+std::size_t root_of(std::size_t i, std::vector<std::size_t>& parents) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
+}
+
+// The points of edges that hang together: by points that are within the tolerance of each other.
+std::vector<std::vector<Vec3d>> outlines_of(const std::vector<Segment>& edges, double tolerance) {
+  struct End {
+    Vec3d point;
+    double place;
+    std::size_t edge;
+  };
+  std::vector<End> ends;
+  std::vector<std::size_t> parents(edges.size());
+  for (std::size_t n = 0; n < edges.size(); ++n) {
+    parents[n] = n;
+    for (const Vec3d& point : {edges[n].first, edges[n].second}) {
+      ends.push_back({point, dot(point, kOblique), n});
+    }
+  }
+  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.place < b.place; });
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    for (std::size_t n = i + 1; n < ends.size(); ++n) {
+      if (ends[n].place > ends[i].place + tolerance) break;
+      if (length_of(minus(ends[n].point, ends[i].point)) > tolerance) continue;
+      parents[root_of(ends[n].edge, parents)] = root_of(ends[i].edge, parents);
+    }
+  }
+  std::map<std::size_t, std::vector<Vec3d>> outlines;
+  for (const End& end : ends) outlines[root_of(end.edge, parents)].push_back(end.point);
+  std::vector<std::vector<Vec3d>> all;
+  for (auto& [root, points] : outlines) all.push_back(std::move(points));
+  return all;
 }
 
 // The vector between points, each less its part along `axis`, that is longest from `from`.
@@ -90,10 +144,11 @@ double reach_across(const std::vector<Vec3d>& outline) {
 
 }  // namespace
 
-double widest_hole(const Mesh& mesh) {
+double widest_hole(const Mesh& mesh, double tolerance) {
   if (mesh_facts(mesh).closed) return 0;
-  double widest = 0;
-  for (const std::vector<Vec3d>& outline : outlines_of(open_edges(mesh))) {
+  std::vector<Segment> edges = open_edges(mesh);
+  double widest = close_slits(edges, tolerance);
+  for (const std::vector<Vec3d>& outline : outlines_of(edges, tolerance)) {
     widest = std::max(widest, reach_across(outline));
   }
   return widest;

@@ -41,11 +41,11 @@ bool is_in_solid(const Interface_Graph& graph, const Entity& shell) {
 
 }  // namespace
 
-std::vector<std::string> open_solids(const Handle(XSControl_WorkSession) & session,
-                                     double tolerance_mm) {
+std::vector<OpenSolid> open_solids(const Handle(XSControl_WorkSession) & session,
+                                   double tolerance_mm) {
   const Handle(Interface_InterfaceModel) model = session->Model();
   const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
-  std::vector<std::string> lines;
+  std::vector<OpenSolid> found;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity& entity = model->Value(i);
     const bool should_close =
@@ -54,11 +54,12 @@ std::vector<std::string> open_solids(const Handle(XSControl_WorkSession) & sessi
     const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
     const std::uint64_t open = shape.IsNull() ? 0 : count_open_edges(shape, tolerance_mm);
     if (open == 0) continue;
-    lines.push_back(entity_name(model, entity) + " does not close: " + counted(open, "edge") +
-                    " of one face only; look whether its faces are damaged, no guarantee covers "
-                    "what is missing there");
+    found.push_back({entity_name(model, entity) + " does not close: " + counted(open, "edge") +
+                         " of one face only; look whether its faces are damaged, no guarantee "
+                         "covers what is missing there",
+                     shape});
   }
-  return lines;
+  return found;
 }
 
 }  // namespace forcelayer::mesh

@@ -114,7 +114,8 @@ class StepReader {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (to_read.is_read[i]) place(i);
     }
-    check_missing_faces(file_, to_read.unknown, missing_, assembly_.instances.size(), assembly_);
+    check_missing_faces(flawed_ != nullptr ? flawed_->source : file_, losses_, to_read.unknown,
+                        missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
       fail_read(file_, ErrorCode::kMeshEmpty, "",
                 !missing_.empty()          ? "none of its faces can be read"
@@ -249,31 +250,17 @@ class StepReader {
     return nearest;
   }
 
-  // The losses of nodes that are read; an error where they are more than the user accepts.
+  // The losses of nodes that are read.
   void collect_losses(const NodesToRead& to_read) {
-    const OpenFile* flawed = nullptr;
     for (const auto& [path, file] : files_) {
       if (!file) continue;
       const std::size_t before = missing_.size();
       for (const LostPiece& piece : file->content.losses.pieces) add_loss(*file, piece, to_read);
-      if (flawed == nullptr && missing_.size() > before) flawed = file.get();
+      if (missing_.size() == before) continue;
+      if (flawed_ == nullptr) flawed_ = file.get();
+      losses_.text += (losses_.text.empty() ? "" : "; ") + file->content.losses.text;
+      losses_.mend = file->content.losses.mend;
     }
-    if (flawed == nullptr || missing_.size() <= file_.options.missing_faces) return;
-    const FileLosses& losses = flawed->content.losses;
-    fail_for_losses(flawed->source, losses, to_read.unknown, missing_, nodes_with_faces(to_read));
-  }
-
-  std::size_t nodes_with_faces(const NodesToRead& to_read) const {
-    std::size_t nodes = 0;
-    for (std::size_t i = 0; i < products_.size(); ++i) {
-      const auto& [file, label] = products_[i];
-      if (!to_read.is_read[i] || label.IsNull() || XCAFDoc_ShapeTool::IsAssembly(label)) continue;
-      if (count_faces(XCAFDoc_ShapeTool::GetShape(label)) > 0 ||
-          file->content.triangles.contains(entry_of(label))) {
-        ++nodes;
-      }
-    }
-    return nodes;
   }
 
   // A piece belongs to the nodes of its products; where these are unknown, to the one node of its
@@ -410,6 +397,7 @@ class StepReader {
       for (const std::string& warning : file->content.warnings) {
         assembly_.warnings.push_back((node.empty() ? "" : node + ": ") + warning);
       }
+      tessellator_.add_open_bodies(file->content.open_bodies);
       return *file;
     } catch (ReadFailure& failure) {
       if (failure.error.where.empty()) failure.error.where = node;
@@ -491,6 +479,8 @@ class StepReader {
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
   std::set<std::string> warned_of_;     // files and products
   std::vector<MissingPiece> missing_;
+  FileLosses losses_;                                        // of all files; no pieces
+  const OpenFile* flawed_ = nullptr;                         // the first file that has some
   std::set<std::size_t> is_flawed_;                          // nodes that lack a piece
   std::vector<std::pair<std::size_t, ReadFailure>> unread_;  // nodes whose files cannot be read
   std::vector<AssemblyNode> names_;  // of all nodes, each before its children

@@ -92,12 +92,25 @@ double largest_tolerance(const TopoDS_Face& face) {
   return largest_mm;
 }
 
-// Whether the triangles of a shape have holes where they do not close: no edge is of one face only,
-// or it consists of solids, and such edges have no other beside them.
-bool should_close(const TopoDS_Shape& shape, double tolerance_mm) {
-  if (count_open_edges(shape) == 0) return true;
-  if (TopExp_Explorer(shape, TopAbs_FACE, TopAbs_SOLID).More()) return false;
-  return count_open_edges(shape, tolerance_mm) > 0;
+// The faces whose triangles have holes where they do not close: all where no edge is of one face
+// only, else those of solids, and of bodies that are known to be open, where such edges have no
+// other beside them.
+FaceSet faces_that_close(const TopoDS_Shape& shape, const FaceSet& of_open_bodies,
+                         double tolerance_mm) {
+  FaceSet faces;
+  const auto add = [&](TopExp_Explorer face, bool all) {
+    for (; face.More(); face.Next()) {
+      const TopoDS_TShape* current = face.Current().TShape().get();
+      if (all || of_open_bodies.contains(current)) faces.insert(current);
+    }
+  };
+  const bool is_closed = count_open_edges(shape) == 0;
+  if (!is_closed && count_open_edges(shape, tolerance_mm) == 0) return faces;
+  add(TopExp_Explorer(shape, TopAbs_FACE), is_closed);
+  for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
+    add(TopExp_Explorer(solid.Current(), TopAbs_FACE), true);
+  }
+  return faces;
 }
 
 TopoDS_Compound compound_of(const Faces& faces) {
@@ -111,11 +124,16 @@ TopoDS_Compound compound_of(const Faces& faces) {
 // The attempts at one shape.
 class ShapeTessellation {
  public:
-  ShapeTessellation(const SourceFile& file, const TopoDS_Shape& shape, double deflection_mm)
+  ShapeTessellation(const SourceFile& file, const TopoDS_Shape& shape,
+                    const FaceSet& of_open_bodies, double deflection_mm)
       : file_(file),
         shape_(shape),
         deflection_mm_(deflection_mm),
-        should_close_(should_close(shape, deflection_mm)) {}
+        closing_(faces_that_close(shape, of_open_bodies, deflection_mm)) {
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+      all_close_ = all_close_ && closing_.contains(face.Current().TShape().get());
+    }
+  }
 
   // Finer triangles cost least, and keep the faces joined; dropping a face costs its reach, coarser
   // triangles theirs.
@@ -147,17 +165,29 @@ class ShapeTessellation {
     result.made.mesh.single_precision = false;
     result.made.deflection_mm = deflection_mm;
     result.made.deviation_mm = deflection_mm;
+    std::vector<Triangle> closing;
     for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
       const TopoDS_Face& current = TopoDS::Face(face.Current());
       if (is_tessellated(current, deflection_mm)) {
+        const std::size_t before = result.made.mesh.triangles.size();
         add(current, deflection_mm, result.made);
+        if (!all_close_ && closing_.contains(current.TShape().get())) {
+          const auto& triangles = result.made.mesh.triangles;
+          closing.insert(closing.end(), triangles.begin() + static_cast<std::ptrdiff_t>(before),
+                         triangles.end());
+        }
       } else {
         result.failed.push_back(current);
       }
     }
     Tessellation& made = result.made;
     double gap_mm = made.edge_gap_mm <= reach_mm(deflection_mm) ? made.tied_gap_mm : 0;
-    if (result.failed.empty() && should_close_) gap_mm = std::max(gap_mm, widest_hole(made.mesh));
+    if (result.failed.empty() && (all_close_ || !closing.empty())) {
+      const double tolerance_mm = kPolygonTolerance * deflection_mm_;
+      gap_mm =
+          std::max(gap_mm, all_close_ ? widest_hole(made.mesh, tolerance_mm)
+                                      : widest_hole({made.mesh.vertices, closing}, tolerance_mm));
+    }
     made.edge_gap_mm = std::max(made.edge_gap_mm, gap_mm);
     made.deviation_mm = std::max(made.deviation_mm, gap_mm);
     return result;
@@ -318,7 +348,8 @@ class ShapeTessellation {
   const SourceFile& file_;
   const TopoDS_Shape& shape_;
   double deflection_mm_;
-  bool should_close_;
+  FaceSet closing_;  // those whose triangles should close
+  bool all_close_ = true;
 };
 
 }  // namespace
@@ -339,7 +370,8 @@ Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
                                               double deflection_mm) const {
   const auto sewn = sew_loose_faces(shape, deflection_mm);
   if (!sewn) return {};
-  Tessellation made = ShapeTessellation(file_, sewn->shape, deflection_mm).best();
+  Tessellation made =
+      ShapeTessellation(file_, sewn->shape, faces_of_open_bodies_, deflection_mm).best();
   made.sewn = sewn->faces;
   made.sewn_gap_mm = sewn->gap_mm;
   made.open_edges = sewn->open_edges;
@@ -351,10 +383,19 @@ Tessellation StepTessellator::tessellate_sewn(const TopoDS_Shape& shape,
 Tessellation StepTessellator::tessellate_at(const TopoDS_Shape& shape, double deflection_mm) const {
   Tessellation made = tessellate_sewn(shape, deflection_mm);
   if (made.sewn == 0 || !made.lost.empty()) {
-    Tessellation loose = ShapeTessellation(file_, shape, deflection_mm).best();
+    Tessellation loose =
+        ShapeTessellation(file_, shape, faces_of_open_bodies_, deflection_mm).best();
     if (made.sewn == 0 || loose.lost.size() < made.lost.size()) made = std::move(loose);
   }
   return made;
+}
+
+void StepTessellator::add_open_bodies(std::span<const TopoDS_Shape> bodies) {
+  for (const TopoDS_Shape& body : bodies) {
+    for (TopExp_Explorer face(body, TopAbs_FACE); face.More(); face.Next()) {
+      faces_of_open_bodies_.insert(face.Current().TShape().get());
+    }
+  }
 }
 
 double StepTessellator::forecast(const TopoDS_Shape& shape) const {

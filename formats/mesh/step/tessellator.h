@@ -2,8 +2,11 @@
 #pragma once
 
 #include <TopoDS_Shape.hxx>
+#include <TopoDS_TShape.hxx>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "formats/mesh/reader.h"
@@ -19,6 +22,8 @@ struct LostFace {
 
 // The box around the edges of a shape; size 0 where it has none.
 LostFace box_of_edges(const TopoDS_Shape& shape);
+
+using FaceSet = std::unordered_set<const TopoDS_TShape*>;
 
 struct Tessellation {
   Mesh mesh;  // in the shape's frame, millimeters
@@ -51,6 +56,9 @@ class StepTessellator {
   StepTessellator(const SourceFile& file, double deflection_mm)
       : file_(file), deflection_mm_(deflection_mm), deviation_mm_(deflection_mm) {}
 
+  // Shapes, or parts of them, that should close and do not: holes in their triangles count.
+  void add_open_bodies(std::span<const TopoDS_Shape> bodies);
+
   // `name` is the node, for errors.
   Tessellation tessellate(const TopoDS_Shape& shape, const std::string& name);
 
@@ -70,6 +78,7 @@ class StepTessellator {
   const SourceFile& file_;
   double deflection_mm_;
   double deviation_mm_;
+  FaceSet faces_of_open_bodies_;
 };
 
 }  // namespace forcelayer::mesh

@@ -158,7 +158,8 @@ EntitySet entities_without_three_numbers(const Handle(XSControl_WorkSession) & s
       has_flaw = space.contains(entity.get()) &&
                  (point->NbCoordinates() != kInSpace || has_too_many(model, i));
     } else if (!direction.IsNull()) {
-      has_flaw = space.contains(entity.get()) && direction->NbDirectionRatios() != kInSpace;
+      has_flaw = direction->DirectionRatios().IsNull() ||
+                 (space.contains(entity.get()) && direction->NbDirectionRatios() != kInSpace);
     } else if (entity->IsKind(STANDARD_TYPE(StepVisual_CoordinatesList))) {
       has_flaw = lists.contains(model->IdentLabel(entity));
     }

@@ -1,5 +1,7 @@
 #include "formats/mesh/step/entities/iges_losses.h"
 
+#include <BRep_Tool.hxx>
+#include <Geom_Surface.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESData_UndefinedEntity.hxx>
@@ -14,6 +16,9 @@
 #include <Interface_Graph.hxx>
 #include <StepData_StepModel.hxx>
 #include <TColStd_HArray1OfInteger.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -22,11 +27,13 @@
 #include <unordered_map>
 
 #include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/iges_trims.h"
 
 namespace forcelayer::mesh {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
+using EntitySet = std::unordered_set<const Standard_Transient*>;
 
 constexpr const char* kMend =
     "export the file again, with solids as boundary representations, or as STEP";
@@ -35,8 +42,10 @@ bool is_one_of(const Entity& entity, std::initializer_list<int> types) {
   return std::find(types.begin(), types.end(), entity->TypeNumber()) != types.end();
 }
 
+bool is_trimmed(const Entity& entity) { return is_one_of(entity, {143, 144}); }
+
 // Trimmed and bounded surfaces, and the faces of a boundary representation.
-bool is_face(const Entity& entity) { return is_one_of(entity, {143, 144, 510}); }
+bool is_face(const Entity& entity) { return is_trimmed(entity) || entity->TypeNumber() == 510; }
 
 bool is_surface(const Entity& entity) {
   constexpr int kPlane = 108, kUnbounded = 0;
@@ -87,6 +96,8 @@ class IgesCheck {
     FileLosses found;
     found.mend = kMend;
     found.pieces = damage_.pieces;
+    lost_faces_.count = damage_.cut_faces;
+    lost_faces_.names = damage_.faces;
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
     std::vector<Losses> all = {lost_faces_, lost_owners_, lost_solids_, lost_placings_,
                                lost_files_};
@@ -96,7 +107,7 @@ class IgesCheck {
     for (std::size_t n = 0; n < damage_.pieces.size(); ++n) {
       found.pieces[n].owners = owners_of(damage_.holders[n]);
     }
-    all.insert(all.end(), damage_.told.begin(), damage_.told.end());
+    all.push_back({"damaged entity", 0, damage_.others});
     found.text = text_of(all);
     return found;
   }
@@ -105,10 +116,9 @@ class IgesCheck {
   void look_at(const Entity& entity) {
     if (damage_.below.contains(entity.get())) return;
     if (is_face(entity) || (is_surface(entity) && stands_alone(entity))) {
-      ++lost_faces_.count;
-      if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
-        lose(entity, lost_faces_);
-      }
+      if (is_face(entity) || !is_dependent(entity)) ++lost_faces_.count;
+      const TopoDS_Shape shape = TransferBRep::ShapeResult(process_, entity);
+      if (!faces_.has(shape) || lacks_a_boundary(entity, shape)) lose(entity, lost_faces_);
     } else if (is_constructive(entity) && stands_alone(entity)) {
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
         lose(entity, lost_solids_);
@@ -122,6 +132,21 @@ class IgesCheck {
         lose(entity, lost_placings_);
       }
     }
+  }
+
+  // OpenCASCADE drops a boundary of which it makes no outline: of a plate with a hole the hole's
+  // cover is left. Of a closed surface it joins two boundaries by a seam. A face without any gets
+  // no triangles.
+  static bool lacks_a_boundary(const Entity& entity, const TopoDS_Shape& shape) {
+    std::uint64_t outlines = 0;
+    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+      const Handle(Geom_Surface) surface = BRep_Tool::Surface(TopoDS::Face(face.Current()));
+      if (surface->IsUClosed() || surface->IsVClosed()) return false;
+      for (TopoDS_Iterator wire(face.Current()); wire.More(); wire.Next()) {
+        if (wire.Value().ShapeType() == TopAbs_WIRE) ++outlines;
+      }
+    }
+    return outlines > 0 && outlines < count_boundaries(entity);
   }
 
   void lose(const Entity& entity, Losses& kind) {
@@ -152,9 +177,12 @@ class IgesCheck {
 
   // Whether it says that it is a part of another entity, and no entity that is read refers to it.
   bool is_orphan(const Entity& entity) const {
+    return is_dependent(entity) && graph_.Sharings(entity).NbEntities() == 0;
+  }
+
+  static bool is_dependent(const Entity& entity) {
     constexpr int kPhysicallyDependent = 1;
-    return (entity->SubordinateStatus() & kPhysicallyDependent) != 0 &&
-           graph_.Sharings(entity).NbEntities() == 0;
+    return (entity->SubordinateStatus() & kPhysicallyDependent) != 0;
   }
 
   bool holds_faces(const Entity& entity) {
@@ -245,46 +273,65 @@ class IgesCut {
   // of a face is one without end.
   void replace(const Entity& entity) {
     add_piece(entity);
-    std::vector<Entity> all{entity};
-    replaced_.insert(entity.get());
-    for (std::size_t n = 0; n < all.size(); ++n) {
-      Interface_EntityIterator part = session_->Graph().Shareds(all[n]);
-      for (part.Start(); part.More(); part.Next()) {
-        const Entity other = Entity::DownCast(part.Value());
-        if (other.IsNull() || is_used_elsewhere(other)) continue;
-        if (replaced_.insert(other.get()).second) all.push_back(other);
-      }
-      const Standard_Integer number = model_->Number(all[n]);
+    if (is_face(entity)) ++damage_.cut_faces;
+    empty_trims(entity);
+    const std::vector<Entity> all = all_below(entity);
+    EntitySet within;
+    for (const Entity& part : all) within.insert(part.get());
+    const EntitySet kept = used_outside(all, within);
+    for (const Entity& part : all) {
+      if (kept.contains(part.get())) continue;
+      replaced_.insert(part.get());
+      const Standard_Integer number = model_->Number(part);
       if (number == 0) continue;
       model_->ClearReportEntity(number);
       model_->ReplaceEntity(number, new IGESData_UndefinedEntity);
     }
   }
 
-  bool is_used_elsewhere(const Entity& entity) const {
-    Interface_EntityIterator user = session_->Graph().Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (!replaced_.contains(user.Value().get())) return true;
+  // It, and all that it refers to, over others too, but no other face that a group may list.
+  std::vector<Entity> all_below(const Entity& entity) const {
+    std::vector<Entity> all{entity};
+    EntitySet seen{entity.get()};
+    const auto add = [&](const Entity& part) {
+      if (!part.IsNull() && !is_trimmed(part) && seen.insert(part.get()).second)
+        all.push_back(part);
+    };
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      const Entity of = all[n];
+      for (const Entity& part : parts_of_trimmed(of)) add(part);
+      Interface_EntityIterator part = session_->Graph().Shareds(of);
+      for (part.Start(); part.More(); part.Next()) add(Entity::DownCast(part.Value()));
     }
-    return false;
+    return all;
+  }
+
+  // Those but the first that an entity outside refers to, with all below them.
+  EntitySet used_outside(const std::vector<Entity>& all, const EntitySet& within) const {
+    EntitySet kept;
+    for (std::size_t n = 1; n < all.size(); ++n) {
+      Interface_EntityIterator user = session_->Graph().Sharings(all[n]);
+      for (user.Start(); user.More(); user.Next()) {
+        const Standard_Transient* other = user.Value().get();
+        if (within.contains(other) || replaced_.contains(other)) continue;
+        for (const Entity& part : all_below(all[n])) kept.insert(part.get());
+        break;
+      }
+    }
+    kept.erase(all.front().get());
+    return kept;
   }
 
   void add_piece(const Entity& entity) {
     damage_.pieces.push_back({iges_name(model_, entity), {}, {}, {}, 0});
     damage_.holders.push_back(holders_of(session_->Graph(), entity));
-    add_below(entity);
-  }
-
-  void add_below(const Handle(Standard_Transient) & entity) {
-    if (!damage_.below.insert(entity.get()).second) return;
-    Interface_EntityIterator part = session_->Graph().Shareds(entity);
-    for (part.Start(); part.More(); part.Next()) add_below(part.Value());
+    for (const Entity& part : all_below(entity)) damage_.below.insert(part.get());
   }
 
   Handle(XSControl_WorkSession) session_;
   Handle(IGESData_IGESModel) model_;
   IgesDamage& damage_;
-  std::unordered_set<const Standard_Transient*> seen_, replaced_;
+  EntitySet seen_, replaced_;
 };
 
 // Edges of boundary representations that make no sense. The loops that use them are damaged: a list
@@ -349,19 +396,19 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
 
 IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
-  Losses faces{"face", 0, {}}, others{"damaged entity", 0, {}};
+  IgesDamage damage;
   const IgesEdges edges(model);
   std::vector<Entity> damaged;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
-    if (!is_of_boundary_representation(entity)) continue;
-    const bool is_face = entity->TypeNumber() == kFace;
-    if (is_face) ++faces.count;
-    if (model->Check(i, Standard_True)->NbFails() == 0 && !edges.is_damaged(entity)) continue;
-    (is_face ? faces : others).names.push_back(iges_name(model, entity));
+    const bool is_damaged =
+        is_of_boundary_representation(entity)
+            ? model->Check(i, Standard_True)->NbFails() > 0 || edges.is_damaged(entity)
+            : is_badly_trimmed(model, entity);
+    if (!is_damaged) continue;
+    (is_face(entity) ? damage.faces : damage.others).push_back(iges_name(model, entity));
     damaged.push_back(entity);
   }
-  IgesDamage damage{{faces, others}, {}, {}, {}};
   IgesCut cut(session, damage);
   for (const Entity& entity : damaged) cut.climb(entity);
   cut.finish();

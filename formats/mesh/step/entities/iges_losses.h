@@ -23,14 +23,15 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
 
 // Damage that was taken out of a file before it was transferred.
 struct IgesDamage {
-  std::vector<Losses> told;
+  std::vector<std::string> faces, others;  // names
+  std::uint64_t cut_faces = 0;             // taken out
   std::vector<LostPiece> pieces;
   std::vector<std::vector<Handle(IGESData_IGESEntity)>> holders;  // [pieces] all that refer to them
   std::unordered_set<const Standard_Transient*> below;            // entities that the pieces hold
 };
 
-// Takes out of the file that was read in `session` the faces and solids of boundary representations
-// that refer to what is not there or make no sense: OpenCASCADE may crash on them.
+// Takes out of the file that was read in `session` the faces and solids that refer to what is not
+// there or make no sense: OpenCASCADE may crash on them, or read something else.
 IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session);
 
 // The damage, and each face, solid, placing and external reference of the file that was

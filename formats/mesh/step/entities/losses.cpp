@@ -166,6 +166,10 @@ class StepCheck {
       found.pieces.push_back(piece);
       if (is_face(entity)) lost_faces_.names.push_back(piece.name);
     }
+    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) {
+      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model_->Value(i));
+      is_assembly_ = is_assembly_ || !use.IsNull();
+    }
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i), found);
     for (const Entity& entity : lost_) {
       if (!is_used_by_lost(entity)) add(entity, lost_solids_, found);
@@ -201,6 +205,8 @@ class StepCheck {
       if (!read_.contains(entity.get()) &&
           is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
         lose(entity);
+    } else if (is_of_no_product(entity)) {
+      add(entity, lost_placings_, found);
     } else if (is_lost_placing(entity) && !is_explained(entity)) {
       add(entity, lost_placings_, found);
     }
@@ -302,11 +308,38 @@ class StepCheck {
       return is_item_of_shape(entity) && !is_in_document(entity) && holds_faces(item);
     }
     const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(entity);
-    if (use.IsNull() || !result_of(use).IsNull()) return false;
+    if (use.IsNull() || count_faces(result_of(use)) > 0) return false;
     const Handle(StepBasic_ProductDefinition) whole = use->RelatingProductDefinition(),
                                               part = use->RelatedProductDefinition();
-    if (whole.IsNull() || part.IsNull() || count_faces(result_of(part)) == 0) return false;
+    std::unordered_set<const Standard_Transient*> seen;
+    if (whole.IsNull() || part.IsNull() || !has_faces(part, seen)) return false;
     return has_placed_sibling(use) || !contains_face_of(result_of(whole), result_of(part));
+  }
+
+  // A shape with faces that no product of an assembly has: OpenCASCADE leaves it at the origin, and
+  // the occurrences of its product out.
+  bool is_of_no_product(const Entity& entity) const {
+    const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity);
+    if (shape.IsNull() || shape->Items().IsNull() || !is_assembly_) return false;
+    for (Standard_Integer i = 1; i <= shape->NbItems(); ++i) {
+      if (shape->ItemsValue(i).IsNull() || !is_in_document(shape->ItemsValue(i))) continue;
+      return step_piece(session_, entity).products.empty();
+    }
+    return false;
+  }
+
+  // Of its own, or in an assembly below it.
+  bool has_faces(const Entity& product, std::unordered_set<const Standard_Transient*>& seen) const {
+    if (!seen.insert(product.get()).second) return false;
+    if (count_faces(result_of(product)) > 0) return true;
+    Interface_EntityIterator user = graph_.Sharings(product);
+    for (user.Start(); user.More(); user.Next()) {
+      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user.Value());
+      if (use.IsNull() || use->RelatingProductDefinition() != product) continue;
+      const Entity part = use->RelatedProductDefinition();
+      if (!part.IsNull() && has_faces(part, seen)) return true;
+    }
+    return false;
   }
 
   // Whether another occurrence of the same part in the same whole is placed: its faces are there,
@@ -349,6 +382,7 @@ class StepCheck {
   DocumentFaces faces_;
   const ReadEntities& read_;
   const StepDamage& damage_;
+  bool is_assembly_ = false;
   std::vector<Entity> lost_;
   std::unordered_set<const Standard_Transient*> is_lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
@@ -374,10 +408,14 @@ bool is_in_parameters(const Entity& entity) {
          entity->IsKind(STANDARD_TYPE(StepGeom_SurfaceCurve));
 }
 
-// Shapes that belong to no product, placings of nothing.
+// Shapes that belong to no product, placings of nothing, occurrences of nothing or nowhere.
 bool lacks_an_end(const Entity& entity) {
   const auto shape = Handle(StepShape_ShapeDefinitionRepresentation)::DownCast(entity);
   if (!shape.IsNull()) return shape->Definition().PropertyDefinition().IsNull();
+  const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(entity);
+  if (!use.IsNull()) {
+    return use->RelatingProductDefinition().IsNull() || use->RelatedProductDefinition().IsNull();
+  }
   const auto item = Handle(StepRepr_MappedItem)::DownCast(entity);
   return !item.IsNull() && item->MappingSource().IsNull();
 }
