@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "runtime/voxplan/problem.h"
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/random.h"
 
 namespace forcelayer::voxplan {

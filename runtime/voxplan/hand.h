@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
+#include "runtime/voxplan/check/pose_check.h"
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/destination.h"
-#include "runtime/voxplan/pose_check.h"
-#include "runtime/voxplan/problem.h"
 
 namespace forcelayer::voxplan {
 

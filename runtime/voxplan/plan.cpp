@@ -6,9 +6,9 @@
 
 #include "formats/command/text.h"
 #include "runtime/voxcheck/object_names.h"
+#include "runtime/voxplan/check/pose_check.h"
 #include "runtime/voxplan/destination.h"
 #include "runtime/voxplan/hand.h"
-#include "runtime/voxplan/pose_check.h"
 #include "runtime/voxplan/smooth/smoothed.h"
 #include "runtime/voxplan/way.h"
 

@@ -7,8 +7,8 @@
 #include "formats/path/path_file.h"
 #include "formats/result.h"
 #include "runtime/clearance/path_check.h"
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/options.h"
-#include "runtime/voxplan/problem.h"
 #include "runtime/voxplan/search.h"
 
 namespace forcelayer::voxplan {

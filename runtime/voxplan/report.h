@@ -4,9 +4,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/options.h"
 #include "runtime/voxplan/plan.h"
-#include "runtime/voxplan/problem.h"
 
 namespace forcelayer::voxplan {
 

@@ -7,16 +7,13 @@
 #include <vector>
 
 #include "formats/result.h"
+#include "runtime/voxplan/check/pose_check.h"
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/destination.h"
-#include "runtime/voxplan/pose_check.h"
-#include "runtime/voxplan/problem.h"
 
 namespace forcelayer::voxplan {
 
 double steady_s();  // the steady clock, s
-
-// Poses of the centroid frame; between two of them the part goes straight.
-using Way = std::vector<Pose>;
 
 constexpr std::size_t kHands = 4;  // that search side by side, whatever the threads
 

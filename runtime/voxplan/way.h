@@ -6,8 +6,8 @@
 #include "formats/path/path_file.h"
 #include "formats/result.h"
 #include "runtime/clearance/path_check.h"
-#include "runtime/voxplan/pose_check.h"
-#include "runtime/voxplan/problem.h"
+#include "runtime/voxplan/check/pose_check.h"
+#include "runtime/voxplan/check/problem.h"
 #include "runtime/voxplan/search.h"
 
 namespace forcelayer::voxplan {

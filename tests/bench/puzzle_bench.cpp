@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "runtime/run/baked_files.h"
-#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/check/pose_check.h"
 #include "runtime/voxplan/search.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"

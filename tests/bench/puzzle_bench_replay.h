@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/check/pose_check.h"
 
 namespace forcelayer::bench {
 

@@ -81,7 +81,9 @@ runtime/voxrun:         formats formats/command formats/digest formats/path runt
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 runtime/voxplan/nearest: formats runtime/forcelayer runtime/query
-runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck runtime/voxplan/nearest
+runtime/voxplan/check:  formats formats/path runtime/clearance runtime/coupling runtime/forcelayer
+runtime/voxplan/smooth: formats runtime/coupling runtime/voxplan/check
+runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck runtime/voxplan/nearest runtime/voxplan/check runtime/voxplan/smooth
 runtime/study:          formats formats/command formats/digest formats/path
 runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/viewer/run runtime/viewer/surface
 runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/check/pose_check.h"
 #include "runtime/voxplan/smooth/stretch.h"
 
 namespace forcelayer::voxplan {

@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "formats/result.h"
-#include "runtime/voxplan/problem.h"
-#include "runtime/voxplan/search.h"
+#include "runtime/voxplan/check/problem.h"
 
 namespace forcelayer::voxplan {
 

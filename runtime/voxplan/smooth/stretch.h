@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "runtime/voxplan/pose_check.h"
-#include "runtime/voxplan/search.h"
+#include "runtime/voxplan/check/pose_check.h"
 
 namespace forcelayer::voxplan {
 

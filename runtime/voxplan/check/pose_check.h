@@ -12,7 +12,7 @@
 #include "runtime/clearance/path_walk.h"
 #include "runtime/clearance/required_distance.h"
 #include "runtime/clearance/seat_stretch.h"
-#include "runtime/voxplan/problem.h"
+#include "runtime/voxplan/check/problem.h"
 
 namespace forcelayer::voxplan {
 

@@ -1,4 +1,4 @@
-#include "runtime/voxplan/pose_check.h"
+#include "runtime/voxplan/check/pose_check.h"
 
 #include <algorithm>
 #include <array>

@@ -13,6 +13,9 @@
 
 namespace forcelayer::voxplan {
 
+// Poses of the centroid frame; between two of them the part goes straight.
+using Way = std::vector<Pose>;
+
 // Scene and part outlive this.
 struct Problem {
   const Voxmap& scene;

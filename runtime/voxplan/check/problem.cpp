@@ -1,4 +1,4 @@
-#include "runtime/voxplan/problem.h"
+#include "runtime/voxplan/check/problem.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
