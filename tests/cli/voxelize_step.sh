@@ -180,6 +180,15 @@ grep -q "wavy.step will be some 3.1 million triangles, which take about 0.57 min
 [ "$(grep -n "will be some" err_ | cut -d: -f1)" -lt "$(grep -n "has been read for" err_ | cut -d: -f1)" ] || fail "the forecast came late"
 ! grep -q "will be some\|has been read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"
 
+# A file of more than 100 MB is forecast before it is parsed.
+"$bin/make_box_file" large.step || exit 1
+head -c 130000000 /dev/zero | tr '\0' ' ' >>large.step
+"$bin/voxelize" large.step --voxel-size 4mm -o no.vox 2>err >out
+grep -q "large.step has 130 MB, which take about 0.69 minutes and 1.3 GB to parse; Ctrl-C stops it" err || fail "no forecast of a large file: $(cat err)"
+"$bin/voxelize" large.step --voxel-size 4mm -o no.vox --quiet 2>err >out
+! grep -q "to parse" err || fail "--quiet is not: $(cat err)"
+rm -f large.step no.vox
+
 # OpenCASCADE crashes on this solid, which lacks the parameters of an edge: one line with a way out, and nothing written.
 "$bin/make_box_file" sound.igs solid || exit 1
 sed '/^ *110,0\.,0\.,30\.,0\.,20\.,30\.;/d' sound.igs >damaged.igs

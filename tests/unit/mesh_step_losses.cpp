@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "formats/mesh/mesh_facts.h"
+#include "formats/mesh/step/entities/iges_numbers.h"
 #include "tests/support/models.h"
 #include "tests/support/step_files.h"
 
@@ -517,6 +518,44 @@ TEST(IgesLosses, ABadlyTrimmedFaceIsNamed) {
   }
   // An outline that does not close.
   expect_in("1 of 7 faces: D73 (type 144)", iges_error(with_parameters(plate, 87, "110;")));
+}
+
+// OpenCASCADE takes a word for 0 without an error: a corner of the box at the origin, a moved
+// plate.
+TEST(IgesLosses, NumbersThatAreNoneLoseTheFacesThatUseThem) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_box_file plate.igs plate");
+  const std::string plate = read_text((folder / "plate.igs").string());
+  for (const std::string word : {"x", "1.5.2", "1.E", "3Habc", "1 2", "-", "."}) {
+    const std::string text = with_parameters(plate, 87, "110," + word + ",0.,0.,10.,0.,0.;");
+    expect_in("1 of 7 faces: D73 (type 144)", iges_error(text));
+    const auto rest = mesh::read_assembly(write_file(folder / "a.igs", text), {.missing_faces = 1});
+    ASSERT_TRUE(rest) << to_line(rest.error());
+    EXPECT_EQ(count_patches(*rest), 6u);
+  }
+}
+
+TEST(IgesLosses, NumbersAsFortranWritesThemAreRead) {
+  using mesh::iges_entries_without_numbers;
+  const auto entries = [](const std::string& globals, const std::string& parameters) {
+    char text[200];
+    std::snprintf(text, sizeof text, "%-72sG      1\n%-64s%8dP      1\n", globals.c_str(),
+                  parameters.c_str(), 7);
+    return iges_entries_without_numbers(text);
+  };
+  const std::string usual = "1H,,1H;,,;";
+  for (const char* good : {"110,1,-.5,2.E3,+1.D-3,1.5d+04,0.;", "110,,, ,1 , 2,3; a remark",
+                           "124,1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.,0,0;", "406,1,4Hname;",
+                           "110,1.,2.,3.,4.,5.,6.,0,1,9;"}) {
+    EXPECT_TRUE(entries(usual, good).empty()) << good;
+  }
+  EXPECT_TRUE(entries("1H/,1H#,,;", "110/1./2./3./4./5./6.# x").empty());
+  EXPECT_TRUE(entries(",,;", "110,1.,2.;").empty());
+  for (const char* bad :
+       {"110,a;", "124,1.,0.,0.,0.,zero;", "128,1.E,2;", "110,1.,2.,3.,4.,5.,1..6;"}) {
+    EXPECT_EQ(entries(usual, bad), std::set<int>{7}) << bad;
+  }
+  EXPECT_EQ(entries("1H/,1H#,,;", "110/1./2,5#"), std::set<int>{7});
 }
 
 // Of two damaged faces one is found before OpenCASCADE makes shapes, and one when they are

@@ -108,12 +108,29 @@ std::string deflection_text(const std::string& path, const ReadOptions& options)
          " mm (in a bake a hundredth of a voxel); coarser is faster";
 }
 
-// The forecast of a file that takes long. Time and memory of a triangle are those of a free-form
+constexpr double kMinuteS = 60, kGigabyte = 1e9;
+
+// The forecast of a large file that OpenCASCADE parses, by its size: time and memory of a byte are
+// those of an assembly of plain solids, without what tessellation takes.
+void tell_if_large(const std::string& path) {
+  constexpr double kSecondsPerByte = 0.32e-6, kBytesPerByte = 10;
+  std::error_code failure;
+  const auto size = static_cast<double>(std::filesystem::file_size(path, failure));
+  const double seconds = kSecondsPerByte * size, bytes = kBytesPerByte * size;
+  if (failure || !may_crash_its_reader(path)) return;
+  if (seconds <= kMinuteS && bytes <= kGigabyte) return;
+  char text[120];
+  std::snprintf(text, sizeof text,
+                " has %.3g MB, which take about %.2g minutes and %.2g GB to parse; Ctrl-C stops it",
+                1e-6 * size, seconds / kMinuteS, bytes / kGigabyte);
+  command::tell_waiting(path + text);
+}
+
+// The forecast of surfaces that take long. Time and memory of a triangle are those of a free-form
 // surface of one face, which needs the most.
 void tell_if_expensive(const ReadingProgress& forecast, const std::string& path,
                        const ReadOptions& options) {
-  constexpr double kSecondsPerTriangle = 1.1e-5, kBytesPerTriangle = 2000, kMinuteS = 60,
-                   kGigabyte = 1e9;
+  constexpr double kSecondsPerTriangle = 1.1e-5, kBytesPerTriangle = 2000;
   const double seconds = kSecondsPerTriangle * forecast.expected_triangles,
                bytes = kBytesPerTriangle * forecast.expected_triangles;
   if (seconds <= kMinuteS && bytes <= kGigabyte) return;
@@ -134,7 +151,7 @@ int wait_until(Clock::time_point end) {
 }
 
 // Hands on the progress of the child until it begins to send its result, or the deadline is past.
-// How long OpenCASCADE takes to parse a file nobody knows beforehand, so a long wait is told.
+// How long OpenCASCADE takes is not known well beforehand, so a long wait is told.
 void follow_progress(int result, int progress, const std::string& path, const ReadOptions& options,
                      Clock::time_point deadline) {
   const auto slow = Clock::now() + std::chrono::seconds(kToldAfterS);
@@ -245,6 +262,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
   std::vector<char*> arguments;  // made before fork: a child of threads may not take memory
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  tell_if_large(path);
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child == 0) become_reader(pipe[1], progress[1], parent, limits, arguments.data());

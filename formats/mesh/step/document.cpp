@@ -237,10 +237,10 @@ void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument
   }
 }
 
-void read_iges_file(const SourceFile& file, StepDocument& document) {
+void read_iges_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
-  const IgesDamage damage = take_out_iges_damage(reader.WS());
+  const IgesDamage damage = take_out_iges_damage(reader.WS(), text);
   const OcctMessages messages;
   const bool has_shapes = transfer(file, reader, document);
   check_iges_units(reader.Model(), document);
@@ -255,13 +255,9 @@ StepDocument read_step_document(const SourceFile& file) {
   StepDocument document;
   document.document = new TDocStd_Document("BinXCAF");
   document.is_iges = lower_case_extension(file.path).starts_with(".ig");
-  if (document.is_iges) {
-    read_iges_file(file, document);
-  } else {
-    const Result<MappedFile> mapped = MappedFile::open(file.path);
-    if (!mapped) throw ReadFailure{mapped.error()};
-    read_step_file(file, text_of(*mapped), document);
-  }
+  const Result<MappedFile> mapped = MappedFile::open(file.path);
+  if (!mapped) throw ReadFailure{mapped.error()};
+  (document.is_iges ? read_iges_file : read_step_file)(file, text_of(*mapped), document);
   return document;
 }
 

@@ -27,6 +27,7 @@
 #include <unordered_map>
 
 #include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/iges_numbers.h"
 #include "formats/mesh/step/entities/iges_trims.h"
 
 namespace forcelayer::mesh {
@@ -380,6 +381,28 @@ class IgesEdges {
   Handle(IGESData_IGESModel) model_;
 };
 
+// The faces that use these entries of the directory, over others too; of those that no face uses,
+// the surfaces, solids and placings.
+EntitySet users_of(const Interface_Graph& graph, const Handle(IGESData_IGESModel) & model,
+                   const std::set<int>& entries) {
+  EntitySet users;
+  if (entries.empty()) return users;
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity entity = model->Entity(i);
+    if (!entries.contains(model->DNum(entity))) continue;
+    const std::vector<Entity> holders = holders_of(graph, entity);
+    const bool has_faces = std::any_of(holders.begin(), holders.end(), is_face);
+    for (const Entity& holder : holders) {
+      const bool is_user = has_faces ? is_face(holder)
+                                     : is_surface(holder) || is_placing(holder) ||
+                                           is_constructive(holder) ||
+                                           is_of_boundary_representation(holder);
+      if (is_user) users.insert(holder.get());
+    }
+  }
+  return users;
+}
+
 }  // namespace
 
 std::string iges_name(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
@@ -394,17 +417,20 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
   return step_name(Handle(StepData_StepModel)::DownCast(model), entity);
 }
 
-IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session) {
+IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
+                                std::string_view text) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
   IgesDamage damage;
   const IgesEdges edges(model);
+  const EntitySet garbled = users_of(session->Graph(), model, iges_entries_without_numbers(text));
   std::vector<Entity> damaged;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
     const bool is_damaged =
-        is_of_boundary_representation(entity)
-            ? model->Check(i, Standard_True)->NbFails() > 0 || edges.is_damaged(entity)
-            : is_badly_trimmed(model, entity);
+        garbled.contains(entity.get()) ||
+        (is_of_boundary_representation(entity)
+             ? model->Check(i, Standard_True)->NbFails() > 0 || edges.is_damaged(entity)
+             : is_badly_trimmed(model, entity));
     if (!is_damaged) continue;
     (is_face(entity) ? damage.faces : damage.others).push_back(iges_name(model, entity));
     damaged.push_back(entity);

@@ -5,6 +5,7 @@
 #include <IGESData_IGESModel.hxx>
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <string_view>
 #include <unordered_set>
 #include <vector>
 
@@ -31,8 +32,9 @@ struct IgesDamage {
 };
 
 // Takes out of the file that was read in `session` the faces and solids that refer to what is not
-// there or make no sense: OpenCASCADE may crash on them, or read something else.
-IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session);
+// there or make no sense: OpenCASCADE may crash on them, or read something else. `text`: the file.
+IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
+                                std::string_view text);
 
 // The damage, and each face, solid, placing and external reference of the file that was
 // transferred in `session` that is not in `document`: OpenCASCADE leaves out what it finds damaged,
