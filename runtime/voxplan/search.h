@@ -22,7 +22,7 @@ struct SearchRequest {
   unsigned threads = 1;
   double most_s = 60;
   std::function<double()> clock_s = steady_s;  // by which the time is told
-  // Of each hand, in the order of their numbers.
+  // Makes the check of each hand, in the order of their numbers.
   std::function<Result<std::unique_ptr<PoseCheck>>(const Problem&)> make_check = PoseCheck::create;
   // Told in and between rounds, by one thread at a time.
   std::function<void(double share_of_time, double out_m)> progress;

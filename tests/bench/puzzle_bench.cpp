@@ -64,7 +64,7 @@ struct Trials {
   }
 };
 
-// What a run of voxplan's search asks for and gets.
+// The answers that a run of voxplan's search gets.
 struct SearchAnswers {
   std::array<Answers<PoseAnswer>, voxplan::kHands> of_hands;
   Answers<double> clock;

@@ -31,7 +31,7 @@ struct Trial {
   double kept_m = 0;          // their travel
 };
 
-// What the peer's run asks for and gets.
+// The answers that the peer's run gets.
 struct MeshAnswers {
   Answers<char> is_free;
   Answers<double> clock;

@@ -31,7 +31,8 @@ class Answers {
   bool replays_ = false;
 };
 
-// Of a pose: 1 or 0. Of a motion: how much of it is kept. And how many poses were tested for it.
+// An answer: for a pose 1 or 0, for a motion how much of it is kept; and how many poses were tested
+// for it.
 struct PoseAnswer {
   double share = 0;
   std::uint64_t tested = 0;

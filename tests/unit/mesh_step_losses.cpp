@@ -558,7 +558,7 @@ TEST(IgesLosses, NumbersAsFortranWritesThemAreRead) {
   EXPECT_EQ(entries("1H/,1H#,,;", "110/1./2,5#"), std::set<int>{7});
 }
 
-// Of two damaged faces one is found before OpenCASCADE makes shapes, and one when they are
+// One of two damaged faces is found before OpenCASCADE makes shapes, and one when they are
 // tessellated.
 TEST(IgesLosses, AllAreToldAtOnce) {
   const ScratchFolder folder;

@@ -49,7 +49,7 @@ double corner_rad(const Problem& problem, const Pose& before, const Pose& at, co
 Stretch::Stretch(PoseCheck& check, Rule rule, Way way)
     : check_(check), problem_(check.problem()), rule_(rule), way_(std::move(way)) {}
 
-// What no pose may lose: in a seat nothing but that it is kept.
+// The clearance that no pose may lose; in a seat 0, for there only the rule counts.
 double Stretch::worth_m(const Pose& pose) {
   return rule_ == Rule::kClear ? check_.clearance_m(pose) : 0;
 }

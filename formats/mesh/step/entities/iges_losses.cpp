@@ -341,7 +341,7 @@ class IgesEdges {
  public:
   explicit IgesEdges(const Handle(IGESData_IGESModel) & model) : model_(model) {}
 
-  // Of entities that could be read at all.
+  // Whether the edges of an entity that could be read make no sense.
   bool is_damaged(const Entity& entity) const {
     const auto loop = Handle(IGESSolid_Loop)::DownCast(entity);
     if (loop.IsNull()) return false;

@@ -9,8 +9,8 @@
 namespace forcelayer::mesh {
 namespace {
 
-// Of a line: its data, which of parameters end at a pointer into the directory; a letter for the
-// section; a number.
+// Columns of a line: the end of its data, behind which parameters have a pointer into the
+// directory; the letter of its section; its number.
 constexpr std::size_t kDataOfGlobals = 72, kDataOfParameters = 64, kSection = 72, kLine = 73;
 constexpr std::string_view kBlanks = " \t\r";
 
@@ -71,7 +71,7 @@ Delimiters delimiters_of(std::string_view globals) {
   return found;
 }
 
-// Of the parameters of one entity, after its type.
+// Whether the parameters of one entity, of these types, are numbers or empty.
 bool has_only_numbers(std::string_view parameters, const Delimiters& delimiters) {
   const std::size_t end = std::min(parameters.find(delimiters.record), parameters.size());
   parameters = parameters.substr(0, end);

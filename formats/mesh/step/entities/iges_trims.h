@@ -20,7 +20,8 @@ bool is_badly_trimmed(const Handle(IGESData_IGESModel) & model,
 std::vector<Handle(IGESData_IGESEntity)> parts_of_trimmed(const Handle(IGESData_IGESEntity) &
                                                           entity);
 
-// Of such a surface OpenCASCADE makes no face then, whatever lists it.
+// Takes the boundaries out of such a surface: OpenCASCADE makes no face of it then, whatever lists
+// it.
 void empty_trims(const Handle(IGESData_IGESEntity) & entity);
 
 // How many boundaries it has; 0 for other entities.

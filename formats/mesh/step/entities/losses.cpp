@@ -328,7 +328,7 @@ class StepCheck {
     return false;
   }
 
-  // Of its own, or in an assembly below it.
+  // Whether it has faces of its own, or in an assembly below it.
   bool has_faces(const Entity& product, std::unordered_set<const Standard_Transient*>& seen) const {
     if (!seen.insert(product.get()).second) return false;
     if (count_faces(result_of(product)) > 0) return true;
