@@ -55,24 +55,30 @@ def there_and_back(minute, path, times):
                 file.write(f"{(n * len(poses) + i) / 1000:.3f},{pose}\n")
 
 
+def write_check(binaries, folder, times):
+    """Writes bay.vox, fine.pshell and path.csv, a minute's way so often; the arguments of voxcheck for them."""
+    scene = bench_scenes.aircraft_scene(folder / "bay")
+    facts = bench_scenes.bake(binaries, scene, VOXEL_M, folder / "bay.vox")
+    low = facts["origin_m"]
+    box = (low, [l + VOXEL_M * n for l, n in zip(low, facts["dims"])])
+    part = bench_scenes.ROOT / "sample_data/part.obj"
+    for shell, options in (("part", []), ("fine", ["--covering-radius", f"{COVER_MM}mm"])):
+        subprocess.run([binaries / "pointshell", part, "--units", "mm", "--voxel-size", f"{VOXEL_M}m", "--quiet",
+                        *options, "-o", folder / f"{shell}.pshell", "--json", folder / f"{shell}.json"], check=True)
+    write_motion(folder / "hand.csv", box, 60)
+    subprocess.run([binaries / "voxrun", folder / "bay.vox", folder / "part.pshell", "--motion", folder / "hand.csv",
+                    "--duration", "60s", "--as-fast-as-possible", "--quiet", "--save-path", folder / "minute.csv"],
+                   check=True)
+    there_and_back(folder / "minute.csv", folder / "path.csv", times)
+    return [folder / "bay.vox", folder / "fine.pshell", folder / "path.csv"]
+
+
 def main():
     args = bench_scenes.arguments(sys.modules[__name__], "path_time", bench_scenes.SHORT)
     binaries = args.bin
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        scene = bench_scenes.aircraft_scene(folder / "bay")
-        facts = bench_scenes.bake(binaries, scene, VOXEL_M, folder / "bay.vox")
-        low = facts["origin_m"]
-        box = (low, [l + VOXEL_M * n for l, n in zip(low, facts["dims"])])
-        part = bench_scenes.ROOT / "sample_data/part.obj"
-        for shell, options in (("part", []), ("fine", ["--covering-radius", f"{COVER_MM}mm"])):
-            subprocess.run([binaries / "pointshell", part, "--units", "mm", "--voxel-size", f"{VOXEL_M}m", "--quiet",
-                            *options, "-o", folder / f"{shell}.pshell", "--json", folder / f"{shell}.json"], check=True)
-        write_motion(folder / "hand.csv", box, 60)
-        subprocess.run([binaries / "voxrun", folder / "bay.vox", folder / "part.pshell", "--motion", folder / "hand.csv",
-                        "--duration", "60s", "--as-fast-as-possible", "--quiet", "--save-path", folder / "minute.csv"],
-                       check=True)
-        there_and_back(folder / "minute.csv", folder / "path.csv", 1 if args.short else 30)
+        checked = write_check(binaries, folder, 1 if args.short else 30)
         points = json.loads((folder / "fine.json").read_text())["points"]
         results = []
         for clearance in ("12.7mm", "3mm"):
@@ -80,7 +86,7 @@ def main():
                 usage = folder / "usage.json"
                 status = subprocess.run(
                     [sys.executable, bench_scenes.ROOT / "tests/bench/measured_run.py", usage, binaries / "voxcheck",
-                     folder / "bay.vox", folder / "fine.pshell", folder / "path.csv", "--clearance", clearance,
+                     *checked, "--clearance", clearance,
                      "--threads", str(threads), "--quiet", "--json", folder / "check.json"],
                     stderr=subprocess.DEVNULL, check=False).returncode
                 check, used = json.loads((folder / "check.json").read_text()), json.loads(usage.read_text())

@@ -3,7 +3,7 @@
 // take turns along the same recorded poses (query.md).
 //
 //   query_bench [--motion NAME]... [--from POINTS] [--largest POINTS] [--seconds S]
-//               [--our-seconds S] [--no-peers]
+//               [--our-seconds S] [--threads N]... [--no-peers]
 //               [--json FILE]
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -40,6 +40,7 @@ struct Choice {
   std::size_t from = 100, largest = 1'000'000;
   double seconds = 0.5;     // a method may take, per motion and size
   double our_seconds = 10;  // the method as it is used, of which the percentiles are quoted
+  std::vector<unsigned> threads = {2};  // that share a frame
   bool peers = true;
   std::string json;
 };
@@ -63,7 +64,7 @@ struct Method {
 
 // Everything of one part in one setting.
 struct Contest {
-  Contest(const Setting& setting, const SpherePart& part, bool with_peers);
+  Contest(const Setting& setting, const SpherePart& part, const Choice& choice);
 
   void add(const std::string& name, const Voxmap& scene, const query::QueryOptions& options);
   void add_peers(const Setting& setting, const SpherePart& part);
@@ -91,7 +92,7 @@ query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence, b
   return options;
 }
 
-Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers)
+Contest::Contest(const Setting& setting, const SpherePart& part, const Choice& choice)
     : map(baked(setting.scene)), shell(part.shell) {
   collected.reserve(shell.view().point_count);
   add("all skipping", map, ways_of(true, true, true));
@@ -99,8 +100,10 @@ Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers
   add("no super-blocks", map, ways_of(true, false, true));
   add("no walls", map, ways_of(true, true, true, false));
   query::QueryOptions shared = ways_of(true, true, true);
-  shared.threads = 2;
-  add("all skipping, 2 threads", map, shared);
+  for (const unsigned threads : choice.threads) {
+    shared.threads = threads;
+    add("all skipping, " + std::to_string(threads) + " threads", map, shared);
+  }
   add("no skipping", map, ways_of(false, false, false));
   query::QueryOptions scalar = ways_of(false, false, false);
   scalar.vector = false;
@@ -112,7 +115,7 @@ Contest::Contest(const Setting& setting, const SpherePart& part, bool with_peers
     add("lean file, Chebyshev layers", *chebyshev, ways_of(true, true, true));
     methods.back().same_as = methods.size() - 1;
   }
-  if (with_peers) add_peers(setting, part);
+  if (choice.peers) add_peers(setting, part);
 }
 
 void Contest::add(const std::string& name, const Voxmap& scene,
@@ -290,7 +293,7 @@ void measure(const Choice& choice, int argc, char** argv) {
     const SpherePart part(points);
     for (const std::string& motion : choice.motions) {
       const Setting setting = make_setting(motion, part.radius_m, kFrames);
-      Contest contest(setting, part, choice.peers);
+      Contest contest(setting, part, choice);
       run_warm(contest, setting, choice);
       compare(contest, setting);
       if (motion == "wall") add_cold(contest, setting);
@@ -310,6 +313,8 @@ int run(int argc, char** argv) {
   app.add_option("--largest", choice.largest, "points of the largest shell");
   app.add_option("--seconds", choice.seconds, "that a method may take per motion and size");
   app.add_option("--our-seconds", choice.our_seconds, "the same of the query as it is used");
+  app.add_option("--threads", choice.threads, "that share a frame, each beside one alone")
+      ->capture_default_str();
   app.add_flag("!--no-peers", choice.peers, "our own ways of working alone");
   app.add_option("--json", choice.json, "report; by default under build/bench");
   CLI11_PARSE(app, argc, argv);
