@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "formats/pshell_format.h"
-#include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/pieces.h"
 #include "pointshell/sample/feature_points.h"
 #include "pointshell/sample/front_sampling.h"
@@ -123,21 +122,11 @@ class CoveringBuilder {
     for (const part::Vec3& place : deepest_holes(std::move(holes), separation * radius_)) {
       relaxation_.add(place);
     }
-    relaxation_.choose(points_near(places), kLaterSlack * radius_);
+    relaxation_.choose_near(places, recipe_.relaxed_reach * radius_, kLaterSlack * radius_);
     for (int n = 0; n < recipe_.round_steps; ++n) {
       relaxation_.step(CellCenter::kSmallestBall, recipe_.ball_factor);
     }
     return true;
-  }
-
-  std::vector<std::uint32_t> points_near(const std::vector<part::Vec3>& places) const {
-    const double reach = recipe_.relaxed_reach * radius_;
-    const certificate::PointGrid grid(places, reach);
-    std::vector<std::uint32_t> near;
-    for (std::uint32_t n = 0; n < relaxation_.positions().size(); ++n) {
-      if (grid.nearest_distance(relaxation_.positions()[n], reach) < reach) near.push_back(n);
-    }
-    return near;
   }
 
   const Recipe recipe_;

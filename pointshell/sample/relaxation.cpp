@@ -1,5 +1,6 @@
 #include "pointshell/sample/relaxation.h"
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,7 +11,7 @@
 namespace forcelayer::sample {
 namespace {
 
-constexpr std::size_t kPointsPerTask = 128;
+constexpr std::size_t kPointsPerTask = 128, kPlacesPerTask = 32;
 // In radii. A target this close to the triangle that the point slid along is on it.
 constexpr double kOnTriangle = 1e-7;
 
@@ -47,15 +48,27 @@ Relaxation::Relaxation(const part::TriangleTree& tree, double radius, std::span<
   cell_radius_.resize(positions_.size());
 }
 
-void Relaxation::choose(std::vector<std::uint32_t> points, double slack) {
-  chosen_ = std::move(points);
-  cells_.find_lists(positions_, chosen_, slack);
+void Relaxation::choose_all(double slack) {
+  chosen_.resize(positions_.size());
+  std::iota(chosen_.begin(), chosen_.end(), 0u);
+  cells_.find_lists(positions_, cells_.grid_of(positions_, slack), chosen_, slack);
 }
 
-void Relaxation::choose_all(double slack) {
-  std::vector<std::uint32_t> all(positions_.size());
-  std::iota(all.begin(), all.end(), 0u);
-  choose(std::move(all), slack);
+void Relaxation::choose_near(std::span<const part::Vec3> places, double reach, double slack) {
+  const certificate::PointGrid grid = cells_.grid_of(positions_, slack);
+  std::vector<char> near(positions_.size());
+  part::parallel_for_each_index(places.size(), kPlacesPerTask, [&](std::size_t n) {
+    grid.visit_near(places[n], reach, [&](std::uint32_t point, const part::Vec3& position) {
+      if (part::length(position - places[n]) < reach) {
+        std::atomic_ref(near[point]).store(1, std::memory_order_relaxed);
+      }
+    });
+  });
+  chosen_.clear();
+  for (std::uint32_t n = 0; n < near.size(); ++n) {
+    if (near[n]) chosen_.push_back(n);
+  }
+  cells_.find_lists(positions_, grid, chosen_, slack);
 }
 
 part::SurfacePoint Relaxation::slide(std::uint32_t triangle, const part::Vec3& target,

@@ -25,10 +25,11 @@ class Relaxation {
   // `radius` (m) is the covering radius that is aimed at.
   Relaxation(const part::TriangleTree& tree, double radius, std::span<const Point> points);
 
-  // Chooses the points that the following steps move, by ascending index, and looks up what is
-  // near them. Good for moves of up to `slack` (m).
-  void choose(std::vector<std::uint32_t> points, double slack);
+  // Chooses the points that the following steps move, and looks up what is near them. Good for
+  // moves of up to `slack` (m).
   void choose_all(double slack);
+  // The points nearer than `reach` (m) to any of `places`.
+  void choose_near(std::span<const part::Vec3> places, double reach, double slack);
 
   // Moves each chosen point by `factor` times the way to its cell's center, and to the nearest
   // place on the surface. All move at once, so the order does not matter.
@@ -62,7 +63,7 @@ class Relaxation {
   std::vector<std::uint32_t> triangles_;  // that each point lies on
   std::vector<char> fixed_;
   std::vector<double> cell_radius_;
-  std::vector<std::uint32_t> chosen_;
+  std::vector<std::uint32_t> chosen_;  // ascending
   std::vector<Move> moves_;
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/parallel.h"
 
 namespace forcelayer::sample {
@@ -49,7 +48,7 @@ void RestrictedCells::Cutter::cut_to_cube() {
 void RestrictedCells::find_lists(std::span<const part::Vec3> positions) {
   std::vector<std::uint32_t> all(positions.size());
   std::iota(all.begin(), all.end(), 0u);
-  find_lists(positions, all, 0);
+  find_lists(positions, grid_of(positions, 0), all, 0);
 }
 
 // Makes the lists of one chunk. What lies near a cube is gathered once for all of its points.
@@ -161,15 +160,19 @@ class RestrictedCells::ListMaker {
   std::vector<std::pair<double, std::uint32_t>> near_;  // squared distance and index
 };
 
+certificate::PointGrid RestrictedCells::grid_of(std::span<const part::Vec3> positions,
+                                                double slack) const {
+  return {positions, neighbor_reach(slack)};
+}
+
 void RestrictedCells::find_lists(std::span<const part::Vec3> positions,
+                                 const certificate::PointGrid& grid,
                                  std::span<const std::uint32_t> chosen, double slack) {
-  const double neighbor_reach = 2 * (kReach * radius_ + slack);
   const double triangle_reach = kReach * radius_ + slack;
-  const certificate::PointGrid grid(positions, neighbor_reach);
   chunks_.assign((chosen.size() + kChunk - 1) / kChunk, {});
   part::parallel_for_each_index(chunks_.size(), 1, [&](std::size_t chunk) {
     const std::size_t first = chunk * kChunk;
-    ListMaker(tree_, grid, positions, neighbor_reach, triangle_reach)
+    ListMaker(tree_, grid, positions, neighbor_reach(slack), triangle_reach)
         .make(chosen.subspan(first, std::min(kChunk, chosen.size() - first)), chunks_[chunk]);
   });
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pointshell/certificate/convex_polygon.h"
+#include "pointshell/certificate/point_grid.h"
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
@@ -24,9 +25,11 @@ class RestrictedCells {
   // Cells reach at most `radius` far; beyond, they are cut off (at 1.2 radius or farther).
   RestrictedCells(const part::TriangleTree& tree, double radius) : tree_(tree), radius_(radius) {}
 
+  // A grid of `positions` for find_lists.
+  certificate::PointGrid grid_of(std::span<const part::Vec3> positions, double slack) const;
   // Finds what is near the points `chosen` of all `positions`, or near all.
-  void find_lists(std::span<const part::Vec3> positions, std::span<const std::uint32_t> chosen,
-                  double slack);
+  void find_lists(std::span<const part::Vec3> positions, const certificate::PointGrid& grid,
+                  std::span<const std::uint32_t> chosen, double slack);
   void find_lists(std::span<const part::Vec3> positions);
 
   // Calls visit(polygon) for each piece of the cell of point chosen[n], where `positions` are those
@@ -53,6 +56,8 @@ class RestrictedCells {
   }
 
  private:
+  double neighbor_reach(double slack) const { return 2 * (kReach * radius_ + slack); }
+
   static constexpr std::size_t kChunk = 512;  // points whose lists one task makes
 
   // The points and triangles near each point of one chunk.
