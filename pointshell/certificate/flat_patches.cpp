@@ -1,16 +1,19 @@
 #include "pointshell/certificate/flat_patches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
 
 #include "pointshell/certificate/convex_polygon.h"
+#include "pointshell/part/parallel.h"
 
 namespace forcelayer::certificate {
 namespace {
 
 // Tiles in a cube, from which on patches stand for them.
 constexpr std::size_t kMany = 256;
+constexpr std::size_t kTilesPerTask = 2048;
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
@@ -111,16 +114,26 @@ OrientedBox box_around(const SurfacePieces& pieces) {
 }
 
 TileGroups group_tiles(std::span<const part::Piece> tiles, double cube_edge) {
-  using Cube = std::array<std::int64_t, 3>;
-  std::vector<std::pair<Cube, std::uint32_t>> placed;
-  placed.reserve(tiles.size());
+  const auto cube_of = [&](std::size_t n) {
+    return part::cube_at(part::centroid(tiles[n]), cube_edge);
+  };
+  // A cube shares its bucket with few others: where that holds few tiles, so does the cube.
+  const std::size_t buckets = std::bit_ceil(tiles.size() + 1);
+  std::vector<std::uint32_t> bucket(tiles.size()), in_bucket(buckets);
+  part::parallel_for_each_index(tiles.size(), kTilesPerTask, [&](std::size_t n) {
+    bucket[n] = static_cast<std::uint32_t>(part::CubeHash()(cube_of(n)) & (buckets - 1));
+  });
+  for (const std::uint32_t b : bucket) ++in_bucket[b];
+  TileGroups groups;
+  std::vector<std::pair<part::Cube, std::uint32_t>> placed;
   for (std::uint32_t n = 0; n < tiles.size(); ++n) {
-    const part::Vec3 p = (1 / cube_edge) * part::centroid(tiles[n]);
-    placed.push_back(
-        {{part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)}, n});
+    if (in_bucket[bucket[n]] > kMany) {
+      placed.push_back({cube_of(n), n});
+    } else {
+      groups.sparse.push_back(n);
+    }
   }
   std::sort(placed.begin(), placed.end());
-  TileGroups groups;
   for (std::size_t first = 0; first < placed.size();) {
     std::size_t end = first + 1;
     while (end < placed.size() && placed[end].first == placed[first].first) ++end;

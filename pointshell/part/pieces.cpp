@@ -56,11 +56,16 @@ void for_each_tile_batch(const Part& part, double longest_edge_m,
     tiles.clear();
   };
   for (std::size_t t = 0; t < part.triangles.size() && goes_on; ++t) {
-    if (const auto needle = Needle::of(triangle_piece(part, t), longest_edge_m)) {
+    const Piece triangle = triangle_piece(part, t);
+    if (longest_edge(triangle).length_squared <= longest_edge_m * longest_edge_m) {
+      add(triangle);
+      continue;
+    }
+    if (const auto needle = Needle::of(triangle, longest_edge_m)) {
       for (std::size_t n = 0; n < needle->slices() && goes_on; ++n) needle->visit_slice(n, add);
       continue;
     }
-    stack.push_back(triangle_piece(part, t));
+    stack.push_back(triangle);
     while (!stack.empty() && goes_on) {
       const Piece piece = stack.back();
       stack.pop_back();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -45,6 +46,23 @@ inline std::int64_t floor_to_int(double x) {
   const auto truncated = static_cast<std::int64_t>(x);
   return truncated - (x < static_cast<double>(truncated));
 }
+
+// A cube of a grid of cubes with this edge.
+using Cube = std::array<std::int64_t, 3>;
+inline Cube cube_at(const Vec3& p, double edge) {
+  const Vec3 scaled = (1 / edge) * p;
+  return {floor_to_int(scaled.x), floor_to_int(scaled.y), floor_to_int(scaled.z)};
+}
+struct CubeHash {
+  std::size_t operator()(const Cube& cube) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t i : cube) {
+      hash = (hash ^ static_cast<std::uint64_t>(i)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
 
 // Some unit vector at a right angle to the unit vector `n`.
 inline Vec3 any_perpendicular(const Vec3& n) {

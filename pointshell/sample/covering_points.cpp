@@ -1,7 +1,6 @@
 #include "pointshell/sample/covering_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <unordered_map>
 
@@ -119,9 +118,7 @@ class CoveringBuilder {
     const bool is_bare = kBareShare * static_cast<double>(relaxation_.positions().size()) <
                          static_cast<double>(holes.size());
     const double separation = is_bare ? kBareSeparation : recipe_.hole_separation;
-    for (const part::Vec3& place : deepest_holes(std::move(holes), separation * radius_)) {
-      relaxation_.add(place);
-    }
+    relaxation_.add(deepest_holes(std::move(holes), separation * radius_));
     relaxation_.choose_near(places, recipe_.relaxed_reach * radius_, kLaterSlack * radius_);
     for (int n = 0; n < recipe_.round_steps; ++n) {
       relaxation_.step(CellCenter::kSmallestBall, recipe_.ball_factor);
@@ -162,17 +159,6 @@ class TellingTriangles {
   }
 
  private:
-  using Cube = std::array<std::int64_t, 3>;
-  struct CubeHash {
-    std::size_t operator()(const Cube& cube) const {
-      std::uint64_t hash = 0;
-      for (const std::int64_t i : cube) {
-        hash = (hash ^ static_cast<std::uint64_t>(i)) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-      }
-      return hash;
-    }
-  };
   // In radii: heights and lengths of wide triangles, edges of cubes.
   static constexpr double kWide = 0.2, kLong = 1024, kCube = 0.5;
   static constexpr int kPerCube = 2;
@@ -191,20 +177,19 @@ class TellingTriangles {
     cubes_.clear();
     bool wanted = false;
     for (int n = 0; n < steps; ++n) {
-      const part::Vec3 p = (1 / (kCube * radius_)) * (piece[from] + ((n + 0.5) / steps) * along);
-      cubes_.push_back({part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)});
+      cubes_.push_back(part::cube_at(piece[from] + ((n + 0.5) / steps) * along, kCube * radius_));
       wanted = wanted || taken_[cubes_.back()] < kPerCube;
     }
     if (!wanted) return;
     telling_.push_back(t);
-    for (const Cube& cube : cubes_) ++taken_[cube];
+    for (const part::Cube& cube : cubes_) ++taken_[cube];
   }
 
   const part::Part& part_;
   const double radius_;
   std::vector<std::uint32_t> telling_;
-  std::unordered_map<Cube, int, CubeHash> taken_;
-  std::vector<Cube> cubes_;  // of the triangle in hand
+  std::unordered_map<part::Cube, int, part::CubeHash> taken_;
+  std::vector<part::Cube> cubes_;  // of the triangle in hand
 };
 
 }  // namespace

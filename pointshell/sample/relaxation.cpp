@@ -11,7 +11,7 @@
 namespace forcelayer::sample {
 namespace {
 
-constexpr std::size_t kPointsPerTask = 128, kPlacesPerTask = 32;
+constexpr std::size_t kPointsPerTask = 32, kPlacesPerTask = 8;
 // In radii. A target this close to the triangle that the point slid along is on it.
 constexpr double kOnTriangle = 1e-7;
 
@@ -121,13 +121,17 @@ void Relaxation::step(CellCenter center, double factor) {
   });
 }
 
-void Relaxation::add(const part::Vec3& place) {
-  const part::SurfacePoint point = tree_.nearest(place).point;
-  positions_.push_back(point.position);
-  triangles_.push_back(point.triangle);
-  fixed_.push_back(false);
-  farthest_.push_back(point.position);
-  cell_radius_.push_back(0);
+void Relaxation::add(std::span<const part::Vec3> places) {
+  std::vector<part::SurfacePoint> added(places.size());
+  part::parallel_for_each_index(places.size(), kPlacesPerTask,
+                                [&](std::size_t n) { added[n] = tree_.nearest(places[n]).point; });
+  for (const part::SurfacePoint& point : added) {
+    positions_.push_back(point.position);
+    triangles_.push_back(point.triangle);
+    fixed_.push_back(false);
+    farthest_.push_back(point.position);
+    cell_radius_.push_back(0);
+  }
 }
 
 }  // namespace forcelayer::sample

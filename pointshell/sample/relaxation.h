@@ -35,8 +35,8 @@ class Relaxation {
   // place on the surface. All move at once, so the order does not matter.
   void step(CellCenter center, double factor);
 
-  // Appends a point at the place on the surface nearest to `place`.
-  void add(const part::Vec3& place);
+  // Appends a point at the place on the surface nearest to each of `places`.
+  void add(std::span<const part::Vec3> places);
 
   const std::vector<part::Vec3>& positions() const { return positions_; }
 

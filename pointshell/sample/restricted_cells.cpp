@@ -1,7 +1,6 @@
 #include "pointshell/sample/restricted_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -75,9 +74,8 @@ class RestrictedCells::ListMaker {
   }
 
  private:
-  using CubeIndex = std::array<std::int64_t, 3>;
   struct CubeMember {
-    CubeIndex cube;
+    part::Cube cube;
     std::size_t at;  // in the chunk
   };
   struct NearPoint {
@@ -94,16 +92,14 @@ class RestrictedCells::ListMaker {
   void order_by_cube(std::span<const std::uint32_t> chosen) {
     order_.clear();
     for (std::size_t at = 0; at < chosen.size(); ++at) {
-      const part::Vec3 p = (1 / cube_edge()) * positions_[chosen[at]];
-      order_.push_back(
-          {{part::floor_to_int(p.x), part::floor_to_int(p.y), part::floor_to_int(p.z)}, at});
+      order_.push_back({part::cube_at(positions_[chosen[at]], cube_edge()), at});
     }
     std::sort(order_.begin(), order_.end(), [](const CubeMember& a, const CubeMember& b) {
       return a.cube != b.cube ? a.cube < b.cube : a.at < b.at;
     });
   }
 
-  void gather(const CubeIndex& cube) {
+  void gather(const part::Cube& cube) {
     const double half = cube_edge() / 2;
     const part::Vec3 middle{(static_cast<double>(cube[0]) + 0.5) * cube_edge(),
                             (static_cast<double>(cube[1]) + 0.5) * cube_edge(),

@@ -58,7 +58,7 @@ class RestrictedCells {
  private:
   double neighbor_reach(double slack) const { return 2 * (kReach * radius_ + slack); }
 
-  static constexpr std::size_t kChunk = 512;  // points whose lists one task makes
+  static constexpr std::size_t kChunk = 128;  // points whose lists one task makes
 
   // The points and triangles near each point of one chunk.
   struct Lists {
