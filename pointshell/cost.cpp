@@ -1,15 +1,17 @@
 #include "pointshell/cost.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <thread>
 #include <tuple>
 #include <unordered_map>
 
 #include "pointshell/part/copies.h"
+#include "pointshell/part/parallel.h"
 #include "pointshell/part/pieces.h"
 
 namespace forcelayer::pointshell {
@@ -100,8 +102,7 @@ double steps_of(double length_m, double radius) {
 
 // Work and points of triangles that share cells, along their longest edges.
 struct Sharing {
-  double needle_points = std::numeric_limits<double>::infinity();
-  double thread_s = std::numeric_limits<double>::infinity();
+  double needle_points = 0, thread_s = 0;
 };
 
 class TriangleLines {
@@ -115,13 +116,11 @@ class TriangleLines {
   }
 
   Sharing sharing() const {
-    Sharing least;
-    for (const double shift : kShifts) {
-      const Sharing own = in(cells(shift));
-      least.needle_points = std::min(least.needle_points, own.needle_points);
-      least.thread_s = std::min(least.thread_s, own.thread_s);
-    }
-    return least;
+    std::array<Sharing, 2> of;
+    part::parallel_for_each_index(of.size(), 1,
+                                  [&](std::size_t n) { of[n] = in(cells(kShifts[n])); });
+    return {std::min(of[0].needle_points, of[1].needle_points),
+            std::min(of[0].thread_s, of[1].thread_s)};
   }
 
  private:
@@ -158,7 +157,7 @@ class TriangleLines {
 
   Sharing in(const Cells& cells) const {
     const double full_m2 = 4 * radius_ * radius_;
-    Sharing sum{0, 0};
+    Sharing sum;
     for (const auto& [cell, share] : cells.shares()) {
       if (share.needles) {
         const double full = share.area_m2 / full_m2;
@@ -187,8 +186,9 @@ struct Edges {
 Edges edges_of(const part::Part& part, std::span<const std::uint32_t> originals, double radius) {
   struct Side {
     std::uint32_t low, high, triangle;
+    bool same_edge(const Side& other) const { return low == other.low && high == other.high; }
     bool operator<(const Side& other) const {
-      return std::tie(low, high) < std::tie(other.low, other.high);
+      return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
     }
   };
   std::vector<Side> sides;
@@ -200,11 +200,11 @@ Edges edges_of(const part::Part& part, std::span<const std::uint32_t> originals,
       sides.push_back({low, high, t});
     }
   }
-  std::sort(sides.begin(), sides.end());
+  tbb::parallel_sort(sides.begin(), sides.end());
   Edges edges;
   std::array<Cells, 2> with{Cells(radius, kShifts[0]), Cells(radius, kShifts[1])};
   for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
-    while (end < sides.size() && !(sides[first] < sides[end])) ++end;
+    while (end < sides.size() && sides[end].same_edge(sides[first])) ++end;
     const part::Vec3 from = part.vertices[sides[first].low];
     const part::Vec3 along = part.vertices[sides[first].high] - from;
     if (end - first == 1) {

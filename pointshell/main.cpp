@@ -315,12 +315,9 @@ Status verify_command(const Arguments& arguments) {
   const auto part = load_part(arguments, shell->header().voxel_size_m, warnings, progress);
   progress.clear();
   if (!part) return part.error();
-  certificate::CoveringProof proof;
+  const certificate::CoveringProof proof = verify_shell(*shell, *part);
   certificate::LossProof losses;
-  part::with_threads(arguments.threads, [&] {
-    proof = verify_shell(*shell, *part);
-    if (proof.proven) losses = verify_losses(*shell, *part);
-  });
+  if (proof.proven) losses = verify_losses(*shell, *part);
   if (!arguments.json.empty()) {
     const nlohmann::ordered_json report{{"proven", proof.proven && losses.proven},
                                         {"points", shell->header().point_count},
@@ -372,6 +369,10 @@ int main(int argc, char** argv) {
         {"--output", &arguments.output, command::FileKind::kPshell},
         {"--json", &arguments.json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
-    return arguments.verify ? verify_command(arguments) : bake_command(arguments);
+    Status done;
+    part::with_threads(arguments.threads, [&] {
+      done = arguments.verify ? verify_command(arguments) : bake_command(arguments);
+    });
+    return done;
   });
 }

@@ -1,5 +1,7 @@
 #include "pointshell/normals/orientation.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -60,7 +62,7 @@ std::vector<Side> sorted_sides(const part::Part& part) {
       sides.push_back({part.body[t], std::min(from, to), std::max(from, to), t, from < to});
     }
   }
-  std::sort(sides.begin(), sides.end());
+  tbb::parallel_sort(sides.begin(), sides.end());
   return sides;
 }
 

@@ -1,5 +1,7 @@
 #include "pointshell/part/part.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -51,7 +53,7 @@ void append_instance(const mesh::Mesh& mesh, const mesh::Affine& assembly_from_m
 void weld(const CornerSoup& soup, Part& part) {
   std::vector<std::uint32_t> order(soup.corners.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return lexicographic_less(soup.corners[a], soup.corners[b]);
   });
   part.triangles.resize(soup.body.size());
@@ -148,8 +150,8 @@ void sort_triangles(Part& part) {
   const auto key = [&](std::uint32_t t) {
     return std::tie(part.triangles[t], part.body[t], part.source[t]);
   };
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  tbb::parallel_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   drop_repeated(part, order);
   keep_triangles(part, order);
   const std::vector<bool> repeated = repeated_bodies(part);

@@ -1,5 +1,7 @@
 #include "pointshell/part/triangle_tree.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -91,14 +93,14 @@ TriangleTree::TriangleTree(const Part& part, std::vector<std::uint32_t> triangle
   placed.reserve(ordered_.size());
   for (const std::uint32_t t : ordered_) placed.push_back({centroid(triangle_piece(part, t)), t});
   nodes_.reserve(2 * (ordered_.size() / (kLeafTriangles / 2) + 1));
-  build(placed, 0);
+  build(placed, 0, nodes_);
 }
 
-void TriangleTree::build(std::span<Placed> placed, std::uint32_t first) {
-  const std::size_t at = nodes_.size();
+void TriangleTree::build(std::span<Placed> placed, std::uint32_t first, std::vector<Node>& nodes) {
+  const std::size_t at = nodes.size();
   const std::span<std::uint32_t> triangles = std::span(ordered_).subspan(first, placed.size());
   for (std::size_t n = 0; n < placed.size(); ++n) triangles[n] = placed[n].triangle;
-  nodes_.push_back(
+  nodes.push_back(
       node_around(box_of(*part_, triangles), first, static_cast<std::uint32_t>(placed.size())));
   if (placed.size() <= kLeafTriangles) return;
   Box of_centroids;
@@ -111,11 +113,25 @@ void TriangleTree::build(std::span<Placed> placed, std::uint32_t first) {
                      const double y = coordinate(b.centroid, axis);
                      return x != y ? x < y : a.triangle < b.triangle;
                    });
-  build(placed.first(half), first);
-  const auto second_child = static_cast<std::uint32_t>(nodes_.size());
-  build(placed.subspan(half), first + static_cast<std::uint32_t>(half));
-  nodes_[at].first = second_child;
-  nodes_[at].count = 0;
+  const auto build_second = [&](std::vector<Node>& own) {
+    build(placed.subspan(half), first + static_cast<std::uint32_t>(half), own);
+  };
+  constexpr std::size_t kWorthATask = 1 << 12;
+  std::vector<Node> beside;  // the nodes of the second half, where they are built at the same time
+  if (placed.size() < kWorthATask) {
+    build(placed.first(half), first, nodes);
+  } else {
+    tbb::parallel_invoke([&] { build(placed.first(half), first, nodes); },
+                         [&] { build_second(beside); });
+  }
+  const auto second_child = static_cast<std::uint32_t>(nodes.size());
+  if (beside.empty()) build_second(nodes);
+  for (Node& node : beside) {
+    if (node.count == 0) node.first += second_child;
+    nodes.push_back(node);
+  }
+  nodes[at].first = second_child;
+  nodes[at].count = 0;
 }
 
 bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,

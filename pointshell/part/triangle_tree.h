@@ -105,8 +105,9 @@ class TriangleTree {
     Vec3 centroid;
     std::uint32_t triangle;
   };
-  // Appends the node over these, whose places in ordered_triangles() begin at `first`.
-  void build(std::span<Placed> placed, std::uint32_t first);
+  // Appends the node over these, whose places in ordered_triangles() begin at `first`, to a list of
+  // nodes.
+  void build(std::span<Placed> placed, std::uint32_t first, std::vector<Node>& nodes);
 
   const Part* part_;
   std::vector<std::uint32_t> ordered_;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <random>
 
 #include "pointshell/certificate/flat_patches.h"
@@ -121,6 +123,47 @@ TEST(FlatPatches, StandForAllPieces) {
       EXPECT_TRUE(on_patch || by_itself) << "seed " << seed;
     }
   }
+}
+
+// Against a map of all cubes; some of them hold few tiles, some many, some just as many.
+TEST(FlatPatches, TilesAreGroupedByCube) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double edge = 0.5;
+  std::vector<part::Piece> tiles;
+  for (const int count : {1, 255, 256, 257, 300, 2000}) {
+    for (int cube = 0; cube < 10; ++cube) {
+      const part::Vec3 low = edge * part::Vec3{std::floor(100 * unit(random)) - 50,
+                                               static_cast<double>(count), std::floor(9.0 - cube)};
+      for (int n = 0; n < count; ++n) {
+        const part::Vec3 p =
+            low + (0.9 * edge) *
+                      part::Vec3{unit(random) + 0.05, unit(random) + 0.05, unit(random) + 0.05};
+        tiles.push_back({p, p, p});
+      }
+    }
+  }
+  std::shuffle(tiles.begin(), tiles.end(), random);
+  std::map<part::Cube, std::vector<std::uint32_t>> by_cube;
+  for (std::uint32_t n = 0; n < tiles.size(); ++n) {
+    by_cube[part::cube_at(part::centroid(tiles[n]), edge)].push_back(n);
+  }
+  std::vector<std::uint32_t> sparse;
+  std::vector<part::Vec3> dense;
+  for (const auto& [cube, of_cube] : by_cube) {
+    if (of_cube.size() <= 256) sparse.insert(sparse.end(), of_cube.begin(), of_cube.end());
+    for (const std::uint32_t n : of_cube) {
+      if (of_cube.size() > 256) dense.insert(dense.end(), tiles[n].begin(), tiles[n].end());
+    }
+  }
+  std::sort(sparse.begin(), sparse.end());
+  const certificate::TileGroups groups = certificate::group_tiles(tiles, edge);
+  EXPECT_EQ(groups.sparse, sparse);
+  std::vector<part::Vec3> found;
+  for (const certificate::SurfacePieces& pieces : groups.dense) {
+    found.insert(found.end(), pieces.corners().begin(), pieces.corners().end());
+  }
+  EXPECT_EQ(found, dense);
 }
 
 }  // namespace
