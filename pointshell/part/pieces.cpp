@@ -45,7 +45,7 @@ std::pair<std::size_t, std::size_t> Needle::slices_near(const Box& box) const {
 void for_each_tile_batch(const Part& part, double longest_edge_m,
                          const std::function<bool(std::span<const Piece>)>& take) {
   constexpr std::size_t kTilesPerBatch = 1 << 16;
-  std::vector<Piece> stack, tiles;
+  std::vector<Piece> tiles;
   tiles.reserve(kTilesPerBatch);
   bool goes_on = true;
   const auto add = [&](const Piece& tile) {
@@ -55,27 +55,19 @@ void for_each_tile_batch(const Part& part, double longest_edge_m,
     goes_on = take(tiles);
     tiles.clear();
   };
+  const auto bisect = [&](const auto& itself, const Piece& piece) -> void {
+    const LongestEdge longest = longest_edge(piece);
+    if (!(longest.length_squared > longest_edge_m * longest_edge_m)) return add(piece);
+    for (const Piece& half : bisected(piece, longest.from)) {
+      if (goes_on) itself(itself, half);
+    }
+  };
   for (std::size_t t = 0; t < part.triangles.size() && goes_on; ++t) {
     const Piece triangle = triangle_piece(part, t);
-    if (longest_edge(triangle).length_squared <= longest_edge_m * longest_edge_m) {
-      add(triangle);
-      continue;
-    }
-    if (const auto needle = Needle::of(triangle, longest_edge_m)) {
-      for (std::size_t n = 0; n < needle->slices() && goes_on; ++n) needle->visit_slice(n, add);
-      continue;
-    }
-    stack.push_back(triangle);
-    while (!stack.empty() && goes_on) {
-      const Piece piece = stack.back();
-      stack.pop_back();
-      const LongestEdge longest = longest_edge(piece);
-      if (longest.length_squared > longest_edge_m * longest_edge_m) {
-        const auto halves = bisected(piece, longest.from);
-        stack.insert(stack.end(), {halves[1], halves[0]});
-        continue;
-      }
-      add(piece);
+    const auto needle = Needle::of(triangle, longest_edge_m);
+    if (!needle) bisect(bisect, triangle);
+    for (std::size_t n = 0; needle && n < needle->slices() && goes_on; ++n) {
+      needle->visit_slice(n, add);
     }
   }
   if (goes_on && !tiles.empty()) take(tiles);

@@ -81,8 +81,10 @@ class CoveringBuilder {
     const auto front = hexagonal_front(tree, recipe_.spacing * radius_, all);
     all.insert(all.end(), front.begin(), front.end());
     std::vector<part::Vec3> positions;
+    positions.reserve(all.size());
     for (const part::SurfacePoint& point : all) positions.push_back(point.position);
     std::vector<Relaxation::Point> ordered;
+    ordered.reserve(all.size());
     for (const std::uint32_t n :
          block_order(positions, kDefaultBlockPoints, kDefaultSuperBlockBlocks)) {
       ordered.push_back({all[n], n < features});

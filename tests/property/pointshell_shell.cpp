@@ -42,14 +42,16 @@ void expect_same(const pointshell::BakedShell& a, const pointshell::BakedShell& 
   EXPECT_TRUE(same_bytes(a.cone_cos, b.cone_cos));
   EXPECT_TRUE(same_bytes(a.blocks, b.blocks));
   EXPECT_TRUE(same_bytes(a.super_blocks, b.super_blocks));
+  EXPECT_TRUE(same_bytes(a.losses, b.losses));
 }
 
 TEST(Shell, IsTheSameForAnyThreadsAndTriangleOrder) {
   const mesh::Mesh mesh = torus_mesh(1, 0.3, 24);
   for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
     const pointshell::BakedShell one = bake(part_of(mesh), 0.05, method, 1);
-    expect_same(one, bake(part_of(mesh), 0.05, method, 2));
-    expect_same(one, bake(part_of(mesh), 0.05, method, 5));
+    for (const unsigned threads : {2, 3, 8, 16}) {
+      expect_same(one, bake(part_of(mesh), 0.05, method, threads));
+    }
     expect_same(one, bake(part_of(shuffled(mesh, 11)), 0.05, method, 3));
   }
 }
@@ -176,8 +178,7 @@ TEST(Winding, EqualsTheSumOverAllTriangles) {
   }
 }
 
-TEST(TriangleTree, FindsTheNearestPointOfAllTriangles) {
-  const part::Part part = part_of(torus_mesh(1, 0.3, 12));
+void expect_nearest_of_all(const part::Part& part) {
   const part::TriangleTree tree(part);
   std::mt19937_64 random(10);
   std::uniform_real_distribution<double> unit(-1.5, 1.5);
@@ -194,6 +195,24 @@ TEST(TriangleTree, FindsTheNearestPointOfAllTriangles) {
     ASSERT_TRUE(nearest.found);
     EXPECT_DOUBLE_EQ(part::length(nearest.point.position - place), best);
     EXPECT_EQ(tree.nearest(place, 0.5 * best).found, false);
+  }
+}
+
+TEST(TriangleTree, FindsTheNearestPointOfAllTriangles) {
+  expect_nearest_of_all(part_of(torus_mesh(1, 0.3, 12)));
+  expect_nearest_of_all(part_of(torus_mesh(1, 0.3, 100)));  // halves are built at the same time
+}
+
+TEST(TriangleTree, IsTheSameForAnyNumberOfThreads) {
+  const part::Part part = part_of(torus_mesh(1, 0.3, 100));
+  std::vector<part::TriangleTree> trees;
+  for (const unsigned threads : {1, 2, 3, 8, 16}) {
+    part::with_threads(threads, [&] { trees.emplace_back(part); });
+    const auto one = trees.front().nodes(), nodes = trees.back().nodes();
+    ASSERT_EQ(nodes.size(), one.size());
+    EXPECT_EQ(std::memcmp(nodes.data(), one.data(), nodes.size_bytes()), 0) << threads;
+    EXPECT_TRUE(
+        std::ranges::equal(trees.back().ordered_triangles(), trees.front().ordered_triangles()));
   }
 }
 
