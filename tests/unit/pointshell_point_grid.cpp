@@ -71,6 +71,16 @@ TEST(PointGrid, VisitsEveryNearPointOnceByCell) {
   }
 }
 
+// So few that cells of a column share buckets.
+TEST(PointGrid, VisitsAFewPointsInTheSameOrder) {
+  std::mt19937_64 random(14);
+  for (int n = 0; n < 300; ++n) {
+    const std::vector<part::Vec3> points = random_points(6, 2.5, random);
+    const certificate::PointGrid grid(points, 0.5);
+    EXPECT_EQ(near_of_grid(grid, points[0], 3), near_of_all(points, 0.5, points[0], 3));
+  }
+}
+
 TEST(PointGrid, FindsADistanceFarBeyondACell) {
   std::mt19937_64 random(12);
   const std::vector<part::Vec3> points = random_points(40, 1, random);
@@ -79,6 +89,7 @@ TEST(PointGrid, FindsADistanceFarBeyondACell) {
   double nearest = 3;
   for (const part::Vec3& p : points) nearest = std::min(nearest, part::length(p - place));
   EXPECT_EQ(grid.nearest_distance(place, 3), nearest);
+  EXPECT_EQ(near_of_grid(grid, place, 3).size(), points.size());
   EXPECT_EQ(grid.nearest_distance(place, nearest / 2), nearest / 2);
 }
 
