@@ -29,7 +29,6 @@ constexpr double kSmallestOfPatch = 0.1;  // the pieces of a patch are not bisec
 constexpr double kStoredMargin = 1e-4;    // outweighs that another machine rounds another way
 // Claims are proven down to smaller pieces than those that they were found with.
 constexpr double kSmallestClaimed = 0.005;
-constexpr std::size_t kTilesPerTask = 256;
 constexpr std::size_t kMostEstimated = 64;  // pieces of a group that the estimate looks at
 // Distances of the table, in aimed distances: each is this factor above the one before. Between
 // them the losses of neighbors lose less than a hundredth of a voxel.
@@ -358,8 +357,8 @@ void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& p
           return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
         };
         const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
-        for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(), kTilesPerTask,
-                                      sparse, pieces, judged)) {
+        for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(),
+                                      Judge::kTilesPerTask, sparse, pieces, judged)) {
           if (!merge(own)) return false;
         }
         for (Judge& own :
@@ -376,6 +375,7 @@ struct SearchJudge {
   double smallest;  // m, of pieces without a corner above the limit
   std::vector<Hole> holes;
   static constexpr bool kOnlyLooks = false;
+  static constexpr std::size_t kTilesPerTask = 64;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) const {
@@ -418,6 +418,7 @@ struct EstimateJudge {
   Distances distances;
   Distances losses{};
   static constexpr bool kOnlyLooks = true;
+  static constexpr std::size_t kTilesPerTask = 64;
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) {
@@ -444,6 +445,7 @@ struct FindJudge {
   double moment = 0, gap = 0;
   Pair known{};  // with this pair no loss is above those kept
   static constexpr bool kOnlyLooks = false;
+  static constexpr std::size_t kTilesPerTask = 256;  // which the losses depend on
 
   bool given_up() const { return false; }
   Verdict judge(const PieceBounds& piece) {
@@ -505,6 +507,7 @@ struct ClaimJudge {
   double smallest;
   std::vector<part::Vec3> places;
   static constexpr bool kOnlyLooks = false;
+  static constexpr std::size_t kTilesPerTask = 64;
 
   bool given_up() const { return !places.empty(); }
   Verdict judge(const PieceBounds& piece) const {
@@ -545,7 +548,7 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
   const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
   const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(from[n].piece); };
   for (SearchJudge& judge : judge_tiles(covered, grid, search_for(covered, limit), from.size(),
-                                        kTilesPerTask, tile, pieces)) {
+                                        SearchJudge::kTilesPerTask, tile, pieces)) {
     append(holes, judge.holes);
   }
   return holes;

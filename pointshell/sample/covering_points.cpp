@@ -120,7 +120,7 @@ class CoveringBuilder {
     const bool is_bare = kBareShare * static_cast<double>(relaxation_.positions().size()) <
                          static_cast<double>(holes.size());
     const double separation = is_bare ? kBareSeparation : recipe_.hole_separation;
-    relaxation_.add(deepest_holes(std::move(holes), separation * radius_));
+    relaxation_.add(deepest_holes(holes, separation * radius_));
     relaxation_.choose_near(places, recipe_.relaxed_reach * radius_, kLaterSlack * radius_);
     for (int n = 0; n < recipe_.round_steps; ++n) {
       relaxation_.step(CellCenter::kSmallestBall, recipe_.ball_factor);

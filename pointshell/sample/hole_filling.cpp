@@ -1,6 +1,8 @@
 #include "pointshell/sample/hole_filling.h"
 
-#include <algorithm>
+#include <tbb/parallel_sort.h>
+
+#include <utility>
 
 #include "pointshell/sample/sparse_set.h"
 #include "pointshell/sample/stored_position.h"
@@ -15,15 +17,18 @@ constexpr double kAddedSeparation = 2;  // of points that are added at once
 
 }  // namespace
 
-std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, double separation) {
-  std::sort(holes.begin(), holes.end(), [](const certificate::Hole& a, const certificate::Hole& b) {
-    if (a.distance != b.distance) return a.distance > b.distance;
-    return part::lexicographic_less(a.position, b.position);
+std::vector<part::Vec3> deepest_holes(std::span<const certificate::Hole> holes, double separation) {
+  std::vector<std::pair<double, part::Vec3>> by_depth;
+  by_depth.reserve(holes.size());
+  for (const certificate::Hole& hole : holes) by_depth.push_back({hole.distance, hole.position});
+  tbb::parallel_sort(by_depth.begin(), by_depth.end(), [](const auto& a, const auto& b) {
+    if (a.first != b.first) return a.first > b.first;
+    return part::lexicographic_less(a.second, b.second);
   });
   SparseSet chosen(separation);
   std::vector<part::Vec3> positions;
-  for (const certificate::Hole& hole : holes) {
-    const part::Vec3 position = as_stored(hole.position);
+  for (const auto& [depth, place] : by_depth) {
+    const part::Vec3 position = as_stored(place);
     if (chosen.any_within_separation(position)) continue;
     chosen.add(position);
     positions.push_back(position);

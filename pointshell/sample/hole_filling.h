@@ -13,7 +13,7 @@
 namespace forcelayer::sample {
 
 // The deepest holes, at least `separation` (m) apart from each other, as stored positions.
-std::vector<part::Vec3> deepest_holes(std::vector<certificate::Hole> holes, double separation);
+std::vector<part::Vec3> deepest_holes(std::span<const certificate::Hole> holes, double separation);
 
 // Appends points on the surface to `points` until prove_covering succeeds at `radius`; returns the
 // proof. It ends, because every point added is about `radius` away from all others.

@@ -1,8 +1,6 @@
 // A growing set of points in cubic cells, to ask whether any is close.
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <unordered_map>
 #include <vector>
 
@@ -12,13 +10,16 @@ namespace forcelayer::sample {
 
 class SparseSet {
  public:
-  explicit SparseSet(double separation) : separation_(separation) {}
+  explicit SparseSet(double separation)
+      : separation_(separation), cell_edge_(2 * separation * kRoundedUp) {}
 
   bool any_within_separation(const part::Vec3& p) const {
-    for (int di = -1; di <= 1; ++di) {
-      for (int dj = -1; dj <= 1; ++dj) {
-        for (int dk = -1; dk <= 1; ++dk) {
-          const auto found = cells_.find(key_of(p, di, dj, dk));
+    const double half = cell_edge_ / 2;
+    const auto [i, j, k] = part::cube_at(p - part::Vec3{half, half, half}, cell_edge_);
+    for (const std::int64_t x : {i, i + 1}) {
+      for (const std::int64_t y : {j, j + 1}) {
+        for (const std::int64_t z : {k, k + 1}) {
+          const auto found = cells_.find({x, y, z});
           if (found == cells_.end()) continue;
           for (const part::Vec3& q : found->second) {
             if (part::length_squared(p - q) < separation_ * separation_) return true;
@@ -29,20 +30,13 @@ class SparseSet {
     return false;
   }
 
-  void add(const part::Vec3& p) { cells_[key_of(p, 0, 0, 0)].push_back(p); }
+  void add(const part::Vec3& p) { cells_[part::cube_at(p, cell_edge_)].push_back(p); }
 
  private:
-  // Far cells may share a key, which costs time and changes nothing.
-  std::uint64_t key_of(const part::Vec3& p, int di, int dj, int dk) const {
-    const auto bits = [&](double coordinate, int step) {
-      const double cell = std::floor(coordinate / separation_) + step;
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) & ((1u << 21) - 1);
-    };
-    return bits(p.x, di) << 42 | bits(p.y, dj) << 21 | bits(p.z, dk);
-  }
+  static constexpr double kRoundedUp = 1 + 1e-9;  // so that no cell is missed by rounding
 
-  double separation_;
-  std::unordered_map<std::uint64_t, std::vector<part::Vec3>> cells_;
+  double separation_, cell_edge_;
+  std::unordered_map<part::Cube, std::vector<part::Vec3>, part::CubeHash> cells_;
 };
 
 }  // namespace forcelayer::sample

@@ -1,4 +1,4 @@
-// The points near a place, against all points.
+// The points near a place, and whether there is one, against all points.
 #include "pointshell/certificate/point_grid.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pointshell/part/parallel.h"
+#include "pointshell/sample/sparse_set.h"
 
 namespace forcelayer {
 namespace {
@@ -103,6 +104,31 @@ TEST(PointGrid, IsTheSameForAnyNumberOfThreads) {
       const certificate::PointGrid grid(points, 2);
       EXPECT_EQ(near_of_grid(grid, place, 15), one) << threads << " threads";
     });
+  }
+}
+
+// Against all points; many of them are just as far as the separation.
+TEST(SparseSet, FindsAnyPointWithinTheSeparation) {
+  std::mt19937_64 random(15);
+  std::uniform_int_distribution<int> step(-12, 12);
+  for (const double separation : {0.25, 0.7}) {
+    sample::SparseSet set(separation);
+    std::vector<part::Vec3> points;
+    int near = 0;
+    for (int n = 0; n < 3000; ++n) {
+      const part::Vec3 p =
+          separation / 4 * part::Vec3{1.0 * step(random), 1.0 * step(random), 1.0 * step(random)};
+      const bool any = std::any_of(points.begin(), points.end(), [&](const part::Vec3& q) {
+        return part::length_squared(p - q) < separation * separation;
+      });
+      EXPECT_EQ(set.any_within_separation(p), any);
+      near += any;
+      if (any) continue;
+      set.add(p);
+      points.push_back(p);
+    }
+    EXPECT_GT(near, 1000);
+    EXPECT_GT(points.size(), 100);
   }
 }
 
