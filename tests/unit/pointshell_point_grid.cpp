@@ -107,17 +107,17 @@ TEST(PointGrid, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// Against all points; many of them are just as far as the separation.
+// Against all points, in steps of a fortieth of the separation.
 TEST(SparseSet, FindsAnyPointWithinTheSeparation) {
   std::mt19937_64 random(15);
-  std::uniform_int_distribution<int> step(-12, 12);
+  std::uniform_int_distribution<int> step(-120, 120);
   for (const double separation : {0.25, 0.7}) {
     sample::SparseSet set(separation);
     std::vector<part::Vec3> points;
     int near = 0;
     for (int n = 0; n < 3000; ++n) {
       const part::Vec3 p =
-          separation / 4 * part::Vec3{1.0 * step(random), 1.0 * step(random), 1.0 * step(random)};
+          separation / 40 * part::Vec3{1.0 * step(random), 1.0 * step(random), 1.0 * step(random)};
       const bool any = std::any_of(points.begin(), points.end(), [&](const part::Vec3& q) {
         return part::length_squared(p - q) < separation * separation;
       });
