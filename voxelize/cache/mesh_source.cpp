@@ -1,8 +1,11 @@
 #include "voxelize/cache/mesh_source.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
 #include <utility>
 
 #include "formats/mesh/reader.h"
@@ -187,7 +190,7 @@ Digest MeshOutline::digest() const {
 }
 
 Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
-  File file{path, options, {}, {}, {}, {}};
+  File file{path, options, {}, {}, {}};
   file.options.progress = nullptr;  // whoever listens now may be gone when it is read again
   std::optional<Digest> key;
   if (cache_ != nullptr) key = assembly_key(path, options);
@@ -264,11 +267,7 @@ Result<std::shared_ptr<const mesh::Mesh>> MeshSource::mesh(const mesh::MeshObjec
   return std::shared_ptr<const mesh::Mesh>(std::move(mesh));
 }
 
-Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {
-  File& file = files_[part.assembly];
-  file.facts.resize(file.outlines.size());
-  std::optional<mesh::MeshFacts>& facts = file.facts[part.mesh];
-  if (facts) return *facts;
+Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part, std::mutex& one_caller) {
   const Digest key = DigestBuilder()
                          .text(kFactsKind)
                          .value(kFactsCacheVersion)
@@ -277,18 +276,41 @@ Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {
   if (cache_ != nullptr) {
     const auto entry = cache_->find(kFactsKind, key);
     if (entry && entry->bytes().size() == sizeof(FactsRecord)) {
-      facts = facts_of(ByteUnpacker(entry->bytes()).value<FactsRecord>());
-      return *facts;
+      return facts_of(ByteUnpacker(entry->bytes()).value<FactsRecord>());
     }
   }
-  const auto found = mesh(part);
+  const auto found = [&] {
+    const std::lock_guard lock(one_caller);
+    return mesh(part);
+  }();
   if (!found) return found.error();
-  facts = mesh::mesh_facts(**found);
+  const mesh::MeshFacts facts = mesh::mesh_facts(**found);
   if (cache_ != nullptr) {
-    const FactsRecord record = record_of(*facts);
+    const FactsRecord record = record_of(facts);
     cache_->keep(kFactsKind, key, std::as_bytes(std::span(&record, 1)));
   }
-  return *facts;
+  return facts;
+}
+
+Result<std::vector<mesh::MeshFacts>> MeshSource::facts(const mesh::Scene& scene) {
+  using Key = std::pair<std::uint32_t, std::uint32_t>;  // assembly, mesh
+  const auto key_of = [](const mesh::MeshObject& part) { return Key{part.assembly, part.mesh}; };
+  std::map<Key, std::size_t> numbers;
+  std::vector<const mesh::MeshObject*> first_parts;  // of each mesh
+  for (const mesh::MeshObject& part : scene.objects) {
+    if (numbers.emplace(key_of(part), first_parts.size()).second) first_parts.push_back(&part);
+  }
+  std::vector<std::optional<Result<mesh::MeshFacts>>> found(first_parts.size());
+  std::mutex one_caller;
+  tbb::parallel_for(std::size_t{0}, found.size(),
+                    [&](std::size_t i) { found[i] = facts(*first_parts[i], one_caller); });
+  std::vector<mesh::MeshFacts> all;
+  for (const mesh::MeshObject& part : scene.objects) {
+    const Result<mesh::MeshFacts>& facts = *found[numbers[key_of(part)]];
+    if (!facts) return facts.error();
+    all.push_back(*facts);
+  }
+  return all;
 }
 
 }  // namespace forcelayer::cache

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -46,7 +46,7 @@ class MeshSource {
   std::vector<MeshOutline> outlines(const mesh::Scene& scene) const;  // [objects]
   // One caller at a time. An error where the file has changed meanwhile.
   Result<std::shared_ptr<const mesh::Mesh>> mesh(const mesh::MeshObject& part);
-  Result<mesh::MeshFacts> facts(const mesh::MeshObject& part);
+  Result<std::vector<mesh::MeshFacts>> facts(const mesh::Scene& scene);  // [objects], in parallel
 
  private:
   struct MeshOnDisk {
@@ -60,10 +60,10 @@ class MeshSource {
     std::vector<MeshOutline> outlines;
     std::vector<mesh::Mesh> meshes;   // empty until they are needed, and ...
     std::vector<MeshOnDisk> on_disk;  // ... where they wait here
-    std::vector<std::optional<mesh::MeshFacts>> facts;
   };
 
   void keep(std::vector<mesh::Mesh> meshes, File& file);
+  Result<mesh::MeshFacts> facts(const mesh::MeshObject& part, std::mutex& one_caller);
 
   const CacheFolder* cache_;
   mesh::AssemblyReader read_;
