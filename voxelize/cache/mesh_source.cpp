@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <filesystem>
 #include <map>
@@ -12,6 +13,8 @@
 #include "formats/mesh/units.h"
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/cache/cache_versions.h"
+#include "voxelize/limits/memory_limit.h"
+#include "voxelize/limits/reading_slots.h"
 
 namespace forcelayer::cache {
 namespace {
@@ -177,6 +180,17 @@ mesh::MeshFacts facts_of(const FactsRecord& r) {
           m[7]};
 }
 
+// Of its memory while it is read: an estimate from its size, high for its format.
+double reading_bytes(const std::string& path) {
+  constexpr double kOfCompressed = 40, kOfPlain = 10;
+  const mesh::NamedFile source = mesh::named_file(path);
+  const std::string extension = std::filesystem::path(source.path).extension().string();
+  std::error_code failure;
+  const auto size = static_cast<double>(std::filesystem::file_size(source.path, failure));
+  if (failure) return 0;
+  return size * (extension == ".drc" || extension.starts_with(".gl") ? kOfCompressed : kOfPlain);
+}
+
 }  // namespace
 
 MeshOutline outline_of(const mesh::Mesh& mesh) {
@@ -189,7 +203,31 @@ Digest MeshOutline::digest() const {
   return DigestBuilder().value(vertices).value(triangles).finish();
 }
 
+void MeshSource::read_ahead(std::span<const mesh::FileToRead> files) {
+  std::vector<std::optional<Result<ReadFile>>> found(files.size());
+  std::atomic<bool> failed = false;
+  limits::ReadingSlots slots(limits::available_bytes() / 2);
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    const limits::ReadingSlots::Slot slot(slots, reading_bytes(files[i].path));
+    if (failed) return;
+    found[i] = read_file(files[i].path, files[i].options);
+    if (!*found[i]) failed = true;
+  });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (found[i]) files_ahead_.emplace(files[i].path, std::move(*found[i]));
+  }
+}
+
 Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
+  auto ahead = files_ahead_.extract(path);
+  Result<ReadFile> read = ahead ? std::move(ahead.mapped()) : read_file(path, options);
+  if (!read) return read.error();
+  files_.push_back(std::move(read->file));
+  return std::move(read->assembly);
+}
+
+Result<MeshSource::ReadFile> MeshSource::read_file(const std::string& path,
+                                                   const mesh::ReadOptions& options) {
   File file{path, options, {}, {}, {}};
   file.options.progress = nullptr;  // whoever listens now may be gone when it is read again
   std::optional<Digest> key;
@@ -197,21 +235,19 @@ Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::Rea
   if (key) {
     if (const auto entry = cache_->find(kAssemblyKind, *key)) {
       if (auto assembly = unpack(entry->bytes(), file.outlines)) {
-        files_.push_back(std::move(file));
-        return std::move(*assembly);
+        return ReadFile{std::move(*assembly), std::move(file)};
       }
     }
   }
   auto assembly = read_(path, options);
-  if (!assembly) return assembly;
+  if (!assembly) return assembly.error();
   file.outlines = outlines_of(*assembly);
   // Not kept where the file changed while it was read.
   if (key && key == assembly_key(path, options)) {
     cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
   }
   keep(std::exchange(assembly->meshes, std::vector<mesh::Mesh>(file.outlines.size())), file);
-  files_.push_back(std::move(file));
-  return assembly;
+  return ReadFile{std::move(*assembly), std::move(file)};
 }
 
 std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
@@ -221,6 +257,7 @@ std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
 }
 
 void MeshSource::keep(std::vector<mesh::Mesh> meshes, File& file) {
+  const std::lock_guard lock(keeping_);
   for (const mesh::Mesh& mesh : meshes) {
     bytes_ += std::span(mesh.vertices).size_bytes() + std::span(mesh.triangles).size_bytes();
   }
