@@ -441,7 +441,9 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
   reading.allow_outside = arguments.trust.allow_outside;
   reading.missing_faces = arguments.missing_faces;
   reading.without = arguments.without;
-  reading.read_ahead = [&](std::span<const mesh::FileToRead> files) { meshes.read_ahead(files); };
+  reading.read_ahead = [&](std::span<const mesh::FileToRead> files) {
+    meshes.read_ahead(files, limits::available_bytes() / 2);
+  };
   reading.read = [&](const std::string& path, const mesh::ReadOptions& options) {
     return meshes.read(path, options);
   };

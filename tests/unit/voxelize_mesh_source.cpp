@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "tests/support/mesh_files.h"
-#include "voxelize/limits/reading_slots.h"
+#include "voxelize/cache/reading_slots.h"
 
 namespace forcelayer {
 namespace {
@@ -90,7 +90,7 @@ TEST(MeshSource, GivesWhatItReadAheadInAnyOrder) {
         random() % 2 == 0 ? 0 : std::size_t{1} << 30);
     std::vector<mesh::FileToRead> listed;
     for (std::size_t i = 0; i < files.meshes.size(); ++i) listed.push_back({std::to_string(i), {}});
-    source.read_ahead(listed);
+    source.read_ahead(listed, 1e9);
     for (std::uint32_t i = 0; i < files.meshes.size(); ++i) {
       const auto assembly = source.read(listed[i].path, {});
       ASSERT_EQ(bool(assembly), !files.bad[i]);
@@ -116,13 +116,13 @@ TEST(MeshSource, BeginsNoFileAfterOneThatFailed) {
       nullptr, [&](const std::string& path, const mesh::ReadOptions&) { return files.read(path); });
   std::vector<mesh::FileToRead> listed;
   for (std::size_t i = 0; i < files.meshes.size(); ++i) listed.push_back({std::to_string(i), {}});
-  source.read_ahead(listed);
+  source.read_ahead(listed, 1e9);
   EXPECT_EQ(files.reads, 1u);
 }
 
 TEST(ReadingSlots, HoldNoMoreThanFits) {
   constexpr double kMost = 100;
-  limits::ReadingSlots slots(kMost);
+  cache::ReadingSlots slots(kMost);
   std::atomic<int> sum = 0, count = 0, side_by_side = 0, too_many = 0;
   std::vector<std::thread> threads;
   for (unsigned n = 0; n < 8; ++n) {
@@ -130,7 +130,7 @@ TEST(ReadingSlots, HoldNoMoreThanFits) {
       std::mt19937_64 random(n);
       for (int i = 0; i < 200; ++i) {
         const int bytes = static_cast<int>(random() % 150);
-        const limits::ReadingSlots::Slot slot(slots, bytes);
+        const cache::ReadingSlots::Slot slot(slots, bytes);
         const int others = count++, held = sum += bytes;
         if (others > 0) ++(held > kMost ? too_many : side_by_side);
         std::this_thread::yield();

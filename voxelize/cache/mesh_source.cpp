@@ -13,8 +13,7 @@
 #include "formats/mesh/units.h"
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/cache/cache_versions.h"
-#include "voxelize/limits/memory_limit.h"
-#include "voxelize/limits/reading_slots.h"
+#include "voxelize/cache/reading_slots.h"
 
 namespace forcelayer::cache {
 namespace {
@@ -203,12 +202,12 @@ Digest MeshOutline::digest() const {
   return DigestBuilder().value(vertices).value(triangles).finish();
 }
 
-void MeshSource::read_ahead(std::span<const mesh::FileToRead> files) {
+void MeshSource::read_ahead(std::span<const mesh::FileToRead> files, double most_bytes) {
   std::vector<std::optional<Result<ReadFile>>> found(files.size());
   std::atomic<bool> failed = false;
-  limits::ReadingSlots slots(limits::available_bytes() / 2);
+  ReadingSlots slots(most_bytes);
   tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
-    const limits::ReadingSlots::Slot slot(slots, reading_bytes(files[i].path));
+    const ReadingSlots::Slot slot(slots, reading_bytes(files[i].path));
     if (failed) return;
     found[i] = read_file(files[i].path, files[i].options);
     if (!*found[i]) failed = true;

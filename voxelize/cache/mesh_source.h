@@ -39,9 +39,9 @@ class MeshSource {
                       std::size_t most_bytes = std::size_t{512} << 20)
       : cache_(cache), read_(std::move(read)), most_bytes_(most_bytes) {}
 
-  // For SceneReading::read_ahead: reads these files in parallel, as far as memory allows. After the
-  // first that fails, no other is begun.
-  void read_ahead(std::span<const mesh::FileToRead> files);
+  // For SceneReading::read_ahead: reads these files in parallel, as many at once as take no more
+  // than `most_bytes`. After the first that fails, no other is begun.
+  void read_ahead(std::span<const mesh::FileToRead> files, double most_bytes);
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
 

@@ -4,7 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 
-namespace forcelayer::limits {
+namespace forcelayer::cache {
 
 class ReadingSlots {
  public:
@@ -43,4 +43,4 @@ class ReadingSlots {
   double bytes_ = 0;  // of files being read
 };
 
-}  // namespace forcelayer::limits
+}  // namespace forcelayer::cache
