@@ -1,5 +1,7 @@
 #include "pointshell/certificate/surface_losses.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -103,8 +105,9 @@ class CornerCache {
       : finder_(grid, radius, point_distance), known_(kSlots) {}
 
   Corner at(const part::Vec3& place) {
-    Slot& slot = known_[slot_of(place)];
-    if (!slot.used || !(slot.corner.place == place)) {
+    const auto bits = std::bit_cast<Bits>(place);
+    Slot& slot = known_[slot_of(bits)];
+    if (!slot.used || std::bit_cast<Bits>(slot.corner.place) != bits) {
       slot = {{place, finder_.at(place)}, true};
     }
     return slot.corner;
@@ -117,15 +120,33 @@ class CornerCache {
     bool used = false;
   };
 
-  static std::size_t slot_of(const part::Vec3& p) {
-    std::uint64_t hash = std::bit_cast<std::uint64_t>(p.x + 0.0);
-    hash = hash * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint64_t>(p.y + 0.0);
-    hash = hash * 0x9e3779b97f4a7c15u + std::bit_cast<std::uint64_t>(p.z + 0.0);
+  using Bits = std::array<std::uint64_t, 3>;  // of a place
+
+  static std::size_t slot_of(const Bits& bits) {
+    std::uint64_t hash = bits[0];
+    hash = hash * 0x9e3779b97f4a7c15u + bits[1];
+    hash = hash * 0x9e3779b97f4a7c15u + bits[2];
     return (hash * 0x9e3779b97f4a7c15u) >> 53;
   }
 
   CombinationFinder finder_;
   std::vector<Slot> known_;
+};
+
+// One for each thread. A corner is the same whoever asked before.
+class CornerCaches {
+ public:
+  explicit CornerCaches(const CoveredPart& covered)
+      : grid_(covered.points, CombinationFinder::kReach * covered.radius),
+        of_thread_([this, &covered] {
+          return CornerCache(grid_, covered.radius, aimed_distance(covered));
+        }) {}
+
+  CornerCache& own() { return of_thread_.local(); }
+
+ private:
+  const PointGrid grid_;
+  tbb::enumerable_thread_specific<CornerCache> of_thread_;
 };
 
 // Bounds of a piece. Margins outweigh all rounding.
@@ -199,11 +220,11 @@ enum class Verdict { kDone, kBisect, kOpen };
 template <typename Judge>
 class PieceProver {
  public:
-  PieceProver(const CoveredPart& covered, const PointGrid& grid, Judge& judge)
+  PieceProver(const CoveredPart& covered, CornerCache& corners, Judge& judge)
       : covered_(covered),
         margin_(proof_margin(covered.part, covered.radius)),
         aim_(aimed_distance(covered)),
-        corners_(grid, covered.radius, aim_),
+        corners_(corners),
         judge_(judge) {}
 
   void prove(std::span<const part::Vec3> tile) {
@@ -304,7 +325,7 @@ class PieceProver {
 
   const CoveredPart& covered_;
   const double margin_, aim_;
-  CornerCache corners_;
+  CornerCache& corners_;
   Judge& judge_;
   bool hideable_ = false;  // whether the tile in hand may be hidden, in part or whole
 };
@@ -312,7 +333,7 @@ class PieceProver {
 // Runs a judge over tiles [0, count), one copy of `judge` for each task of so many; returns the
 // copies in order.
 template <typename Judge, typename Tile>
-std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid,
+std::vector<Judge> judge_tiles(const CoveredPart& covered, CornerCaches& corners,
                                const Judge& judge, std::size_t count, std::size_t tiles_per_task,
                                const Tile& tile, std::uint64_t& pieces,
                                const std::function<void(std::size_t)>& judged = {}) {
@@ -320,7 +341,7 @@ std::vector<Judge> judge_tiles(const CoveredPart& covered, const PointGrid& grid
   std::vector<Judge> judges(tasks, judge);
   std::vector<std::uint64_t> pieces_of(tasks);
   part::parallel_for_each_index(tasks, 1, [&](std::size_t task) {
-    PieceProver<Judge> prover(covered, grid, judges[task]);
+    PieceProver<Judge> prover(covered, corners.own(), judges[task]);
     const std::size_t end = std::min((task + 1) * tiles_per_task, count);
     for (std::size_t n = task * tiles_per_task; n < end; ++n) prover.prove(tile(n));
     pieces_of[task] = prover.pieces;
@@ -344,7 +365,7 @@ template <typename Judge, typename Merge>
 void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& pieces,
                 const part::Progress& progress, const Merge& merge) {
   part::DoneWork done(progress, part::area(covered.part));
-  const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
+  CornerCaches corners(covered);
   part::for_each_tile_batch(
       covered.part, kTileEdge * covered.radius, [&](std::span<const part::Piece> tiles) {
         const TileGroups groups = group_tiles(tiles, kTileEdge * covered.radius);
@@ -357,12 +378,12 @@ void judge_part(const CoveredPart& covered, const Judge& judge, std::uint64_t& p
           return std::span<const part::Vec3>(tiles[groups.sparse[n]]);
         };
         const auto dense = [&](std::size_t n) -> const SurfacePieces& { return groups.dense[n]; };
-        for (Judge& own : judge_tiles(covered, grid, judge, groups.sparse.size(),
+        for (Judge& own : judge_tiles(covered, corners, judge, groups.sparse.size(),
                                       Judge::kTilesPerTask, sparse, pieces, judged)) {
           if (!merge(own)) return false;
         }
         for (Judge& own :
-             judge_tiles(covered, grid, judge, groups.dense.size(), 1, dense, pieces, judged)) {
+             judge_tiles(covered, corners, judge, groups.dense.size(), 1, dense, pieces, judged)) {
           if (!merge(own)) return false;
         }
         return true;
@@ -545,9 +566,9 @@ std::vector<Hole> places_above_loss(const CoveredPart& covered, double limit,
                                     std::span<const Hole> from) {
   std::vector<Hole> holes;
   std::uint64_t pieces = 0;
-  const PointGrid grid(covered.points, CombinationFinder::kReach * covered.radius);
+  CornerCaches corners(covered);
   const auto tile = [&](std::size_t n) { return std::span<const part::Vec3>(from[n].piece); };
-  for (SearchJudge& judge : judge_tiles(covered, grid, search_for(covered, limit), from.size(),
+  for (SearchJudge& judge : judge_tiles(covered, corners, search_for(covered, limit), from.size(),
                                         SearchJudge::kTilesPerTask, tile, pieces)) {
     append(holes, judge.holes);
   }
