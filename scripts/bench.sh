@@ -10,7 +10,7 @@
 #   scripts/bench.sh --out FOLDER ...  results in FOLDER alone
 # Parts: bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path
 # verdicts python progress paper gaps assembly puzzles, and by name only: loop (the long form takes half an hour), streams (bakes up
-# to 100 million triangles), and targets (what the speed of bake and query must be, beside what it is).
+# to 100 million triangles), cores (how speed grows with threads, on a machine that has them), and targets (what the speed of bake and query must be, beside what it is).
 source "$(dirname "$0")/common.sh"
 
 all_parts=(bake error growth plan tree shell cover query force wrench clearance motion trajectory stability skip path verdicts python progress paper gaps assembly puzzles)
@@ -28,7 +28,7 @@ while [ $# -gt 0 ]; do
     -h | --help) usage; exit 0 ;;
     all) parts+=("${all_parts[@]}") ;;
     *)
-      [[ " ${all_parts[*]} loop streams targets " == *" $1 "* ]] || { usage >&2; exit 2; }
+      [[ " ${all_parts[*]} loop streams cores targets " == *" $1 "* ]] || { usage >&2; exit 2; }
       parts+=("$1")
       ;;
   esac
@@ -45,7 +45,7 @@ declare -A targets=(
   [shell]="shell_bench pointshell" [cover]=cover_bench [query]=query_bench [force]=force_bench [wrench]=wrench_bench [clearance]=clearance_bench
   [motion]=motion_bench [trajectory]=trajectory_bench [stability]=stability_bench
   [skip]="skip_bench voxelize pointshell" [path]="path_bench voxelize pointshell voxrun voxcheck" [verdicts]="verdict_bench voxelize pointshell voxrun voxcheck voxcheck-exact forcelayer" [python]="python_bench forcelayer_python voxelize pointshell voxrun" [progress]="voxelize pointshell" [paper]="voxelize pointshell voxrun" [loop]="voxelize pointshell voxrun" [gaps]=stress_tests [assembly]=assembly_bench [puzzles]="puzzle_bench voxelize pointshell"
-  [targets]="bake_bench voxelize query_bench")
+  [cores]="voxelize pointshell voxcheck voxrun query_bench" [targets]="bake_bench voxelize query_bench")
 
 # The long form also measures what a processor without AVX-512 would run.
 held_to_avx2() {
@@ -72,6 +72,7 @@ part_error() { "$bench/bake_error.py" $(either --short "") --json "$out/bake_err
 part_growth() { "$bench/bake_growth.py" $(either --short "") --json "$out/bake_growth.json"; }
 part_plan() { "$bench/plan_bench.py" --repeat "$(either 1 3)" --json "$out/bake_plan.json"; }
 part_streams() { "$bench/bake_streams.py" $(either --short "") --json "$out/bake_streams.json"; }
+part_cores() { "$bench/cores.py" $(either "--short --repeat 1" "") --json "$out/cores.json"; }
 part_tree() { "$bench/tree_memory.py" --json "$out/tree_memory.json"; }
 part_shell() {
   "$bin/shell_bench" $(either "--voxels 128" "--voxels 128 256") --json "$out/shell.json"

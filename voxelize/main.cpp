@@ -1,4 +1,6 @@
 // voxelize: bakes a static scene into a .vox file.
+#include <tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
@@ -145,6 +147,12 @@ Error usage(const char* option, const Error& error) {
   return {ErrorCode::kUsage, "", option, error.what, error.mend};
 }
 
+int threads_of(const Arguments& arguments) {
+  return arguments.threads > 0
+             ? arguments.threads
+             : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 // The options of the command line, then those of the manifest.
 Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& scene) {
   BakeOptions options;
@@ -222,9 +230,7 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
   options.find_cavities = !arguments.json_path.empty() || !arguments.cache.empty();
   options.find_narrow_passages = arguments.narrow_passages;
   for (const std::string& input : arguments.inputs) options.scene_name += input + "\n";
-  options.threads = arguments.threads > 0
-                        ? arguments.threads
-                        : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.threads = threads_of(arguments);
   return options;
 }
 
@@ -435,6 +441,9 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
   reading.allow_outside = arguments.trust.allow_outside;
   reading.missing_faces = arguments.missing_faces;
   reading.without = arguments.without;
+  reading.read_ahead = [&](std::span<const mesh::FileToRead> files) {
+    meshes.read_ahead(files, limits::available_bytes() / 2);
+  };
   reading.read = [&](const std::string& path, const mesh::ReadOptions& options) {
     return meshes.read(path, options);
   };
@@ -442,19 +451,11 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
   return mesh::read_scene(arguments.inputs, *unit, reading);
 }
 
-Result<std::vector<mesh::MeshFacts>> facts_of(const mesh::Scene& scene, cache::MeshSource& meshes) {
-  std::vector<mesh::MeshFacts> all;
-  for (const mesh::MeshObject& part : scene.objects) {
-    const auto facts = meshes.facts(part);
-    if (!facts) return facts.error();
-    all.push_back(*facts);
-  }
-  return all;
-}
-
 Status voxelize(const Arguments& arguments) {
   if (Status checked = check_early(arguments); !checked) return checked;
   if (arguments.list) return print_list(arguments);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads_of(arguments)));
   Stopwatch clock;
   BakeFacts run;
   command::ProgressLine progress(arguments.quiet);
@@ -520,7 +521,7 @@ Status voxelize(const Arguments& arguments) {
     if (arguments.narrow_passages) print_narrow_passages(*bake);
   }
   if (arguments.json_path.empty()) return {};
-  const auto facts = facts_of(*scene, meshes);
+  const auto facts = meshes.facts(*scene);
   if (!facts) return facts.error();
   return command::write_report(arguments.json_path, report_of(*bake, *scene, *facts, run));
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 namespace forcelayer::mesh {
 namespace {
@@ -50,11 +52,32 @@ class Weld {
   std::uint64_t distinct_ = 0;
 };
 
-// One triangle's passage along an edge.
-struct EdgeUse {
-  std::uint32_t low, high;  // vertices
-  bool upwards;             // from low to high
+// Lists by vertex, one behind the other.
+template <class Item>
+struct Lists {
+  std::vector<std::uint64_t> ends;  // [vertices]
+  std::vector<Item> items;
+
+  std::span<Item> of(std::size_t vertex) {
+    const std::uint64_t begin = vertex == 0 ? 0 : ends[vertex - 1];
+    return std::span(items).subspan(begin, ends[vertex] - begin);
+  }
 };
+
+// `for_each(add)` calls add(vertex, item) for every item; it is called twice.
+template <class Item, class ForEach>
+Lists<Item> lists_of(std::size_t vertices, ForEach&& for_each) {
+  Lists<Item> lists;
+  lists.ends.resize(vertices + 1);
+  for_each([&](std::uint32_t vertex, const Item&) { ++lists.ends[vertex + 1]; });
+  std::partial_sum(lists.ends.begin(), lists.ends.end(), lists.ends.begin());
+  lists.items.resize(lists.ends.back());
+  // What was an entry's begin is its end once the list is filled.
+  for_each(
+      [&](std::uint32_t vertex, const Item& item) { lists.items[lists.ends[vertex]++] = item; });
+  lists.ends.pop_back();
+  return lists;
+}
 
 Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
@@ -87,43 +110,41 @@ void measure_triangles(const Mesh& mesh, MeshFacts& facts) {
   }
 }
 
-void count_duplicates(const Mesh& mesh, const Weld& weld, MeshFacts& facts) {
-  std::vector<Triangle> corners;
-  corners.reserve(mesh.triangles.size());
-  for (const auto& [i, j, k] : mesh.triangles) {
-    Triangle& sorted = corners.emplace_back(Triangle{weld[i], weld[j], weld[k]});
-    std::sort(sorted.begin(), sorted.end());
-  }
-  std::sort(corners.begin(), corners.end());
-  for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (corners[i] == corners[i - 1]) ++facts.duplicate_triangles;
-  }
+Triangle welded(const Triangle& triangle, const Weld& weld) {
+  return {weld[triangle[0]], weld[triangle[1]], weld[triangle[2]]};
 }
 
-std::vector<EdgeUse> sorted_edge_uses(const Mesh& mesh, const Weld& weld) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    const Triangle corners{weld[triangle[0]], weld[triangle[1]], weld[triangle[2]]};
-    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = corners[i], to = corners[(i + 1) % 3];
-      uses.push_back({std::min(from, to), std::max(from, to), from < to});
+void count_duplicates(const Mesh& mesh, const Weld& weld, MeshFacts& facts) {
+  using Others = std::array<std::uint32_t, 2>;  // the two higher corners, the lower one first
+  auto by_lowest = lists_of<Others>(mesh.vertices.size(), [&](auto&& add) {
+    for (const Triangle& triangle : mesh.triangles) {
+      Triangle sorted = welded(triangle, weld);
+      std::sort(sorted.begin(), sorted.end());
+      add(sorted[0], Others{sorted[1], sorted[2]});
+    }
+  });
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    const std::span<Others> others = by_lowest.of(vertex);
+    std::sort(others.begin(), others.end());
+    for (std::size_t i = 1; i < others.size(); ++i) {
+      if (others[i] == others[i - 1]) ++facts.duplicate_triangles;
     }
   }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
-  return uses;
 }
 
-void count_edges(const std::vector<EdgeUse>& uses, MeshFacts& facts) {
-  facts.closed = facts.consistently_oriented = !uses.empty();
+// One triangle's passage along an edge.
+struct EdgeUse {
+  std::uint32_t high;  // vertex
+  bool upwards;        // from the low one to the high one
+};
+
+// The uses of all edges that begin at one vertex.
+void count_edges(std::span<EdgeUse> uses, MeshFacts& facts) {
+  std::sort(uses.begin(), uses.end(),
+            [](const EdgeUse& a, const EdgeUse& b) { return a.high < b.high; });
   for (std::size_t first = 0; first < uses.size();) {
     std::size_t last = first, upwards = 0;
-    for (; last < uses.size() && uses[last].low == uses[first].low &&
-           uses[last].high == uses[first].high;
-         ++last) {
+    for (; last < uses.size() && uses[last].high == uses[first].high; ++last) {
       upwards += uses[last].upwards ? 1 : 0;
     }
     const std::size_t count = last - first;
@@ -134,6 +155,24 @@ void count_edges(const std::vector<EdgeUse>& uses, MeshFacts& facts) {
     facts.consistently_oriented =
         facts.consistently_oriented && (count == 1 || 2 * upwards == count);
     first = last;
+  }
+}
+
+void count_edges(const Mesh& mesh, const Weld& weld, MeshFacts& facts) {
+  auto by_low = lists_of<EdgeUse>(mesh.vertices.size(), [&](auto&& add) {
+    for (const Triangle& triangle : mesh.triangles) {
+      const Triangle corners = welded(triangle, weld);
+      if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+        continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t from = corners[i], to = corners[(i + 1) % 3];
+        add(std::min(from, to), EdgeUse{std::max(from, to), from < to});
+      }
+    }
+  });
+  facts.closed = facts.consistently_oriented = !by_low.items.empty();
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    count_edges(by_low.of(vertex), facts);
   }
 }
 
@@ -158,7 +197,7 @@ MeshFacts mesh_facts(const Mesh& mesh) {
   measure_box(mesh, facts);
   measure_triangles(mesh, facts);
   count_duplicates(mesh, weld, facts);
-  count_edges(sorted_edge_uses(mesh, weld), facts);
+  count_edges(mesh, weld, facts);
   return facts;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <set>
 #include <utility>
 
@@ -53,12 +54,18 @@ class SceneReader {
 
  private:
   void leave_out_parts();
+  void list_files();
+  void tell(const std::string& path, double share_done);
   Status place_all();
   Status place(const Placing& placing);
-  Result<std::uint32_t> assembly_of(const Placing& placing);
+  Result<std::uint32_t> assembly_of(const std::string& path);
+  ReadOptions options_for(const std::string& path);
   std::vector<std::string> nodes_wanted_of(const std::string& path) const;
   bool is_in_shard(std::size_t number) const {
     return number % reading_.shard.count == reading_.shard.index;
+  }
+  bool may_hold_objects(const Placing& placing, std::size_t number) const {
+    return is_in_shard(number) || may_have_nodes(placing.file);
   }
 
   const SceneReading& reading_;
@@ -66,7 +73,11 @@ class SceneReader {
   std::vector<Placing> placings_;
   std::vector<std::string> without_;           // names, none a list
   std::size_t number_ = 0;                     // of the placing in hand
+  std::vector<FileToRead> files_;              // that will be read, in order
   std::map<std::string, std::uint32_t> read_;  // files read so far
+  std::mutex telling_;                         // guards the two below
+  std::map<std::string, double> shares_read_;  // of files
+  double files_read_ = 0;                      // the sum of these
   GroupedWarnings warnings_{"files"};
 };
 
@@ -124,23 +135,41 @@ std::vector<std::string> SceneReader::nodes_wanted_of(const std::string& path) c
   return wanted;
 }
 
-// Reads a file on its first use.
-Result<std::uint32_t> SceneReader::assembly_of(const Placing& placing) {
-  const std::string& path = placing.named.path;
-  if (const auto found = read_.find(path); found != read_.end()) return found->second;
+ReadOptions SceneReader::options_for(const std::string& path) {
   ReadOptions options;
   const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
   if (voxel_size_m) options.deflection_m = baked_deflection_m(*voxel_size_m);
   options.missing_faces = reading_.missing_faces;
   options.nodes = nodes_wanted_of(path);
   options.without = without_;
-  options.progress = [this](const ReadingProgress& file) {
-    if (!reading_.progress) return;
-    reading_.progress((static_cast<double>(number_) + file.share_done) /
-                      static_cast<double>(placings_.size()));
-  };
-  auto assembly = reading_.read(path, options);
+  options.progress = [this, path](const ReadingProgress& file) { tell(path, file.share_done); };
+  return options;
+}
+
+// Lists the files of all placings that this shard may hold objects of.
+void SceneReader::list_files() {
+  std::set<std::string> listed;
+  for (std::size_t number = 0; number < placings_.size(); ++number) {
+    if (!may_hold_objects(placings_[number], number)) continue;
+    const std::string& path = placings_[number].named.path;
+    if (listed.insert(path).second) files_.push_back({path, options_for(path)});
+  }
+}
+
+// Files may be read side by side.
+void SceneReader::tell(const std::string& path, double share_done) {
+  const std::lock_guard lock(telling_);
+  files_read_ += share_done - std::exchange(shares_read_[path], share_done);
+  if (reading_.progress) reading_.progress(files_read_ / static_cast<double>(files_.size()));
+}
+
+// Reads a file on its first use.
+Result<std::uint32_t> SceneReader::assembly_of(const std::string& path) {
+  if (const auto found = read_.find(path); found != read_.end()) return found->second;
+  const FileToRead& file = files_[read_.size()];  // they are listed in the order of first use
+  auto assembly = reading_.read(file.path, file.options);
   if (!assembly) return assembly.error();
+  tell(path, 1);
   for (const std::string& warning : assembly->warnings) {
     warnings_.add(path, warning);
   }
@@ -169,8 +198,8 @@ Result<Chosen> chosen_of(const Placing& placing, const Assembly& assembly) {
 
 Status SceneReader::place(const Placing& placing) {
   std::size_t number = number_++;
-  if (!is_in_shard(number) && !may_have_nodes(placing.file)) return {};
-  const auto index = assembly_of(placing);
+  if (!may_hold_objects(placing, number)) return {};
+  const auto index = assembly_of(placing.named.path);
   if (!index) return index.error();
   const Assembly& assembly = scene_.assemblies[*index];
   const auto chosen = chosen_of(placing, assembly);
@@ -213,9 +242,6 @@ Status SceneReader::place(const Placing& placing) {
 
 Status SceneReader::place_all() {
   for (const Placing& placing : placings_) {
-    if (reading_.progress) {
-      reading_.progress(static_cast<double>(number_) / static_cast<double>(placings_.size()));
-    }
     const Status placed = place(placing);
     if (placed) continue;
     Error error = placed.error();
@@ -255,6 +281,8 @@ Result<Scene> SceneReader::finish() {
     }
   }
   leave_out_parts();
+  list_files();
+  if (reading_.read_ahead) reading_.read_ahead(files_);
   if (Status placed = place_all(); !placed) return placed.error();
   std::vector<std::string> nodes_left_out;
   for (const std::string& name : without_) {

@@ -52,6 +52,12 @@ struct SceneShard {
   std::uint32_t count = 1;
 };
 
+// A file that a scene needs, with what is wanted of it.
+struct FileToRead {
+  std::string path;
+  ReadOptions options;
+};
+
 struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
   bool allow_outside = false;          // whether a manifest may name files outside its own folder
@@ -62,7 +68,10 @@ struct SceneReading {
   // Reads each file once, in the order of Scene::assemblies.
   std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
       read_assembly;
-  std::function<void(double share_done)> progress;  // may be empty
+  // Called once, before the first read(), with all files that will be read: it may begin with them
+  // side by side. May be empty.
+  std::function<void(std::span<const FileToRead>)> read_ahead;
+  std::function<void(double share_done)> progress;  // may be empty; one call at a time
 };
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh

@@ -97,6 +97,7 @@ FILES = {
     "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
     "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
+    "cores": (("task", "stage", "threads"), times("wall_s")),
     "puzzles": (("puzzle", "validity"), times("poses_per_s", "at_once_poses_per_s", "steps_per_s")),
     "verdicts": (("case",), {**same("poses", "too_near", "contradictions"), "told_m": 1.02}),
     "python": (("question", "points", "threads"), times("python_cpu_s", "cpp_cpu_s")),
@@ -441,6 +442,11 @@ def path_time(rows):
         yield "path_time", r
 
 
+def cores(rows):
+    for r in rows:
+        yield "cores", r
+
+
 def verdicts(rows):
     for r in rows:
         yield "verdicts", {key: r[key] for key in ("case", "file", "part", "study", "poses", "seated_poses", "told_m", "least_m",
@@ -492,7 +498,7 @@ ROWS = {"bake": bake, "bake_wide": bake_kinds, "bake_full": bake_full, "bake_err
         "stability_loops": stability_loops, "stability_seats": stability_seats,
         "stability_field": stability_field, "stability_step": stability_step, "skipped": skipped,
         **{f"assembly_{task}": assembly(task) for task in ("peg", "nut", "scans")},
-        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "puzzles": puzzles, "verdicts": verdicts, "paper_table": paper, "loop": loop}
+        "python_bench": python_bench, "progress": progress, "path": path, "path_time": path_time, "cores": cores, "puzzles": puzzles, "verdicts": verdicts, "paper_table": paper, "loop": loop}
 OF_VECTORS = (bake_kinds, force_cost)  # which put the vectors of the run into the rows
 
 

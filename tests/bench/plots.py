@@ -275,6 +275,22 @@ def bake_streams(rows, _):
     return figure
 
 
+def cores(rows, _):
+    figure, axis = pyplot.subplots(figsize=(8, 4.2))
+    counts = unique(rows, "threads")
+    axis.plot(counts, counts, color="black", linewidth=0.8, label="as many times as threads")
+    for n, task in enumerate(unique(rows, "task")):
+        curve = [r for r in rows if (r["task"], r["stage"]) == (task, "whole")]
+        axis.plot(values(curve, "threads"), [curve[0]["wall_s"] / r["wall_s"] for r in curve], marker="os^vDXPh*"[n % 9], ms=4,
+                  color=f"C{n}", linestyle=":" if task.startswith("query") else "-", label=task)
+    axis.set(xscale="log", yscale="log", xlabel="threads", ylabel="times as fast as one thread")
+    plain(axis.xaxis, counts)
+    plain(axis.yaxis, counts)
+    axis.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    figure.tight_layout()
+    return figure
+
+
 def trajectory_label(row):
     if row["model"] == "paper":
         return "paper"
@@ -320,7 +336,7 @@ def save(figure, path):
 
 
 # Each gets the rows of the file of its name, and a way to read those of another of the same machine.
-PLOTS = (query, wrench, wrench_files, bake_error, bake_growth, bake_streams, trajectory, clearance, narrow_gaps)
+PLOTS = (query, wrench, wrench_files, bake_error, bake_growth, bake_streams, cores, trajectory, clearance, narrow_gaps)
 
 
 def main():

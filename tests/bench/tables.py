@@ -216,6 +216,25 @@ def over(key, item, base):
     return lambda row: times(row["of"].get(item, {}).get(key), row["of"].get(base, {}).get(key))
 
 
+def threads_ms(threads):
+    return lambda row: digits(1e3 * row["of"][threads]["wall_s"], 3) if threads in row["of"] else ""
+
+
+def speed_up(threads):
+    return lambda row: times(row["of"][1]["wall_s"], row["of"][threads]["wall_s"]) if threads in row["of"] else ""
+
+
+def processors(threads):
+    return lambda row: times(row["of"][threads]["cpu_s"], row["of"][threads]["wall_s"]) if threads in row["of"] else ""
+
+
+def long_stages(rows):
+    """Stages of commands that take a hundredth of the whole on one thread; not those whose times are of objects side by side."""
+    whole = {row["task"]: row["wall_s"] for row in rows if (row["stage"], row["threads"]) == ("whole", 1)}
+    long = {(row["task"], row["stage"]) for row in rows if row["threads"] == 1 and row["wall_s"] > 0.01 * whole[row["task"]]}
+    return [row for row in rows if (row["task"], row["stage"]) in long and row["stage"] not in ("whole", "scan", "flood", "cavities")]
+
+
 def puzzles(rows):
     """Each row with `peer`, FCL's row of the same puzzle."""
     peers = {r["puzzle"]: r for r in rows if r["validity"] == "FCL"}
@@ -539,6 +558,13 @@ TABLES = {
         ("poses", text("poses")), ("moments looked at", text("moments_tested")), ("violations", text("violations")),
         ("reading, s", scaled("read_s", 1, 2)), ("checking, s", scaled("check_s", 1, 2)),
         ("processor, s", scaled("cpu_s", 1, 2)), ("memory, MB", scaled("peak_bytes", 1e-6))]),
+    "cores": ("cores", pivoted("threads", "task", then=where(stage="whole")), [
+        ("task", text("task")), ("1 thread", threads_ms(1)), ("2", threads_ms(2)), ("4", threads_ms(4)), ("8", threads_ms(8)),
+        ("16", threads_ms(16)), ("speed-up at 8", speed_up(8)), ("at 16", speed_up(16)),
+        ("processors used at 8", processors(8)), ("at 16", processors(16))]),
+    "cores_stages": ("cores", pivoted("threads", "task", "stage", then=long_stages), [
+        ("task", text("task")), ("stage", text("stage")), ("1 thread", threads_ms(1)), ("2", threads_ms(2)), ("4", threads_ms(4)),
+        ("8", threads_ms(8)), ("16", threads_ms(16)), ("speed-up at 8", speed_up(8)), ("at 16", speed_up(16))]),
     "verdicts": ("verdicts", list, [
         ("part", text("case")), ("study", text("study")), ("poses", text("poses")), ("in the seat", text("seated_poses")),
         ("least told, mm", lambda r: digits(1e3 * r["told_m"], 4)), ("least of all poses, mm", lambda r: digits(1e3 * r["least_m"], 4)),

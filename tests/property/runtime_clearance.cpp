@@ -91,28 +91,12 @@ Voxmap baked(const Solids& solids) {
         return solids.voxel_size_m * solids.distance(p / solids.voxel_size_m);
       },
       2, definition);
-  const SceneFile file(scene);
-  VoxmapContent content = file.content();
-  const SceneTree objects(
-      scene, kObjectBits, 0,
-      [&](const Voxel& v) -> std::uint32_t {
-        const std::uint32_t code = scene.code_at(v);
-        if (code == 0 || code == kMostDistanceCode) return 0;
-        return solids.nearest(glm::dvec3(v[0], v[1], v[2]) + 0.5);
-      },
-      [](std::uint32_t object, const Voxel&, std::int64_t) { return uniform_entry(object); });
-  content.objects = objects.content();
-  std::string names;
-  for (std::size_t i = 0; i < solids.all.size(); ++i) {
-    add_object_name("solid " + std::to_string(i + 1), names);
-  }
-  content.object_names = names;
-  content.header.object_count = static_cast<std::uint32_t>(solids.all.size());
-  const ScratchFolder folder;
-  save_bytes(folder / "scene.vox", voxmap_bytes(content));
-  auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
-  if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
-  return std::move(*voxmap);
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= solids.all.size(); ++i)
+    names.push_back("solid " + std::to_string(i));
+  return make_voxmap_of_objects(scene, names, [&](const Voxel& v) -> std::uint32_t {
+    return solids.nearest(glm::dvec3(v[0], v[1], v[2]) + 0.5);
+  });
 }
 
 // A cloud of points, which is all that there is of the part.

@@ -48,26 +48,7 @@ PointPart block() { return box_part({0.015, 0.012, kHalf}, 0.8 * kS, kS); }
 
 // The same with a name, so that the block can be seated on it.
 Voxmap named_groove() {
-  const VoxelScene scene = groove();
-  const SceneFile file(scene);
-  VoxmapContent content = file.content();
-  const SceneTree objects(
-      scene, kObjectBits, 0,
-      [&](const Voxel& v) -> std::uint32_t {
-        const std::uint32_t code = scene.code_at(v);
-        return code == 0 || code == kMostDistanceCode ? 0 : 1;
-      },
-      [](std::uint32_t object, const Voxel&, std::int64_t) { return uniform_entry(object); });
-  content.objects = objects.content();
-  std::string names;
-  add_object_name("groove", names);
-  content.object_names = names;
-  content.header.object_count = 1;
-  const ScratchFolder folder;  // the mapping outlives the file's name
-  save_bytes(folder / "scene.vox", voxmap_bytes(content));
-  auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
-  if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
-  return std::move(*voxmap);
+  return make_voxmap_of_objects(groove(), {"groove"}, [](const Voxel&) { return 1u; });
 }
 
 struct Bench {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -368,12 +369,37 @@ inline void save_voxmap(const std::filesystem::path& path, const VoxelScene& sce
   save_bytes(path, voxmap_bytes(SceneFile(scene).content(cropped_sides)));
 }
 
-inline Voxmap make_voxmap(const VoxelScene& scene, std::uint32_t cropped_sides = 0) {
+inline Voxmap open_content(const VoxmapContent& content) {
   const ScratchFolder folder;  // the mapping outlives the file's name
-  save_voxmap(folder / "scene.vox", scene, cropped_sides);
+  save_bytes(folder / "scene.vox", voxmap_bytes(content));
   auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
   if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));
   return std::move(*voxmap);
+}
+
+inline Voxmap make_voxmap(const VoxelScene& scene, std::uint32_t cropped_sides = 0) {
+  return open_content(SceneFile(scene).content(cropped_sides));
+}
+
+// The same with objects of these names: `object_at` gives the nearest one, from 1, of a voxel whose
+// distance is stored.
+inline Voxmap make_voxmap_of_objects(const VoxelScene& scene, const std::vector<std::string>& names,
+                                     const std::function<std::uint32_t(const Voxel&)>& object_at) {
+  const SceneFile file(scene);
+  VoxmapContent content = file.content();
+  const SceneTree objects(
+      scene, kObjectBits, 0,
+      [&](const Voxel& v) -> std::uint32_t {
+        const std::uint32_t code = scene.code_at(v);
+        return code == 0 || code == kMostDistanceCode ? 0 : object_at(v);
+      },
+      [](std::uint32_t object, const Voxel&, std::int64_t) { return uniform_entry(object); });
+  content.objects = objects.content();
+  std::string joined;
+  for (const std::string& name : names) add_object_name(name, joined);
+  content.object_names = joined;
+  content.header.object_count = static_cast<std::uint32_t>(names.size());
+  return open_content(content);
 }
 
 }  // namespace forcelayer::test

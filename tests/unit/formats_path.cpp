@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <random>
 
 #include "formats/path/path_edit.h"
 #include "formats/path/path_file.h"
@@ -94,6 +95,48 @@ TEST(Path, WhatIsWrittenIsReadBack) {
     EXPECT_EQ((*back)[i].time_s, rows[i].time_s);
     EXPECT_EQ((*back)[i].position_m, rows[i].position_m);
     EXPECT_EQ((*back)[i].orientation_wxyz, rows[i].orientation_wxyz);
+  }
+}
+
+// Comments of all lengths between rows, so that lines lie across the blocks in which a file is
+// read.
+TEST(Path, LinesLieAnywhereInAFile) {
+  constexpr std::size_t kLongest = 4096;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    std::mt19937_64 random(seed);
+    const char* const ends[] = {"\n", "\r\n"};
+    std::string text = "t_s,x_m,y_m,z_m\n";
+    std::vector<double> written_m;
+    while (text.size() < 300'000) {
+      const std::string end = ends[random() % 2];
+      text += '#' + std::string(random() % (kLongest - end.size()), 'x') + end;
+      for (std::size_t i = random() % 20; i > 0; --i) {
+        written_m.push_back(static_cast<double>(random() >> 12));
+        text += std::to_string(written_m.size()) + ',' + std::to_string(written_m.back()) + ",0,0" +
+                ends[random() % 2];
+      }
+    }
+    if (random() % 2 == 0) text.resize(text.find_last_not_of("\r\n") + 1);
+    const auto rows = read_text(text);
+    ASSERT_TRUE(rows) << to_line(rows.error());
+    std::vector<double> read_m;
+    for (const PathRow& row : *rows) read_m.push_back(row.position_m[0]);
+    EXPECT_EQ(read_m, written_m) << "seed " << seed;
+  }
+}
+
+TEST(Path, ALineHasAtMost4096Bytes) {
+  const std::string begin = "t_s,x_m,y_m,z_m\n" + std::string(65'530, '\n');
+  for (const char* const end : {"", "\n", "\n0,0,0,0\n"}) {
+    const auto of = [&](std::size_t bytes) {
+      const std::string row = "1,2,3,4";
+      return read_text(begin + row + std::string(bytes - row.size(), ' ') + end);
+    };
+    EXPECT_EQ(bool(of(4096)), std::string_view(end).size() < 2) << "the row after it is earlier";
+    const auto longer = of(4097);
+    ASSERT_FALSE(longer);
+    EXPECT_EQ(longer.error().where, "line 65532");
+    EXPECT_NE(longer.error().what.find("longer than 4096"), std::string::npos);
   }
 }
 

@@ -1,6 +1,7 @@
 // Scenes of several nodes of one file.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "formats/mesh/scene.h"
@@ -83,6 +84,33 @@ TEST_F(SceneOfNodes, AreToldFromFilesWithTheSignInTheirNames) {
   write_file(odd, as_glb(gltf_json(cube(), kNodes), gltf_binary(cube())));
   EXPECT_EQ(names({odd}).size(), 4u);
   EXPECT_EQ(names({odd + "#c"}), std::vector<std::string>{"top/c"});
+}
+
+// Each file twice, the last one by one of its nodes; they are read ahead in another order.
+TEST_F(SceneOfNodes, AreReadAheadFileByFile) {
+  std::vector<std::string> paths, inputs;
+  for (const char* const name : {"c.glb", "a.glb", "b.glb"}) {
+    paths.push_back(folder_ / name);
+    write_file(paths.back(), as_glb(gltf_json(cube(), kNodes), gltf_binary(cube())));
+  }
+  inputs = {paths[0], paths[1], paths[0], paths[1], paths[2] + "#a", paths[2] + "#c"};
+  std::vector<double> shares;
+  std::vector<std::string> listed;
+  reading_.progress = [&](double share) { shares.push_back(share); };
+  reading_.read_ahead = [&](std::span<const mesh::FileToRead> files) {
+    for (const mesh::FileToRead& file : files) listed.push_back(file.path);
+    EXPECT_EQ(files.back().options.nodes, (std::vector<std::string>{"a", "c"}));
+    for (std::size_t i = files.size(); i > 0; --i) {
+      files[i - 1].options.progress({0.5, 0});
+      files[i - 1].options.progress({1, 0});
+    }
+  };
+  ASSERT_EQ(names(inputs).size(), 18u);
+  EXPECT_EQ(listed, paths);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_NEAR(shares.front(), 1.0 / 6, 1e-12);
+  EXPECT_NEAR(shares.back(), 1, 1e-12);
+  for (const std::string& path : paths) EXPECT_EQ(reads_[path], 1);
 }
 
 }  // namespace

@@ -12,9 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/mesh_files.h"
-#include "voxelize/cache/mesh_source.h"
-
 namespace forcelayer {
 namespace {
 
@@ -92,48 +89,6 @@ TEST(SpillFile, KeepsArraysInMemoryWhereNoFileCanBeMade) {
   scan::SpillFile file;
   expect_kept(file);
   EXPECT_EQ(file.bytes_on_disk(), 0u);
-}
-
-// Meshes of three files, of which the last two wait on disk.
-TEST(MeshSource, GivesWhatItReadFromDiskToo) {
-  std::mt19937_64 random(5);
-  std::vector<mesh::Assembly> files(3);
-  std::size_t first_bytes = 0;
-  for (mesh::Assembly& file : files) {
-    for (std::uint32_t m = 0; m < 3; ++m) {
-      file.meshes.push_back(test::random_soup(random));
-      file.meshes.back().single_precision = m % 2 == 0;
-      file.instances.push_back({m, "object", {}, {}});
-    }
-  }
-  for (const mesh::Mesh& mesh : files[0].meshes) {
-    first_bytes += 24 * mesh.vertices.size() + 12 * mesh.triangles.size();
-  }
-  cache::MeshSource source(
-      nullptr,
-      [&](const std::string& path, const mesh::ReadOptions&) -> Result<mesh::Assembly> {
-        return files[static_cast<std::size_t>(path[0] - '0')];
-      },
-      first_bytes);
-  for (const char* path : {"0", "1", "2"}) {
-    const auto assembly = source.read(path, {});
-    ASSERT_TRUE(assembly);
-    EXPECT_EQ(assembly->meshes.size(), 3u);
-    EXPECT_TRUE(assembly->meshes[0].triangles.empty());
-  }
-  for (std::uint32_t file = 0; file < 3; ++file) {
-    for (std::uint32_t m = 0; m < 3; ++m) {
-      mesh::MeshObject part;
-      part.assembly = file;
-      part.mesh = m;
-      const auto mesh = source.mesh(part);
-      ASSERT_TRUE(mesh);
-      EXPECT_EQ((*mesh)->vertices, files[file].meshes[m].vertices);
-      EXPECT_EQ((*mesh)->triangles, files[file].meshes[m].triangles);
-      EXPECT_EQ((*mesh)->single_precision, files[file].meshes[m].single_precision);
-      EXPECT_EQ(mesh->use_count() == 0, file == 0) << "copies end with their last pointer";
-    }
-  }
 }
 
 }  // namespace

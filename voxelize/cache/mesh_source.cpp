@@ -1,14 +1,19 @@
 #include "voxelize/cache/mesh_source.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <filesystem>
+#include <map>
 #include <utility>
 
 #include "formats/mesh/reader.h"
 #include "formats/mesh/units.h"
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/cache/cache_versions.h"
+#include "voxelize/cache/reading_slots.h"
 
 namespace forcelayer::cache {
 namespace {
@@ -174,6 +179,17 @@ mesh::MeshFacts facts_of(const FactsRecord& r) {
           m[7]};
 }
 
+// Of its memory while it is read: an estimate from its size, high for its format.
+double reading_bytes(const std::string& path) {
+  constexpr double kOfCompressed = 40, kOfPlain = 10;
+  const mesh::NamedFile source = mesh::named_file(path);
+  const std::string extension = std::filesystem::path(source.path).extension().string();
+  std::error_code failure;
+  const auto size = static_cast<double>(std::filesystem::file_size(source.path, failure));
+  if (failure) return 0;
+  return size * (extension == ".drc" || extension.starts_with(".gl") ? kOfCompressed : kOfPlain);
+}
+
 }  // namespace
 
 MeshOutline outline_of(const mesh::Mesh& mesh) {
@@ -186,29 +202,51 @@ Digest MeshOutline::digest() const {
   return DigestBuilder().value(vertices).value(triangles).finish();
 }
 
+void MeshSource::read_ahead(std::span<const mesh::FileToRead> files, double most_bytes) {
+  std::vector<std::optional<Result<ReadFile>>> found(files.size());
+  std::atomic<bool> failed = false;
+  ReadingSlots slots(most_bytes);
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    const ReadingSlots::Slot slot(slots, reading_bytes(files[i].path));
+    if (failed) return;
+    found[i] = read_file(files[i].path, files[i].options);
+    if (!*found[i]) failed = true;
+  });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (found[i]) files_ahead_.emplace(files[i].path, std::move(*found[i]));
+  }
+}
+
 Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::ReadOptions& options) {
-  File file{path, options, {}, {}, {}, {}};
+  auto ahead = files_ahead_.extract(path);
+  Result<ReadFile> read = ahead ? std::move(ahead.mapped()) : read_file(path, options);
+  if (!read) return read.error();
+  files_.push_back(std::move(read->file));
+  return std::move(read->assembly);
+}
+
+Result<MeshSource::ReadFile> MeshSource::read_file(const std::string& path,
+                                                   const mesh::ReadOptions& options) {
+  File file{path, options, {}, {}, {}};
   file.options.progress = nullptr;  // whoever listens now may be gone when it is read again
   std::optional<Digest> key;
   if (cache_ != nullptr) key = assembly_key(path, options);
   if (key) {
     if (const auto entry = cache_->find(kAssemblyKind, *key)) {
       if (auto assembly = unpack(entry->bytes(), file.outlines)) {
-        files_.push_back(std::move(file));
-        return std::move(*assembly);
+        return ReadFile{std::move(*assembly), std::move(file)};
       }
     }
   }
   auto assembly = read_(path, options);
-  if (!assembly) return assembly;
+  if (!assembly) return assembly.error();
   file.outlines = outlines_of(*assembly);
   // Not kept where the file changed while it was read.
   if (key && key == assembly_key(path, options)) {
     cache_->keep(kAssemblyKind, *key, pack(*assembly, file.outlines));
   }
   keep(std::exchange(assembly->meshes, std::vector<mesh::Mesh>(file.outlines.size())), file);
-  files_.push_back(std::move(file));
-  return assembly;
+  return ReadFile{std::move(*assembly), std::move(file)};
 }
 
 std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
@@ -218,6 +256,7 @@ std::vector<MeshOutline> MeshSource::outlines(const mesh::Scene& scene) const {
 }
 
 void MeshSource::keep(std::vector<mesh::Mesh> meshes, File& file) {
+  const std::lock_guard lock(keeping_);
   for (const mesh::Mesh& mesh : meshes) {
     bytes_ += std::span(mesh.vertices).size_bytes() + std::span(mesh.triangles).size_bytes();
   }
@@ -264,11 +303,7 @@ Result<std::shared_ptr<const mesh::Mesh>> MeshSource::mesh(const mesh::MeshObjec
   return std::shared_ptr<const mesh::Mesh>(std::move(mesh));
 }
 
-Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {
-  File& file = files_[part.assembly];
-  file.facts.resize(file.outlines.size());
-  std::optional<mesh::MeshFacts>& facts = file.facts[part.mesh];
-  if (facts) return *facts;
+Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part, std::mutex& one_caller) {
   const Digest key = DigestBuilder()
                          .text(kFactsKind)
                          .value(kFactsCacheVersion)
@@ -277,18 +312,41 @@ Result<mesh::MeshFacts> MeshSource::facts(const mesh::MeshObject& part) {
   if (cache_ != nullptr) {
     const auto entry = cache_->find(kFactsKind, key);
     if (entry && entry->bytes().size() == sizeof(FactsRecord)) {
-      facts = facts_of(ByteUnpacker(entry->bytes()).value<FactsRecord>());
-      return *facts;
+      return facts_of(ByteUnpacker(entry->bytes()).value<FactsRecord>());
     }
   }
-  const auto found = mesh(part);
+  const auto found = [&] {
+    const std::lock_guard lock(one_caller);
+    return mesh(part);
+  }();
   if (!found) return found.error();
-  facts = mesh::mesh_facts(**found);
+  const mesh::MeshFacts facts = mesh::mesh_facts(**found);
   if (cache_ != nullptr) {
-    const FactsRecord record = record_of(*facts);
+    const FactsRecord record = record_of(facts);
     cache_->keep(kFactsKind, key, std::as_bytes(std::span(&record, 1)));
   }
-  return *facts;
+  return facts;
+}
+
+Result<std::vector<mesh::MeshFacts>> MeshSource::facts(const mesh::Scene& scene) {
+  using Key = std::pair<std::uint32_t, std::uint32_t>;  // assembly, mesh
+  const auto key_of = [](const mesh::MeshObject& part) { return Key{part.assembly, part.mesh}; };
+  std::map<Key, std::size_t> numbers;
+  std::vector<const mesh::MeshObject*> first_parts;  // of each mesh
+  for (const mesh::MeshObject& part : scene.objects) {
+    if (numbers.emplace(key_of(part), first_parts.size()).second) first_parts.push_back(&part);
+  }
+  std::vector<std::optional<Result<mesh::MeshFacts>>> found(first_parts.size());
+  std::mutex one_caller;
+  tbb::parallel_for(std::size_t{0}, found.size(),
+                    [&](std::size_t i) { found[i] = facts(*first_parts[i], one_caller); });
+  std::vector<mesh::MeshFacts> all;
+  for (const mesh::MeshObject& part : scene.objects) {
+    const Result<mesh::MeshFacts>& facts = *found[numbers[key_of(part)]];
+    if (!facts) return facts.error();
+    all.push_back(*facts);
+  }
+  return all;
 }
 
 }  // namespace forcelayer::cache

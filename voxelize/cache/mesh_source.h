@@ -2,8 +2,10 @@
 // bytes.
 #pragma once
 
+#include <map>
 #include <memory>
-#include <optional>
+#include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,9 @@ class MeshSource {
                       std::size_t most_bytes = std::size_t{512} << 20)
       : cache_(cache), read_(std::move(read)), most_bytes_(most_bytes) {}
 
+  // For SceneReading::read_ahead: reads these files in parallel, as many at once as take no more
+  // than `most_bytes`. After the first that fails, no other is begun.
+  void read_ahead(std::span<const mesh::FileToRead> files, double most_bytes);
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
 
@@ -46,7 +51,7 @@ class MeshSource {
   std::vector<MeshOutline> outlines(const mesh::Scene& scene) const;  // [objects]
   // One caller at a time. An error where the file has changed meanwhile.
   Result<std::shared_ptr<const mesh::Mesh>> mesh(const mesh::MeshObject& part);
-  Result<mesh::MeshFacts> facts(const mesh::MeshObject& part);
+  Result<std::vector<mesh::MeshFacts>> facts(const mesh::Scene& scene);  // [objects], in parallel
 
  private:
   struct MeshOnDisk {
@@ -60,16 +65,24 @@ class MeshSource {
     std::vector<MeshOutline> outlines;
     std::vector<mesh::Mesh> meshes;   // empty until they are needed, and ...
     std::vector<MeshOnDisk> on_disk;  // ... where they wait here
-    std::vector<std::optional<mesh::MeshFacts>> facts;
+  };
+  struct ReadFile {
+    mesh::Assembly assembly;
+    File file;
   };
 
+  Result<ReadFile> read_file(const std::string& path, const mesh::ReadOptions& options);
   void keep(std::vector<mesh::Mesh> meshes, File& file);
+  Result<mesh::MeshFacts> facts(const mesh::MeshObject& part, std::mutex& one_caller);
 
   const CacheFolder* cache_;
   mesh::AssemblyReader read_;
-  std::size_t most_bytes_, bytes_ = 0;
-  std::unique_ptr<scan::SpillFile> spill_;  // once the meshes take more
-  std::vector<File> files_;                 // [assemblies of the scene]
+  const std::size_t most_bytes_;
+  std::mutex keeping_;  // guards the next two
+  std::size_t bytes_ = 0;
+  std::unique_ptr<scan::SpillFile> spill_;               // once the meshes take more
+  std::map<std::string, Result<ReadFile>> files_ahead_;  // by path
+  std::vector<File> files_;                              // [assemblies of the scene]
 };
 
 }  // namespace forcelayer::cache

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <mutex>
 #include <system_error>
 
 #include "formats/command/progress_line.h"
@@ -299,8 +300,10 @@ Result<Assembly> read_guarded(const std::string& path, const ReadOptions& option
   constexpr double kCenturyS = 3e9;
   const SandboxLimits none{std::numeric_limits<std::uint64_t>::max(), kCenturyS};
   Result<Assembly> assembly = read_in_sandbox(path, options, none);
-  const bool has_no_child = !assembly && assembly.error().code == ErrorCode::kInternal;
-  return has_no_child ? read_assembly(path, options) : std::move(assembly);
+  if (assembly || assembly.error().code != ErrorCode::kInternal) return assembly;
+  static std::mutex one_at_a_time;  // OpenCASCADE's readers share what they keep
+  const std::lock_guard lock(one_at_a_time);
+  return read_assembly(path, options);
 }
 
 }  // namespace forcelayer::mesh
