@@ -58,7 +58,7 @@ class Servo {
   // Wake and rest the query's helper threads around a tick. Both call the system, so tick() does
   // not do it. wants_helpers(): whether the last tick looked at enough points to need them.
   bool wants_helpers() const noexcept {
-    return !swapping() && simulation_->query().points_looked_at() > kPointsWorthHelp;
+    return !swapping() && simulation_->query().points_looked_at() >= query::kPointsWorthSharing;
   }
   void wake_helpers() noexcept {
     helped_ = true;
@@ -79,8 +79,6 @@ class Servo {
   std::uint32_t objects_before() const { return objects_before_; }  // Frame::objects_before
 
  private:
-  static constexpr std::uint64_t kPointsWorthHelp = 16384;  // some 40 us of one core
-
   void take_health(const StepInput& input, InputHealth& health) noexcept;
   void take_swap(const StepInput& input) noexcept;
   OutputFrame output_frame(Frame& frame) noexcept;

@@ -34,6 +34,7 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
       options_(options),
       super_block_blocks_(shell.view().super_block_blocks),
       block_rows_(shell.view().block_points / kRowPoints),
+      super_rows_(super_block_blocks_ * block_rows_),
       row_count_(
           static_cast<std::uint32_t>((shell.view().point_count + kRowPoints - 1) / kRowPoints)),
       blocks_(make_level(shell.view(), shell.view().blocks, shell.view().block_count,
@@ -42,7 +43,8 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
                                shell.view().super_block_count,
                                std::uint64_t{shell.view().block_points} * super_block_blocks_)),
       radius_voxels_(shell.header().bounding_radius_m / voxel_size_m_),
-      candidates_(row_count_) {
+      candidates_(row_count_),
+      near_(shell.view().super_block_count) {
   if (options.clearance && options.walls) row_skipper_.emplace(voxmap, shell, options.coherence);
 }
 
@@ -55,7 +57,7 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
   Level level;
   if (!options_.clearance) return level;
   level.count = static_cast<std::uint32_t>(count);
-  level.free_until.assign(count + kGroup, kNever);
+  level.free_until.assign(count, kNever);
   level.let_be.assign(count, 0);
   for (std::uint64_t i = 0; i < count; ++i) {
     const BoundingSphere& s = spheres[i];
@@ -67,7 +69,6 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
     level.place.push_back(disc.place);
     level.shape.push_back(disc.shape);
   }
-  level.reach_voxels.resize(count + kGroup);
   return level;
 }
 
@@ -98,12 +99,18 @@ std::uint32_t BlockSkipper::not_known_free(const Level& level, std::uint32_t beg
                                            std::uint32_t end) const noexcept {
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
   const float *reach = &level.reach_voxels[begin], *until = &level.free_until[begin];
+  if (end - begin < kGroup) {  // behind it another thread may be writing
+    std::uint32_t bits = 0;
+    for (std::uint32_t i = 0; i < end - begin; ++i) {
+      bits |= std::uint32_t{travel + reach[i] * turn >= until[i]} << i;
+    }
+    return bits;
+  }
   FourBits spent = {}, bits = {1, 2, 4, 8};
   for (std::uint32_t i = 0; i < kGroup; i += 4, bits <<= 4) {
     spent |= (travel + load_four(reach + i) * turn >= load_four(until + i)) & bits;
   }
-  const auto all = static_cast<std::uint32_t>(spent[0] | spent[1] | spent[2] | spent[3]);
-  return all & ((1u << (end - begin)) - 1);
+  return static_cast<std::uint32_t>(spent[0] | spent[1] | spent[2] | spent[3]);
 }
 
 // A super-block is known free while all of its blocks are.
@@ -119,12 +126,11 @@ void BlockSkipper::remember_blocks(std::uint32_t super, std::uint32_t begin,
 }
 
 // Surveys the group's discs anew. With coherence, earlier slack that reaches further is kept.
-void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& level,
-                          std::uint32_t begin, std::uint32_t end) noexcept {
+void BlockSkipper::survey(Level& level, std::uint32_t begin, std::uint32_t end) noexcept {
   float slack[kGroup];
   const KernelDiscs discs = {reinterpret_cast<const float*>(level.place.data()),
                              reinterpret_cast<const float*>(level.shape.data())};
-  survey_discs(map, pose, margin_, discs, begin, end, slack);
+  survey_discs(*map_, *pose_, margin_, discs, begin, end, slack);
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
   for (std::uint32_t i = begin; i < end; ++i) {
     const float here = travel + level.reach_voxels[i] * turn;
@@ -138,9 +144,8 @@ void BlockSkipper::survey(const KernelMap& map, const VoxelPose& pose, Level& le
 // Calls visit(i) for the discs of [begin, end) that are not known to be free, by known_free(i)
 // either. They are surveyed first, unless that was in vain for each of them not long ago.
 template <typename KnownFree, typename Visit>
-void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level& level,
-                              std::uint32_t begin, std::uint32_t end, KnownFree known_free,
-                              Visit visit) noexcept {
+void BlockSkipper::visit_near(Level& level, std::uint32_t begin, std::uint32_t end,
+                              KnownFree known_free, Visit visit) noexcept {
   for (std::uint32_t first = begin; first < end; first += kGroup) {
     const std::uint32_t last = std::min(end, first + kGroup);
     std::uint32_t near = not_known_free(level, first, last);
@@ -156,7 +161,7 @@ void BlockSkipper::visit_near(const KernelMap& map, const VoxelPose& pose, Level
       }
     }
     if (worth) {
-      survey(map, pose, level, first, last);
+      survey(level, first, last);
       near = not_known_free(level, first, last);
     }
     for (; near != 0; near &= near - 1) {
@@ -170,51 +175,71 @@ float BlockSkipper::spent(std::uint32_t block) const noexcept {
          blocks_.reach_voxels[block] * static_cast<float>(turn_rad_);
 }
 
-// Takes the rows of a block that is not known to be free.
-void BlockSkipper::take_rows(std::uint32_t block) noexcept {
-  const std::uint32_t begin = block * block_rows_, end = std::min(begin + block_rows_, row_count_);
-  if (!row_skipper_) {
-    for (std::uint32_t row = begin; row < end; ++row) candidates_[candidate_count_++] = row;
-    return;
-  }
-  const float until =
-      row_skipper_->take_near(block, spent(block), candidates_.data(), candidate_count_);
-  blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
-}
-
-std::span<const std::uint32_t> BlockSkipper::candidates(const KernelMap& map,
-                                                        const Pose& world_from_center,
-                                                        const VoxelPose& pose,
-                                                        double rounding_voxels) noexcept {
-  candidate_count_ = 0;
-  if (!options_.clearance || !is_unit(world_from_center.orientation)) {
-    for (std::uint32_t row = 0; row < row_count_; ++row) candidates_[row] = row;
-    return candidates_;
-  }
-  spend_motion(world_from_center);
-  margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
-  // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
-  margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
-  if (row_skipper_) row_skipper_->start(map, pose, margin_, last_motion_);
-  const auto take = [&](std::uint32_t block) { take_rows(block); };
+// Takes the rows of a super-block that is not known to be free.
+void BlockSkipper::take_rows(std::uint32_t super, std::uint32_t* rows,
+                             std::uint32_t& count) noexcept {
+  const std::uint32_t first = super * super_block_blocks_,
+                      last = std::min(blocks_.count, first + super_block_blocks_), before = count;
+  std::uint32_t tries = RowSkipper::kTriesInVain;
   const auto known_free = [&](std::uint32_t block) {
     if (!row_skipper_) return false;
     const float until = row_skipper_->known_free_until(block, spent(block));
     blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
     return until > 0;
   };
-  if (!options_.super_blocks) {
-    visit_near(map, pose, blocks_, 0, blocks_.count, known_free, take);
-    return {candidates_.data(), candidate_count_};
-  }
-  const auto no = [](std::uint32_t) { return false; };
-  visit_near(map, pose, super_blocks_, 0, super_blocks_.count, no, [&](std::uint32_t super) {
-    const std::uint32_t first = super * super_block_blocks_, before = candidate_count_,
-                        last = std::min(blocks_.count, first + super_block_blocks_);
-    visit_near(map, pose, blocks_, first, last, known_free, take);
-    if (options_.coherence && candidate_count_ == before) remember_blocks(super, first, last);
+  visit_near(blocks_, first, last, known_free, [&](std::uint32_t block) {
+    if (row_skipper_) {
+      const float until = row_skipper_->take_near(block, spent(block), tries, rows, count);
+      blocks_.free_until[block] = std::max(blocks_.free_until[block], until);
+      return;
+    }
+    const std::uint32_t begin = block * block_rows_;
+    const std::uint32_t end = std::min(begin + block_rows_, row_count_);
+    for (std::uint32_t row = begin; row < end; ++row) rows[count++] = row;
   });
-  return {candidates_.data(), candidate_count_};
+  if (options_.super_blocks && options_.coherence && count == before) {
+    remember_blocks(super, first, last);
+  }
+}
+
+std::uint32_t BlockSkipper::start(const KernelMap& map, const Pose& world_from_center,
+                                  const VoxelPose& pose, double rounding_voxels) noexcept {
+  map_ = &map;
+  pose_ = &pose;
+  std::uint32_t near = 0;
+  skips_ = options_.clearance && is_unit(world_from_center.orientation);
+  if (skips_) {
+    spend_motion(world_from_center);
+    margin_.scale = static_cast<float>(kRadiusRounding / voxel_size_m_);
+    // The center's own rounding, a point's, and what kUnitTolerance leaves of the radius.
+    margin_.voxels = static_cast<float>(2 * rounding_voxels + 2 * kUnitTolerance * radius_voxels_);
+    if (row_skipper_) row_skipper_->start(map, pose, margin_, last_motion_);
+  }
+  const auto take = [&](std::uint32_t super) { near_[near++] = super; };
+  if (skips_ && options_.super_blocks) {
+    const auto no = [](std::uint32_t) { return false; };
+    visit_near(super_blocks_, 0, super_blocks_.count, no, take);
+  } else {
+    for (std::uint32_t super = 0; super < near_.size(); ++super) take(super);
+  }
+  return near;
+}
+
+std::span<const std::uint32_t> BlockSkipper::candidates(std::uint32_t begin,
+                                                        std::uint32_t end) noexcept {
+  if (begin == end) return {};
+  std::uint32_t* const rows = &candidates_[first_row(begin)];
+  std::uint32_t count = 0;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    if (skips_) {
+      take_rows(near_[i], rows, count);
+      continue;
+    }
+    const std::uint32_t first = near_[i] * super_rows_;
+    const std::uint32_t last = std::min(first + super_rows_, row_count_);
+    for (std::uint32_t row = first; row < last; ++row) rows[count++] = row;
+  }
+  return {rows, count};
 }
 
 }  // namespace forcelayer::query

@@ -34,10 +34,19 @@ class BlockSkipper {
   BlockSkipper(const BlockSkipper&) = delete;
   BlockSkipper& operator=(const BlockSkipper&) = delete;
 
-  // The rows that may have a point in a voxel that is not free or not known, ascending.
-  // `rounding_voxels` bounds how far single precision misplaces a point, per axis.
-  std::span<const std::uint32_t> candidates(const KernelMap& map, const Pose& world_from_center,
-                                            const VoxelPose& pose, double rounding_voxels) noexcept;
+  // Begins a run: finds the super-blocks that are not known to be free, and returns their number.
+  // `rounding_voxels` bounds how far single precision misplaces a point, per axis. `map` and `pose`
+  // must outlive the run.
+  std::uint32_t start(const KernelMap& map, const Pose& world_from_center, const VoxelPose& pose,
+                      double rounding_voxels) noexcept;
+
+  // The rows of super-blocks begin to end - 1 of these that may have a point in a voxel that is not
+  // free or not known, ascending. Threads may share a run's super-blocks, each taken once: it
+  // changes no row.
+  std::span<const std::uint32_t> candidates(std::uint32_t begin, std::uint32_t end) noexcept;
+
+  // Where they begin among the rows of the shell, all of which have room there.
+  std::uint32_t first_row(std::uint32_t begin) const noexcept { return near_[begin] * super_rows_; }
 
  private:
   // The blocks or the super-blocks, each in a disc (KernelDiscs).
@@ -56,25 +65,28 @@ class BlockSkipper {
   // Bit i: disc begin + i has no slack left.
   std::uint32_t not_known_free(const Level& level, std::uint32_t begin,
                                std::uint32_t end) const noexcept;
-  void survey(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
-              std::uint32_t end) noexcept;
+  void survey(Level& level, std::uint32_t begin, std::uint32_t end) noexcept;
   // How far a block's points can have moved since slack was last forgotten, voxels.
   float spent(std::uint32_t block) const noexcept;
   template <typename KnownFree, typename Visit>
-  void visit_near(const KernelMap& map, const VoxelPose& pose, Level& level, std::uint32_t begin,
-                  std::uint32_t end, KnownFree known_free, Visit visit) noexcept;
+  void visit_near(Level& level, std::uint32_t begin, std::uint32_t end, KnownFree known_free,
+                  Visit visit) noexcept;
   void remember_blocks(std::uint32_t super, std::uint32_t begin, std::uint32_t end) noexcept;
-  void take_rows(std::uint32_t block) noexcept;
+  void take_rows(std::uint32_t super, std::uint32_t* rows, std::uint32_t& count) noexcept;
 
   double voxel_size_m_;
   SkipOptions options_;
-  std::uint32_t super_block_blocks_, block_rows_, row_count_;
+  std::uint32_t super_block_blocks_, block_rows_, super_rows_, row_count_;
   Level blocks_, super_blocks_;
   double radius_voxels_;
   std::optional<RowSkipper> row_skipper_;
   std::vector<std::uint32_t> candidates_;  // rows, with room for all
-  std::uint32_t candidate_count_ = 0;
+  std::vector<std::uint32_t> near_;        // super-blocks, with room for all
+  // The run at hand.
+  const KernelMap* map_ = nullptr;
+  const VoxelPose* pose_ = nullptr;
   DiscMargin margin_;
+  bool skips_ = false;  // else every row is a candidate
   bool has_last_ = false;
   Pose last_;
   double travel_voxels_ = 0;  // of the centroid, since forget_slack()

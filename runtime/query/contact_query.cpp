@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kLanePadding = 128;  // elements behind the last that a vector store may write
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
-constexpr std::size_t kSharedRows = 1024;    // fewer would be done before a helper starts
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Voxels are looked up only within reach of the directory (VoxelPose::within_reach), so clamping
@@ -59,7 +58,7 @@ SkipOptions skip_options(const QueryOptions& options, bool use_kernel) {
 }
 
 // The columns of `out` from element `at` on.
-PointColumns columns(CollectedPoints& out, std::size_t at) {
+PointColumns columns(auto& out, std::size_t at) {
   PointColumns c;
   c.index = &out.index[at];
   c.value = &out.value[at];
@@ -79,17 +78,30 @@ void take_counts(const PointColumns& c, CollectedPoints& out) {
   out.outside_map = out.outside_map || c.outside_map;
 }
 
-// Moves the points of `c` forward to `to`.
-void close_up(const PointColumns& c, const PointColumns& to) {
-  const auto move = [&](auto* from, auto* target) {
-    if (from != target) std::memmove(target, from, c.count * sizeof *from);
+// Room for the last points of a chunk: fewer than two rows, and a vector behind them.
+struct LastPoints {
+  static constexpr std::size_t kRoom = 3 * kRowPoints;
+  std::array<std::uint32_t, kRoom> index;
+  std::array<std::uint8_t, kRoom> value;
+  std::array<std::int32_t, kRoom> vx, vy, vz;
+  std::array<float, kRoom> fx, fy, fz, rx, ry, rz, nx, ny, nz;
+};
+
+// Copies the points of `c` behind those of `to`.
+void append_points(const PointColumns& c, PointColumns& to) {
+  const auto put = [&](const auto* from, auto* column) {
+    std::copy_n(from, c.count, column + to.count);
   };
-  move(c.index, to.index);
-  move(c.value, to.value);
-  move(c.vx, to.vx), move(c.vy, to.vy), move(c.vz, to.vz);
-  move(c.fx, to.fx), move(c.fy, to.fy), move(c.fz, to.fz);
-  move(c.rx, to.rx), move(c.ry, to.ry), move(c.rz, to.rz);
-  move(c.nx, to.nx), move(c.ny, to.ny), move(c.nz, to.nz);
+  put(c.index, to.index);
+  put(c.value, to.value);
+  put(c.vx, to.vx), put(c.vy, to.vy), put(c.vz, to.vz);
+  put(c.fx, to.fx), put(c.fy, to.fy), put(c.fz, to.fz);
+  put(c.rx, to.rx), put(c.ry, to.ry), put(c.rz, to.rz);
+  put(c.nx, to.nx), put(c.ny, to.ny), put(c.nz, to.nz);
+  to.count += c.count;
+  for (std::size_t value = 1; value <= 3; ++value) {
+    to.count_of_value[value] += c.count_of_value[value];
+  }
 }
 
 float dot(const std::array<float, 3>& row, float x, float y, float z) {
@@ -130,7 +142,8 @@ void CollectedPoints::clear() noexcept {
                   kernel_reaches(voxmap.upper_node_count(), voxmap.lower_node_count(),
                                  voxmap.brick_count())),
       all_free_(voxmap.header().dims_voxels[0] == 0),
-      skipper_(voxmap, shell, skip_options(options, use_kernel_)) {
+      skipper_(voxmap, shell, skip_options(options, use_kernel_)),
+      points_worth_sharing_(options.points_worth_sharing) {
   known_ = known_box(voxmap.header(), voxmap.header().directory_origin);
   for (unsigned axis = 0; axis < 3; ++axis) {
     kernel_map_.known_min[axis] = to_int32(known_.low[axis]);
@@ -139,6 +152,7 @@ void CollectedPoints::clear() noexcept {
   if (options.threads > 1) {
     workers_ = std::make_unique<QueryWorkers>(options.threads - 1);
     chunks_.resize(kChunksPerThread * options.threads);
+    values_.resize((shell.view().point_count + kRowPoints - 1) / kRowPoints * kRowPoints);
   }
 }
 
@@ -220,8 +234,17 @@ void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
   }
   if (beyond_cropped_side(voxel[0], voxel[1], voxel[2])) out.outside_map = true;
   const VoxmapView& map = voxmap_.view();
-  if (!map.contains(voxel[0], voxel[1], voxel[2])) return;
-  const auto value = static_cast<std::uint8_t>(map.lookup(voxel[0], voxel[1], voxel[2]).code);
+  std::uint8_t value = 0;
+  if (out.pass == Pass::kAppend) {
+    value = *out.values++;
+  } else if (map.contains(voxel[0], voxel[1], voxel[2])) {
+    value = static_cast<std::uint8_t>(map.lookup(voxel[0], voxel[1], voxel[2]).code);
+  }
+  if (out.pass == Pass::kLookUp || out.pass == Pass::kLookUpAndAppend) *out.values++ = value;
+  if (out.pass == Pass::kLookUp) {
+    out.count += value != 0;
+    return;
+  }
   if (value == 0) return;
 
   const std::uint32_t at = out.count++;
@@ -238,13 +261,6 @@ void ContactQuery::collect_point(const VoxelPose& pose, std::uint32_t point,
   ++out.count_of_value[value];
 }
 
-void ContactQuery::collect_row(const VoxelPose& pose, std::uint32_t row,
-                               PointColumns& out) const noexcept {
-  const std::uint32_t begin = row * kRowPoints;
-  const std::uint32_t end = std::min(begin + kRowPoints, kernel_shell_.point_count);
-  for (std::uint32_t point = begin; point < end; ++point) collect_point(pose, point, out);
-}
-
 void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                            PointColumns& out) const noexcept {
   if (use_kernel_) {
@@ -252,36 +268,92 @@ void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t>
                  static_cast<std::uint32_t>(rows.size()), out);
     return;
   }
-  for (const std::uint32_t row : rows) collect_row(pose, row, out);
+  for (const std::uint32_t row : rows) {
+    const std::uint32_t begin = row * kRowPoints;
+    const std::uint32_t end = std::min(begin + kRowPoints, kernel_shell_.point_count);
+    for (std::uint32_t point = begin; point < end; ++point) collect_point(pose, point, out);
+  }
 }
 
-// Each thread takes the next chunk of rows. A chunk has room of its own in `out`, behind that of
-// all points of the blocks before it; at the end the chunks are closed up in order. So the result
-// does not depend on which thread did which chunk.
-void ContactQuery::collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> rows,
+// The first pass of a chunk.
+void ContactQuery::look_up(const VoxelPose& pose, std::uint32_t super_blocks, std::size_t chunk,
+                           CollectedPoints& out) noexcept {
+  Chunk& result = chunks_[chunk];
+  result = {};  // and so it is left where a changed file leads this thread astray
+  const std::size_t begin = super_blocks * chunk / chunk_count_,
+                    end = super_blocks * (chunk + 1) / chunk_count_;
+  Chunk found;
+  found.rows =
+      skipper_.candidates(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
+  found.first = std::size_t{skipper_.first_row(begin)} * kRowPoints;
+  found.points = columns(out, found.first);
+  found.points.pass = found_all_ ? Pass::kLookUpAndAppend : Pass::kLookUp;
+  found.points.values = &values_[found.first];
+  collect(pose, found.rows, found.points);
+  result = found;
+}
+
+// The second pass. Vectors are stored whole, beyond the last point too, where those of the next
+// chunk may be; so a chunk's last points go by way of a room of their own.
+void ContactQuery::append(const VoxelPose& pose, Chunk& chunk) noexcept {
+  std::size_t last = chunk.rows.size();
+  for (std::ptrdiff_t count = 0; last > 0 && count < kRowPoints;) {
+    const std::uint8_t* const row = &values_[chunk.first + --last * kRowPoints];
+    count += kRowPoints - std::count(row, row + kRowPoints, 0);
+  }
+  PointColumns points = chunk.points;
+  points.pass = Pass::kAppend;
+  points.values = &values_[chunk.first];
+  collect(pose, chunk.rows.first(last), points);
+  LastPoints room;
+  PointColumns behind = columns(room, 0);
+  behind.pass = Pass::kAppend;
+  behind.values = points.values;
+  collect(pose, chunk.rows.subspan(last), behind);
+  append_points(behind, points);
+  chunk.points = points;
+}
+
+// Each thread takes the next chunk of super-blocks, finds their rows, and looks these up. Once the
+// points of all chunks are counted, each chunk's have their place, and threads put them there. So
+// the result does not depend on which thread did which chunk.
+void ContactQuery::collect_shared(const VoxelPose& pose, std::uint32_t super_blocks,
                                   CollectedPoints& out) noexcept {
-  struct SharedWork {
-    const ContactQuery* query;
-    const VoxelPose* pose;
-    std::span<const std::uint32_t> rows;
-    PointColumns* chunks;
-    std::size_t chunk_count;
-    std::size_t begin_of(std::size_t chunk) const { return rows.size() * chunk / chunk_count; }
+  struct SharedRun {
+    ContactQuery& query;
+    const VoxelPose& pose;
+    std::uint32_t super_blocks;
+    CollectedPoints& out;
   };
-  SharedWork work{this, &pose, rows, chunks_.data(), chunks_.size()};
-  for (std::size_t chunk = 0; chunk < chunks_.size(); ++chunk) {
-    chunks_[chunk] = columns(out, work.begin_of(chunk) * kRowPoints);
+  SharedRun run{*this, pose, super_blocks, out};
+  const auto most = static_cast<std::uint32_t>(chunks_.size());
+  chunk_count_ = std::min(super_blocks, most);
+  const std::span<Chunk> chunks(chunks_.data(), chunk_count_);
+  workers_->run(
+      [](void* context, std::uint32_t chunk) noexcept {
+        const SharedRun& r = *static_cast<const SharedRun*>(context);
+        r.query.look_up(r.pose, r.super_blocks, chunk, r.out);
+      },
+      &run, chunk_count_);
+  std::uint32_t at = 0;
+  for (Chunk& chunk : chunks) {
+    points_looked_at_ += chunk.rows.size() * kRowPoints;
+    out.outside_map = out.outside_map || chunk.points.outside_map;
+    chunk.end = at + chunk.points.count;
+    chunk.in_place = found_all_ && at == chunk.first;
+    if (!chunk.in_place) chunk.points = columns(out, at);
+    at = chunk.end;
   }
   workers_->run(
       [](void* context, std::uint32_t chunk) noexcept {
-        const SharedWork& s = *static_cast<const SharedWork*>(context);
-        const std::size_t begin = s.begin_of(chunk), end = s.begin_of(chunk + 1);
-        s.query->collect(*s.pose, s.rows.subspan(begin, end - begin), s.chunks[chunk]);
+        const SharedRun& r = *static_cast<const SharedRun*>(context);
+        Chunk& c = r.query.chunks_[chunk];
+        if (!c.in_place) r.query.append(r.pose, c);
       },
-      &work, static_cast<std::uint32_t>(chunks_.size()));
-  for (const PointColumns& chunk : chunks_) {
-    close_up(chunk, columns(out, out.count));
-    take_counts(chunk, out);
+      &run, chunk_count_);
+  for (const Chunk& chunk : chunks) {
+    take_counts(chunk.points, out);
+    if (out.count != chunk.end) return;  // led astray: behind it nothing is in its place
   }
 }
 
@@ -299,6 +371,7 @@ std::vector<std::string> ContactQuery::give_helpers_real_time_priority() {
 
 void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noexcept {
   out.clear();
+  const bool worth_sharing = points_looked_at_ >= points_worth_sharing_;
   points_looked_at_ = 0;
   const VoxelPose pose = voxel_pose(world_from_center);
   if (!pose.within_reach) {
@@ -306,15 +379,19 @@ void ContactQuery::run(const Pose& world_from_center, CollectedPoints& out) noex
     return;
   }
   if (all_free_ && !kernel_map_.cropped) return;
-  const auto rows = skipper_.candidates(kernel_map_, world_from_center, pose, rounding_voxels());
-  points_looked_at_ = std::min<std::uint64_t>(rows.size() * kRowPoints, kernel_shell_.point_count);
-  if (workers_ && rows.size() >= kSharedRows) {
-    collect_shared(pose, rows, out);
-    return;
+  const std::uint32_t super_blocks =
+      skipper_.start(kernel_map_, world_from_center, pose, rounding_voxels());
+  if (worth_sharing && workers_ && workers_->awake() && super_blocks > 1) {
+    collect_shared(pose, super_blocks, out);
+  } else {
+    const auto rows = skipper_.candidates(0, super_blocks);
+    points_looked_at_ = rows.size() * kRowPoints;
+    PointColumns all = columns(out, 0);
+    collect(pose, rows, all);
+    take_counts(all, out);
   }
-  PointColumns all = columns(out, 0);
-  collect(pose, rows, all);
-  take_counts(all, out);
+  points_looked_at_ = std::min<std::uint64_t>(points_looked_at_, kernel_shell_.point_count);
+  found_all_ = out.count == kernel_shell_.point_count;
 }
 
 }  // namespace forcelayer::query

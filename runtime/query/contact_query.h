@@ -49,11 +49,15 @@ struct VoxelPose {
   bool within_reach = false;                     // false: no point can be in the directory
 };
 
+// Threads share a run after one that looked at so many points, some 40 us of one thread.
+inline constexpr std::uint64_t kPointsWorthSharing = 16384;
+
 // How the query works. No choice here changes the result.
 struct QueryOptions {
   SkipOptions skip;
   bool vector = true;    // the vectorised kernel, where the map's size allows it
   unsigned threads = 1;  // share the work of one run; the caller's is one of them
+  std::uint64_t points_worth_sharing = kPointsWorthSharing;
 };
 
 // Finds the collected points of one shell in one voxmap. The rotation acts in single precision on
@@ -95,12 +99,23 @@ class ContactQuery {
   static constexpr double kMaxRadiusVoxels = 1 << 20;  // float leaves 1/16 voxel there
 
  private:
+  // Consecutive super-blocks of a run that threads share.
+  struct Chunk {
+    std::span<const std::uint32_t> rows;  // that are looked up
+    PointColumns points;
+    std::size_t first = 0;  // point of its super-blocks
+    std::uint32_t end = 0;  // of its points among all that are collected
+    bool in_place = false;  // these are in their place
+  };
+
   double rounding_voxels() const;
-  void collect_row(const VoxelPose& pose, std::uint32_t row, PointColumns& out) const noexcept;
   void collect_point(const VoxelPose& pose, std::uint32_t point, PointColumns& out) const noexcept;
   void collect(const VoxelPose& pose, std::span<const std::uint32_t> rows,
                PointColumns& out) const noexcept;
-  void collect_shared(const VoxelPose& pose, std::span<const std::uint32_t> rows,
+  void look_up(const VoxelPose& pose, std::uint32_t super_blocks, std::size_t chunk,
+               CollectedPoints& out) noexcept;
+  void append(const VoxelPose& pose, Chunk& chunk) noexcept;
+  void collect_shared(const VoxelPose& pose, std::uint32_t super_blocks,
                       CollectedPoints& out) noexcept;
   bool beyond_cropped_side(std::int32_t x, std::int32_t y, std::int32_t z) const noexcept;
   bool sphere_beyond_cropped_side(const glm::dvec3& center_m) const noexcept;
@@ -117,8 +132,12 @@ class ContactQuery {
   bool all_free_;
   BlockSkipper skipper_;
   std::unique_ptr<QueryWorkers> workers_;
-  std::vector<PointColumns> chunks_;  // of collect_shared()
+  std::uint64_t points_worth_sharing_;
+  std::vector<Chunk> chunks_;         // of collect_shared()
+  std::uint32_t chunk_count_ = 0;     // of the run at hand
+  std::vector<std::uint8_t> values_;  // of all points, for chunks
   std::uint64_t points_looked_at_ = 0;
+  bool found_all_ = false;  // points of the shell, in the last run
 };
 
 }  // namespace forcelayer::query

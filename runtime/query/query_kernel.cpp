@@ -214,17 +214,19 @@ HWY_INLINE VU value_at(const KernelMap& map, const Int3& voxel, VU entry, Mask i
 }
 
 // VoxelValue of voxel after voxel; free outside of the directory. Points are in order: most vectors
-// lie in the same 64^3 voxels as the one before, which are found once.
+// lie in the same 64^3 voxels as the one before, which are found once. In Pass::kAppend no voxel is
+// near the one before, and its value is known.
 class Lookup {
  public:
-  explicit HWY_INLINE Lookup(const KernelMap& map) : map_(map) {
+  HWY_INLINE Lookup(const KernelMap& map, PointColumns& columns) : map_(map), columns_(columns) {
     const VI nowhere = hn::Set(I(), INT32_MIN);
     near_ = {nowhere, nowhere, nowhere};
   }
   HWY_INLINE VU operator()(const Int3& voxel) {
     const U u;
-    if (!is_near(voxel)) {
+    if (HWY_UNLIKELY(!is_near(voxel))) {
       const I i;
+      if (HWY_UNLIKELY(columns_.pass == Pass::kAppend)) return next_value();
       const std::int32_t x = hn::GetLane(voxel.x), y = hn::GetLane(voxel.y),
                          z = hn::GetLane(voxel.z);
       near_ = {hn::Set(i, x), hn::Set(i, y), hn::Set(i, z)};
@@ -247,6 +249,12 @@ class Lookup {
                               hn::Or(hn::Xor(voxel.y, near_.y), hn::Xor(voxel.z, near_.z))));
     return hn::AllTrue(u, hn::Eq(hn::ShiftRight<6>(differs), hn::Zero(u)));
   }
+  HWY_INLINE VU next_value() {
+    const hn::Rebind<std::uint8_t, U> bytes;
+    const VU value = hn::PromoteTo(U(), hn::LoadU(bytes, columns_.values));
+    columns_.values += hn::MaxLanes(bytes);
+    return value;
+  }
   HWY_INLINE VU scattered(const Int3& voxel) const {
     const Mask valid = in_directory(map_, voxel);
     const TreeEnd end =
@@ -255,6 +263,7 @@ class Lookup {
   }
 
   const KernelMap& map_;
+  PointColumns& columns_;
   Int3 near_;                               // a voxel of the 64^3
   std::uint32_t entry_ = uniform_entry(0);  // theirs
 };
@@ -344,13 +353,25 @@ HWY_INLINE void fetch(const KernelShell& shell, std::uint32_t point) {
   hwy::Prefetch(shell.nz + point);
 }
 
+// The first pass writes values for the second.
+HWY_INLINE void keep(VU value, PointColumns& out) {
+  const hn::Rebind<std::uint8_t, U> bytes;
+  hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(I(), value)), bytes, out.values);
+  out.values += hn::MaxLanes(bytes);
+  if (out.pass != Pass::kLookUp) return;
+  out.count += static_cast<std::uint32_t>(hn::CountTrue(U(), hn::Ne(value, hn::Zero(U()))));
+}
+
 void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
                  const std::uint32_t* rows, std::uint32_t row_count, PointColumns& out) {
   const F f;
   const U u;
   constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(f));
   const std::uint32_t count_before = out.count;
-  Lookup look_up(map);
+  // Rows that end behind this take more than to be appended: the last, and all in the first pass.
+  const bool keeps = out.pass == Pass::kLookUp || out.pass == Pass::kLookUpAndAppend;
+  const std::uint32_t usual_end = keeps ? 0 : shell.point_count;
+  Lookup look_up(map, out);
   VU ones = hn::Zero(u), twos = hn::Zero(u);  // per lane, how many points lie in values 1 and 2
   const auto add = [u](VU sum, VU value, std::uint32_t wanted) HWY_ATTR {
     return hn::Sub(sum, hn::VecFromMask(u, hn::Eq(value, hn::Set(u, wanted))));
@@ -370,7 +391,11 @@ void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose
         out.outside_map |= !hn::AllFalse(u, hn::And(are_real(), outside_known(map, p.voxel)));
       }
       VU value = look_up(p.voxel);
-      if (end > shell.point_count) value = hn::IfThenElseZero(are_real(), value);
+      if (HWY_UNLIKELY(end > usual_end)) {
+        value = hn::IfThenElseZero(are_real(), value);
+        if (keeps) keep(value, out);
+        if (out.pass == Pass::kLookUp) continue;
+      }
       const Mask found = hn::Ne(value, hn::Zero(u));
       if (hn::AllFalse(u, found)) continue;
       append(map, shell, pose, first, p, value, found, out);
@@ -378,6 +403,7 @@ void CollectRows(const KernelMap& map, const KernelShell& shell, const VoxelPose
       twos = add(twos, value, 2);
     }
   }
+  if (out.pass == Pass::kLookUp) return;
   const std::uint32_t one = hn::GetLane(hn::SumOfLanes(u, ones)),
                       two = hn::GetLane(hn::SumOfLanes(u, twos));
   out.count_of_value[1] += one;

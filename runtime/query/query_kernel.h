@@ -35,6 +35,11 @@ struct KernelShell {
 // Points that are looked up together: a vector of the widest kind. Blocks are whole rows.
 inline constexpr std::uint32_t kRowPoints = 16;
 
+// How rows are collected: in one pass or, where threads share them, in two. The first looks all
+// points up and counts those to collect; the second puts these in their place. Where the run before
+// collected all points, the first does so too, should they be all again.
+enum class Pass : std::uint8_t { kWhole, kLookUp, kLookUpAndAppend, kAppend };
+
 // Where collected points go: the columns of CollectedPoints from some element on. Each has room for
 // all points of the rows and a vector behind them.
 struct PointColumns {
@@ -47,13 +52,16 @@ struct PointColumns {
   std::uint32_t count = 0;
   std::array<std::uint32_t, 4> count_of_value{};  // 1, 2, 3
   bool outside_map = false;
+  Pass pass = Pass::kWhole;
+  std::uint8_t* values = nullptr;  // of the rows' next points, from the first pass to the second
 };
 
 // Whether the kernels' 32-bit gathers reach everything in a map of these counts.
 bool kernel_reaches(std::uint64_t upper_nodes, std::uint64_t lower_nodes, std::uint64_t bricks);
 
 // Appends the points of `rows` (ascending; row r is points 16 r to 16 r + 15) that lie in values 1,
-// 2 and 3 to `out`, bit for bit as ContactQuery::collect_point() does.
+// 2 and 3 to `out`, bit for bit as ContactQuery::collect_point() does. Pass::kLookUp appends none,
+// but adds to `count` how many there are.
 void collect_rows(const KernelMap& map, const KernelShell& shell, const VoxelPose& pose,
                   const std::uint32_t* rows, std::uint32_t row_count, PointColumns& out) noexcept;
 

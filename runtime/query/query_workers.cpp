@@ -15,8 +15,7 @@ constexpr std::uint64_t kCountBits = 17;
 constexpr std::uint64_t kCountMask = (std::uint64_t{1} << kCountBits) - 1;
 
 std::uint64_t next_of(std::uint64_t ticket) { return ticket & kCountMask; }
-std::uint64_t chunks_of(std::uint64_t ticket) { return (ticket >> kCountBits) & kCountMask; }
-std::uint64_t generation_of(std::uint64_t ticket) { return ticket >> (2 * kCountBits); }
+std::uint64_t end_of(std::uint64_t ticket) { return (ticket >> kCountBits) & kCountMask; }
 
 void pause() noexcept {
 #if defined(__SSE2__)
@@ -28,8 +27,10 @@ void pause() noexcept {
 
 }  // namespace
 
-QueryWorkers::QueryWorkers(unsigned helpers) {
-  for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { help(); });
+QueryWorkers::QueryWorkers(unsigned helpers) : shares_(helpers + std::size_t{1}) {
+  for (std::size_t own = 1; own <= helpers; ++own) {
+    threads_.emplace_back([this, own] { help(own); });
+  }
 }
 
 QueryWorkers::~QueryWorkers() {
@@ -49,27 +50,40 @@ std::vector<std::string> QueryWorkers::take_real_time_priority() {
   return machine::give_real_time_priority(threads_);
 }
 
-// Takes the next chunk of the job at hand and does it. False where none is left.
-bool QueryWorkers::take_chunk() noexcept {
-  std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
+// Takes the next chunk of a share and does it. False where none is left.
+bool QueryWorkers::take_chunk(Share& share) noexcept {
+  std::uint64_t ticket = share.ticket.load(std::memory_order_acquire);
   do {
-    if (next_of(ticket) >= chunks_of(ticket)) return false;
-  } while (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
-                                          std::memory_order_acquire));
+    if (next_of(ticket) >= end_of(ticket)) return false;
+  } while (!share.ticket.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
+                                               std::memory_order_acquire));
   // The job cannot end, nor job_ change, before this chunk is counted as done.
   // A chunk that a changed file led astray is done as well: the step hears of the file at its end.
   machine::Landing landing;
   if (sigsetjmp(landing.here, 0) == 0) job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
-  done_.fetch_add(1, std::memory_order_release);
   return true;
 }
 
-void QueryWorkers::help() noexcept {
+// Does the chunks of a thread's own share, then those that others have left.
+void QueryWorkers::work(std::size_t own) noexcept {
+  std::uint32_t done = 0;
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
+    while (take_chunk(shares_[(own + i) % shares_.size()])) ++done;
+  }
+  if (done > 0) done_.fetch_add(done, std::memory_order_release);
+}
+
+void QueryWorkers::help(std::size_t own) noexcept {
   const machine::StepArithmetic arithmetic;
+  std::uint64_t helped = 0;  // the last generation
   while (!ended_.load(std::memory_order_relaxed)) {
     if (awake_.load(std::memory_order_relaxed) == 0) {
       awake_.wait(0);
-    } else if (!take_chunk()) {
+    } else if (const std::uint64_t now = generation_.load(std::memory_order_acquire);
+               now != helped) {
+      helped = now;
+      work(own);
+    } else {
       pause();
     }
   }
@@ -79,11 +93,15 @@ void QueryWorkers::run(Job job, void* context, std::uint32_t chunks) noexcept {
   job_ = job;
   context_ = context;
   done_.store(0, std::memory_order_relaxed);
-  const std::uint64_t generation = generation_of(ticket_.load(std::memory_order_relaxed)) + 1;
-  ticket_.store((generation << (2 * kCountBits)) | (std::uint64_t{chunks} << kCountBits),
-                std::memory_order_release);
-  while (take_chunk()) {
+  const std::uint64_t generation = generation_.load(std::memory_order_relaxed) + 1;
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
+    const std::uint64_t begin = chunks * i / shares_.size(),
+                        end = chunks * (i + 1) / shares_.size();
+    shares_[i].ticket.store(generation << (2 * kCountBits) | end << kCountBits | begin,
+                            std::memory_order_release);
   }
+  generation_.store(generation, std::memory_order_release);
+  work(0);
   while (done_.load(std::memory_order_acquire) != chunks) pause();
 }
 

@@ -26,23 +26,34 @@ class QueryWorkers {
   void rest() noexcept;
 
   // Runs job(context, 0..chunks-1) on this thread and on the helpers that are awake; returns when
-  // all are done. `chunks` at most kMostChunks.
+  // all are done. `chunks` at most kMostChunks. Each thread begins with a share of its own, the
+  // same in each run of as many chunks, so that its caches hold what its chunks need; then it takes
+  // chunks of others.
   void run(Job job, void* context, std::uint32_t chunks) noexcept;
 
   // For the helpers, once; returns warnings (real_time.h).
   std::vector<std::string> take_real_time_priority();
 
+  // Whether they were told to be.
+  bool awake() const noexcept { return awake_.load(std::memory_order_relaxed) != 0; }
   unsigned helpers() const { return static_cast<unsigned>(threads_.size()); }
 
  private:
-  void help() noexcept;
-  bool take_chunk() noexcept;
+  // On a cache line of its own: threads that take chunks of different shares do not meet.
+  struct alignas(64) Share {
+    // generation (high 30 bits) | end (17) | next chunk (17): one word, so that a helper that was
+    // held up takes no chunk of a job that has ended.
+    std::atomic<std::uint64_t> ticket{0};
+  };
 
-  // generation (high 30 bits) | chunks (17) | next chunk (17): one word, so that a helper that was
-  // held up takes no chunk of a job that has ended.
-  std::atomic<std::uint64_t> ticket_{0};
-  std::atomic<std::uint32_t> done_{0};
-  std::atomic<std::uint32_t> awake_{0};
+  void help(std::size_t own) noexcept;
+  void work(std::size_t own) noexcept;
+  bool take_chunk(Share& share) noexcept;
+
+  std::vector<Share> shares_;  // of the caller's thread, then the helpers'
+  alignas(64) std::atomic<std::uint64_t> generation_{0};  // of jobs
+  alignas(64) std::atomic<std::uint32_t> done_{0};        // chunks
+  alignas(64) std::atomic<std::uint32_t> awake_{0};
   std::atomic<bool> ended_{false};
   Job job_ = nullptr;
   void* context_ = nullptr;

@@ -25,9 +25,6 @@ constexpr float kLeastRuns = 2;
 // by its number, and after each further one for twice as many, up to eight times: pieces that were
 // all tried in one run are not all tried again in one, which would take several times as long.
 constexpr std::uint8_t kMostDoublings = 3;
-// Where a part comes into contact all over, all of its pieces stop being free in one run. So a run
-// tries no more in vain than one for so many rows that the run before looked up, and a few.
-constexpr std::uint32_t kRowsForATryInVain = 64, kLeastTriesInVain = 16;
 
 std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
   return static_cast<std::uint8_t>((16 + (piece * 2654435761u >> 28)) << doublings);
@@ -108,8 +105,6 @@ void RowSkipper::start(const KernelMap& map, const VoxelPose& pose, const DiscMa
   scale_ = margin.scale;
   margin_ = kAxes * margin.voxels + kAxisRounding;
   last_ = last;
-  tries_in_vain_left_ = kLeastTriesInVain + rows_taken_ / kRowsForATryInVain;
-  rows_taken_ = 0;
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t column = 0; column < 3; ++column) {
       turn_[column][axis] = pose.turn[axis][column];
@@ -151,8 +146,8 @@ float RowSkipper::leeway_left(const FoundFree& found, const Placed& now,
 }
 
 // Whether a disc that is not known to be free is.
-bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most,
-                             float spent) noexcept {
+bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+                             std::uint32_t& tries) noexcept {
   FoundFree& found = pieces.found[i];
   const PartDisc& disc = pieces.discs[i];
   const Placed now = place(disc);
@@ -164,7 +159,7 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
     }
     found.leeway = {};
     pieces.free_until[i] = kNever;
-    if (tries_in_vain_left_ == 0) return false;
+    if (tries == 0) return false;
   }
   const PlacedDisc placed = {{now.center[0], now.center[1], now.center[2]},
                              whole_,
@@ -188,24 +183,24 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
   found.leeway = {};
   pieces.free_until[i] = kNever;
   if (coherence_) {
-    --tries_in_vain_left_;
+    --tries;
     pieces.let_be[i] = looks_until_tried(i, pieces.doublings[i]);
     if (pieces.doublings[i] < kMostDoublings) ++pieces.doublings[i];
   }
   return false;
 }
 
-inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& most,
-                                float spent) noexcept {
+inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+                                std::uint32_t& tries) noexcept {
   if (coherence_) {
     if (spent < pieces.free_until[i]) return true;
     if (pieces.let_be[i] > 0) {
       --pieces.let_be[i];
       return false;
     }
-    if (tries_in_vain_left_ == 0 && pieces.free_until[i] == kNever) return false;
+    if (tries == 0 && pieces.free_until[i] == kNever) return false;
   }
-  return look_around(pieces, i, most, spent);
+  return look_around(pieces, i, most, spent, tries);
 }
 
 float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
@@ -216,17 +211,16 @@ float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
   return blocks_.free_until[block] = spent + left;
 }
 
-float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t* rows,
-                            std::uint32_t& count) noexcept {
-  if (is_free(blocks_, block, kMostBlockLeeway, spent)) return blocks_.free_until[block];
+float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t& tries,
+                            std::uint32_t* rows, std::uint32_t& count) noexcept {
+  if (is_free(blocks_, block, kMostBlockLeeway, spent, tries)) return blocks_.free_until[block];
   const std::uint32_t before = count, begin = block * block_rows_;
   const std::uint32_t end = std::min(begin + block_rows_, row_count_);
   float until = std::numeric_limits<float>::max();
   for (std::uint32_t row = begin; row < end; ++row) {
-    if (!is_free(rows_, row, kMostRowLeeway, spent)) rows[count++] = row;
+    if (!is_free(rows_, row, kMostRowLeeway, spent, tries)) rows[count++] = row;
     until = std::min(until, rows_.free_until[row]);
   }
-  rows_taken_ += count - before;
   return count == before ? until : kNever;
 }
 

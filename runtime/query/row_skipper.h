@@ -45,13 +45,18 @@ class RowSkipper {
   float known_free_until(std::uint32_t block, float spent) noexcept;
 
   // Appends the rows of a block that may have a point in a voxel that is not free or not known, and
-  // returns the spent motion up to which all of them are known free, kNever if one is not.
-  float take_near(std::uint32_t block, float spent, std::uint32_t* rows,
+  // returns the spent motion up to which all of them are known free, kNever if one is not. Each
+  // piece tried in vain takes one off `tries`; with none left, no piece that may touch is tried.
+  float take_near(std::uint32_t block, float spent, std::uint32_t& tries, std::uint32_t* rows,
                   std::uint32_t& count) noexcept;
 
   // As if nothing had ever been looked at.
   void forget() noexcept;
 
+  // Where a part comes into contact all over, all of its pieces stop being free in one run. So a
+  // run tries no more of a super-block in vain. A bound for all super-blocks together would make
+  // one depend on another, and threads share them.
+  static constexpr std::uint32_t kTriesInVain = 4;
   static constexpr float kNever = -1;
   static constexpr float kMotionRounding = 0.01f;  // voxels: float sums of 2 * 4096 err by 0.002
 
@@ -77,8 +82,10 @@ class RowSkipper {
   Placed place(const PartDisc& disc) const noexcept;
   Leeway last_motion(const Placed& disc, float radius) const noexcept;
   float leeway_left(const FoundFree& found, const Placed& now, const PartDisc& disc) const noexcept;
-  bool look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent) noexcept;
-  bool is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent) noexcept;
+  bool look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+                   std::uint32_t& tries) noexcept;
+  bool is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+               std::uint32_t& tries) noexcept;
 
   bool coherence_;
   BrickBounds bounds_;
@@ -94,8 +101,6 @@ class RowSkipper {
   std::array<std::int32_t, 3> whole_{};
   float scale_ = 1, margin_ = 0;
   LastMotion last_{};
-  std::uint32_t rows_taken_ = 0;          // by the run before, until a run begins
-  std::uint32_t tries_in_vain_left_ = 0;  // in this run
 };
 
 }  // namespace forcelayer::query

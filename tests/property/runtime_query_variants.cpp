@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <atomic>
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
@@ -31,6 +32,7 @@ query::QueryOptions options_of(unsigned bits, unsigned threads) {
   options.skip.coherence = (bits & 4) != 0;
   options.skip.walls = (bits & 8) != 0;
   options.threads = threads;
+  options.points_worth_sharing = 0;
   return options;
 }
 
@@ -41,15 +43,20 @@ query::QueryOptions plain_options() {
   return options;
 }
 
+Variant make_variant(std::string name, const query::QueryOptions& options, const Voxmap& voxmap,
+                     const Pshell& shell) {
+  Variant v;
+  v.name = std::move(name);
+  v.options = options;
+  v.query = std::make_unique<query::ContactQuery>(voxmap, shell, options);
+  v.found.reserve(shell.view().point_count);
+  return v;
+}
+
 std::vector<Variant> make_variants(const Voxmap& voxmap, const Pshell& shell) {
   std::vector<Variant> variants;
   const auto add = [&](std::string name, const query::QueryOptions& options) {
-    Variant v;
-    v.name = std::move(name);
-    v.options = options;
-    v.query = std::make_unique<query::ContactQuery>(voxmap, shell, options);
-    v.found.reserve(shell.view().point_count);
-    variants.push_back(std::move(v));
+    variants.push_back(make_variant(std::move(name), options, voxmap, shell));
   };
   for (const unsigned bits : {0u, 1u, 3u, 5u, 7u, 9u, 11u, 13u, 15u}) {
     for (const unsigned threads : {1u, 2u}) {
@@ -72,6 +79,7 @@ void run_variant(Random& random, const Pose& pose, Variant& v) {
   if (random() % 8 != 0) v.query->wake();
   v.query->run(pose, v.found);
   v.query->rest();
+  v.looked_at = v.query->points_looked_at();
 }
 
 bool same(const query::CollectedPoints& a, const query::CollectedPoints& b) {
@@ -305,6 +313,100 @@ TEST(QueryVariants, FindWhatComesSlowlyNearAWall) {
   }
   EXPECT_GT(touches, 200);
   EXPECT_LT(looked_at, points / 2);
+}
+
+// The variant with all skipping on one thread, and on many.
+std::vector<Variant> make_thread_variants(const Voxmap& voxmap, const Pshell& shell) {
+  std::vector<Variant> variants;
+  for (const unsigned threads : {1u, 2u, 3u, 5u, 8u, 16u}) {
+    variants.push_back(
+        make_variant("threads " + std::to_string(threads), options_of(15, threads), voxmap, shell));
+  }
+  return variants;
+}
+
+// All of them look at the same points, whichever thread tried which of them.
+void run_thread_variants(Random& random, const Pose& pose, const query::CollectedPoints& wanted,
+                         std::vector<Variant>& variants) {
+  const std::uint64_t& looked_at = variants[0].looked_at;
+  for (Variant& v : variants) {
+    run_variant(random, pose, v);
+    ASSERT_TRUE(same(v.found, wanted)) << v.name;
+    ASSERT_EQ(v.looked_at, looked_at) << v.name;
+  }
+}
+
+TEST(QueryVariants, LookAtTheSamePointsOnManyThreads) {
+  for (std::uint64_t seed = 201; seed <= 220; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const VoxelScene scene = oblique_scene(random);
+    const Voxmap voxmap = make_voxmap(scene, seed % 4 == 0 ? 63 : 0);
+    const Pshell shell = make_pshell(blocky_part(random, scene));
+    query::ContactQuery plain(voxmap, shell, plain_options());
+    query::CollectedPoints wanted;
+    wanted.reserve(shell.view().point_count);
+    std::vector<Variant> variants = make_thread_variants(voxmap, shell);
+    Pose pose = random_pose(random, scene);
+    for (int i = 0; i < 20; ++i) {
+      plain.run(pose, wanted);
+      run_thread_variants(random, pose, wanted, variants);
+      if (HasFatalFailure()) return;
+      const Pose moved = next_pose(random, scene, pose);
+      pose = is_sound(pose) || is_sound(moved) ? moved : random_pose(random, scene);
+    }
+  }
+}
+
+// A part that leaves a full box and comes back: where the run before collected every point, threads
+// put points in their place before they know that all will be collected again.
+TEST(QueryVariants, FindWhatLeavesContactAllOver) {
+  const VoxelScene scene = VoxelScene::filled(0.01, {0, 0, 0}, {64, 64, 64},
+                                              [](Voxel) { return VoxelValue::kInterior; });
+  const Voxmap voxmap = make_voxmap(scene);
+  PointPart part = sphere_part(0.06, 5000, 0.01);
+  part.block_points = 16;
+  part.super_block_blocks = 4;
+  const Pshell shell = make_pshell(part);
+  query::ContactQuery plain(voxmap, shell, plain_options());
+  query::CollectedPoints wanted;
+  wanted.reserve(shell.view().point_count);
+  std::vector<Variant> variants = make_thread_variants(voxmap, shell);
+  Random random(1);
+  int all = 0, some = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double x_m = 0.08 - 0.05 * std::sin(0.3 * i);
+    const Pose pose{{x_m, 0.3, 0.3}, random_orientation(random)};
+    plain.run(pose, wanted);
+    (wanted.count == shell.view().point_count ? all : some) += 1;
+    run_thread_variants(random, pose, wanted, variants);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(all, 20);
+  EXPECT_GT(some, 10);
+}
+
+TEST(QueryWorkers, DoEachChunkOnce) {
+  struct Work {
+    std::vector<std::atomic<int>> done = std::vector<std::atomic<int>>(200);
+  };
+  const auto count = [](void* context, std::uint32_t chunk) noexcept {
+    ++static_cast<Work*>(context)->done[chunk];
+  };
+  Random random(1);
+  for (const unsigned helpers : {1u, 2u, 4u, 7u, 15u}) {
+    query::QueryWorkers workers(helpers);
+    for (int run = 0; run < 100; ++run) {
+      const auto chunks = static_cast<std::uint32_t>(integer(random, 0, 200));
+      Work work;
+      if (random() % 4 != 0) workers.wake();
+      workers.run(count, &work, chunks);
+      workers.rest();
+      for (std::uint32_t chunk = 0; chunk < 200; ++chunk) {
+        ASSERT_EQ(work.done[chunk], chunk < chunks) << helpers << " helpers, chunk " << chunk;
+      }
+    }
+  }
 }
 
 // Instruction set by instruction set; 0: all.

@@ -204,22 +204,30 @@ TEST(StepLocks, TheTrapWorks) {
   EXPECT_EQ(locks_trapped, 3u);
 }
 
-void expect_no_allocation_or_lock(Model model) {
-  Stepping stepping(model, 200, 1);
+// Enough points for helpers to have something to do.
+std::size_t points_for(unsigned threads) { return threads > 1 ? 40'000 : 200; }
+
+void expect_no_allocation_or_lock(Model model, unsigned threads, int steps) {
+  Stepping stepping(model, points_for(threads), threads);
+  stepping.simulation().wake_helpers();
   trapped = locks_trapped = 0;
   trap_armed = true;
-  const int touching = stepping.run(kSteps);
+  const int touching = stepping.run(steps);
   trap_armed = false;
+  stepping.simulation().rest_helpers();
   EXPECT_EQ(trapped, 0u);
   EXPECT_EQ(locks_trapped, 0u);
-  EXPECT_GT(touching, kSteps / 10);
+  EXPECT_GT(touching, steps / (threads > 1 ? 50 : 10));
 }
 
 TEST(StepMemory, NoStepOfThePaperModelAllocatesOrLocks) {
-  expect_no_allocation_or_lock(Model::kPaper);
+  expect_no_allocation_or_lock(Model::kPaper, 1, kSteps);
 }
 TEST(StepMemory, NoStepOfTheDefaultModelAllocatesOrLocks) {
-  expect_no_allocation_or_lock(Model::kDefault);
+  expect_no_allocation_or_lock(Model::kDefault, 1, kSteps);
+}
+TEST(StepMemory, NoStepWithHelpersAllocatesOrLocks) {
+  expect_no_allocation_or_lock(Model::kDefault, 2, 500);
 }
 
 // What the child below tells the test.
@@ -265,8 +273,7 @@ CallReport steps_under_filter(Model model, unsigned threads, int steps, bool pro
   if (child < 0) throw std::runtime_error("fork");
   if (child == 0) {
     CallReport report;
-    // Enough points for the helpers to have something to do.
-    Stepping stepping(model, threads > 1 ? 40'000 : 200, threads);
+    Stepping stepping(model, points_for(threads), threads);
     stepping.simulation().wake_helpers();
     if (trap_system_calls()) {
       report.touching = stepping.run(steps);
