@@ -166,6 +166,7 @@ ENGINE = "bake of the engine, 1024 voxels across, whole command"
 LARGE, PAPER = "bake of 10.5 million triangles, 4,000 voxels across", "bake of the paper's 593,409 polygons at 5 mm"
 FRAMES, REST = "frames with a point behind the force layer, of a million in contact", "presses that come to rest"
 LOOP = "30 minutes at 1 kHz, all cores busy: late frames"
+CORES = "8 threads over 1"
 ENGINE_ROW = {"model": "engine", "voxels": 1024, "kind": "full"}
 SHORT_GAPS = "by half a voxel in the short form"
 
@@ -188,6 +189,9 @@ FIGURES = [
            binomial("quiet", "trials"), over_column="trials"),
     Figure(REST, "share of the paper's model", "stability", "stability", {"campaign": "rest", "model": "paper"}, "quiet",
            binomial("quiet", "trials"), over_column="trials"),
+    *(Figure(CORES, task, "cores", "cores", {"task": task, "stage": "whole", "threads": 1}, "wall_s", same, over={"threads": 8},
+             of_machine=True)
+      for task in ("voxelize: aircraft", "pointshell: dragon", "pointshell: counter", "query: everything")),
     Figure(LOOP, "late frames", "loop", "loop", {"figure": "deadline_misses"}, "value", same, of_machine=True),
     Figure(LOOP, "wake-up p99", "loop", "loop", {"figure": "wakeup_p99_us"}, "value", same, of_machine=True),
     Figure("0.133 voxel in [narrow gaps]", "least guarantee, voxels", "gaps", "narrow_gaps", {"map": "lean", "case": "block in slot"},

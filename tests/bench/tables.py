@@ -648,6 +648,7 @@ def summary():
     table2 = by("model", ("campaign",), where(campaign="table2")(rows("stability")))[0]["of"]
     rest = by("model", ("campaign",), where(campaign="rest")(rows("stability")))[0]["of"]
     loop = {r["figure"]: r["value"] for r in rows("loop")}
+    cores = {row["task"]: row for row in by("threads", ("task",), where(stage="whole")(rows("cores")))}
 
     def baked(bay):
         full, lean = bay["full"], bay["lean, chebyshev"]
@@ -696,6 +697,9 @@ def summary():
          f"{percent(max(by_stiffness))} by the stiffness of its field", "stability", measured("stability", table2["default"])],
         ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
          f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability", measured("stability", rest["default"])],
+        [readme_figures.CORES, ", ".join(f"{task} {speed_up(8)(cores[task])}" for task in (
+            "voxelize: aircraft", "pointshell: dragon", "pointshell: counter", "query: everything")), "", "cores",
+         measured("cores", cores["query: everything"])],
         ["30 minutes at 1 kHz, all cores busy: late frames",
          f"{loop['deadline_misses']} late and {loop['skipped_ticks']:,} left out of {loop['frames'] + loop['skipped_ticks']:,}; "
          f"the output went to zero {loop['output_trips']} times; wake-up p99 {digits(loop['wakeup_p99_us'])} us, "
