@@ -8,7 +8,8 @@
     scripts/fuzz.py --clock 1000000       faults of files, threads and plugin, for so many frames at 1 kHz
     scripts/fuzz.py --table               writes the tables of tests/fuzz/README.md again
 
-A target's seconds are of processor time, so that a busy machine's ten minutes are ten minutes.
+As many targets as there are cores run at once (--at-once). A target's seconds are of processor time, so
+that a busy machine's ten minutes are ten minutes.
 New inputs that reach new code stay in build/fuzz/corpus, so that campaigns add up; figures go to
 tests/fuzz/campaigns.json. A crash, a hang (60 s for one input), work that is out of proportion to the
 input (tests/fuzz/work.h) or more than 2 GiB of memory is left in build/fuzz/found, named on stderr, and
@@ -25,6 +26,7 @@ import re
 import resource
 import subprocess
 import sys
+import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -56,28 +58,36 @@ def fuzz(name, seconds):
     grown.mkdir(parents=True, exist_ok=True)
     found.mkdir(parents=True, exist_ok=True)
     before = set(found.iterdir())
-    begin_s = children_cpu_s()
     used_s, executions, edges, new = 0.0, 0, 0, []
     # libFuzzer counts by the clock; what other programs took of it is asked for again.
     while used_s < seconds and not new:
-        run = subprocess.run(
+        said, run_s = run_counted(
             [BUILD / "bin" / f"fuzz_{name}", grown, FUZZ / "corpus" / name, f"-max_total_time={math.ceil(seconds - used_s)}",
              "-timeout=60", "-report_slow_units=60", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536",
-             "-print_final_stats=1", f"-artifact_prefix={found}/"],
-            stderr=subprocess.PIPE, text=True, errors="replace", check=False)
-        stats = dict(re.findall(r"stat::(\w+):\s+(\d+)", run.stderr))
-        covered = re.findall(r"cov: (\d+) ", run.stderr)
+             "-print_final_stats=1", f"-artifact_prefix={found}/"])
+        stats = dict(re.findall(r"stat::(\w+):\s+(\d+)", said))
+        covered = re.findall(r"cov: (\d+) ", said)
         if "number_of_executed_units" not in stats:
-            sys.exit(f"fuzz_{name} ended without figures:\n{run.stderr[-2000:]}")
-        used_s = children_cpu_s() - begin_s
+            raise RuntimeError(f"fuzz_{name} ended without figures:\n{said[-2000:]}")
+        used_s += run_s
         executions += int(stats["number_of_executed_units"])
         edges = max(edges, int(covered[-1]) if covered else 0)
         new = sorted(str(path) for path in set(found.iterdir()) - before)
     for path in new:
-        print(f"{name}: found {path}\n{run.stderr[-3000:]}", file=sys.stderr)
+        print(f"{name}: found {path}\n{said[-3000:]}", file=sys.stderr)
     return {"date": datetime.date.today().isoformat(), "target": name, "seconds": seconds,
             "cpu_seconds": round(used_s, 1), "executions": executions, "edges": edges,
             "inputs": len(list(grown.iterdir())), "found": len(new)}
+
+
+def run_counted(command):
+    """A program's words on stderr, and the processor time that it took, whatever runs beside it."""
+    with tempfile.TemporaryFile() as stderr:
+        child = os.posix_spawn(command[0], [str(word) for word in command], os.environ,
+                               file_actions=[(os.POSIX_SPAWN_DUP2, stderr.fileno(), 2)])
+        used = os.wait4(child, 0)[2]
+        stderr.seek(0)
+        return stderr.read().decode(errors="replace"), used.ru_utime + used.ru_stime
 
 
 def children_cpu_s():
@@ -191,6 +201,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("targets", nargs="*", help="of tests/fuzz/corpus; all if none is named")
     parser.add_argument("--seconds", type=int, default=60, help="of processor time, for each target")
+    parser.add_argument("--at-once", type=int, default=os.cpu_count(), help="targets (default: one for each core)")
     parser.add_argument("--differential", type=int, default=0, metavar="FILES", help="this alone")
     parser.add_argument("--frames", type=int, default=0, help="this alone")
     parser.add_argument("--clock", type=int, default=0, metavar="FRAMES", help="this alone")
@@ -205,17 +216,18 @@ def main():
     if arguments.differential:
         found = differential(arguments.differential)
     elif arguments.frames:
-        found = fault_frames(arguments.frames, "fault_frames", FRAMES, 5_000_000, os.cpu_count())
+        found = fault_frames(arguments.frames, "fault_frames", FRAMES, 5_000_000, arguments.at_once)
     elif arguments.clock:  # each waits for its clock most of the time
         found = fault_frames(arguments.clock, "fault_clock", CLOCK, 40_000, 2 * os.cpu_count())
     elif not arguments.table:
         build(names)
-        for name in names:
-            campaign = fuzz(name, arguments.seconds)
-            found += campaign["found"]
-            add_campaign(campaign)
-            print(f"{name}: {campaign['executions']:,} executions, {campaign['edges']:,} edges, "
-                  f"{campaign['found']} found", flush=True)
+        with concurrent.futures.ThreadPoolExecutor(arguments.at_once) as pool:
+            for running in concurrent.futures.as_completed([pool.submit(fuzz, name, arguments.seconds) for name in names]):
+                campaign = running.result()
+                found += campaign["found"]
+                add_campaign(campaign)
+                print(f"{campaign['target']}: {campaign['executions']:,} executions, {campaign['edges']:,} edges, "
+                      f"{campaign['found']} found", flush=True)
     write_table(BEGIN, table(committed(CAMPAIGNS)))
     write_table(BEGIN_FRAMES, table_of_frames(committed(FRAMES)))
     write_table(BEGIN_CLOCK, table_of_clock(committed(CLOCK)))
