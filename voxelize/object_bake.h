@@ -25,7 +25,7 @@ struct ObjectBake {
   StageSeconds seconds;
 };
 
-// What the objects of a bake share.
+// Shared by the objects of a bake.
 struct MeshAccess {
   std::mutex reading;                    // guards SceneObject::read_mesh
   std::optional<scan::SpillFile> spill;  // where triangles are, if they are too many for memory

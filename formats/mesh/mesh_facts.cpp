@@ -72,7 +72,7 @@ Lists<Item> lists_of(std::size_t vertices, ForEach&& for_each) {
   for_each([&](std::uint32_t vertex, const Item&) { ++lists.ends[vertex + 1]; });
   std::partial_sum(lists.ends.begin(), lists.ends.end(), lists.ends.begin());
   lists.items.resize(lists.ends.back());
-  // What was an entry's begin is its end once the list is filled.
+  // Filling a list moves its begin to its end.
   for_each(
       [&](std::uint32_t vertex, const Item& item) { lists.items[lists.ends[vertex]++] = item; });
   lists.ends.pop_back();

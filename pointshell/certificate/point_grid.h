@@ -67,7 +67,7 @@ class PointGrid {
   }
 
   double inverse_cell_size_;
-  // Of the points by bucket, in each as they were given.
+  // The points by bucket, in each bucket as they were given.
   std::vector<std::uint64_t> column_;
   std::vector<part::Vec3> position_;
   std::vector<std::uint32_t> index_;  // in the span given

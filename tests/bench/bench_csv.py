@@ -220,7 +220,7 @@ def query(results):
                 yield "query", row
 
 
-# What is kept contact by contact: these methods at 5 mm. Of groups of contacts, all methods and sizes are.
+# Contact by contact these methods are kept, at 5 mm; by groups of contacts, all methods and sizes.
 FORCE_S = 0.5
 FORCE_METHODS = ("tangent plane, N/10", "level field", "2-bit Euclidean, level", "8-bit distance",
                  "exact, the map's standoff")

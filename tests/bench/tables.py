@@ -190,7 +190,7 @@ def least_squares(x, y):
 
 
 def growth(rows):
-    """Of query.csv: how time grows with the points of the shell (from 10^4), and with the points in contact."""
+    """How time grows with the points of the shell (from 10^4), and with the points in contact: from query.csv."""
     def fit(motion, against, chosen):
         slope, off = least_squares([r[against] for r in chosen], [r["p50_us"] for r in chosen])
         return {"run": 1, "motion": motion, "against": against, "exponent": slope, "off": off,
@@ -298,7 +298,7 @@ def paper_cell(column):
     return cell
 
 
-# What a table shows: the file, which of its rows, and its columns.
+# Each table: its file, which of its rows it shows, and its columns.
 TABLES = {
     "bake": ("bake", list, [
         ("model", text("model")), ("voxels across", text("voxels")),

@@ -37,11 +37,27 @@ query::QueryOptions options_of(unsigned bits, unsigned threads) {
 }
 
 // The scalar query without any skipping, which the twins in runtime_contact_query.cpp vouch for.
-query::QueryOptions plain_options() {
-  query::QueryOptions options = options_of(0, 1);
-  options.vector = false;
-  return options;
-}
+class PlainQuery {
+ public:
+  PlainQuery(const Voxmap& voxmap, const Pshell& shell) : query_(voxmap, shell, options()) {
+    found_.reserve(shell.view().point_count);
+  }
+
+  const query::CollectedPoints& found(const Pose& pose) {
+    query_.run(pose, found_);
+    return found_;
+  }
+
+ private:
+  static query::QueryOptions options() {
+    query::QueryOptions options = options_of(0, 1);
+    options.vector = false;
+    return options;
+  }
+
+  query::ContactQuery query_;
+  query::CollectedPoints found_;
+};
 
 Variant make_variant(std::string name, const query::QueryOptions& options, const Voxmap& voxmap,
                      const Pshell& shell) {
@@ -96,7 +112,7 @@ bool same(const query::CollectedPoints& a, const query::CollectedPoints& b) {
 
 // Motions of every kind: rest, creeping, sliding, spinning, jumps, full turns, far away and back,
 // and poses that are none.
-Pose next_pose(Random& random, const VoxelScene& scene, const Pose& now) {
+Pose moved_pose(Random& random, const VoxelScene& scene, const Pose& now) {
   const double s = scene.voxel_size_m;
   Pose next = now;
   switch (random() % 16) {
@@ -138,6 +154,12 @@ bool is_sound(const Pose& pose) {
          std::abs(glm::length(pose.orientation) - 1) < 1e-9;
 }
 
+// One of them; after a pose that is none, never another such.
+Pose next_pose(Random& random, const VoxelScene& scene, const Pose& now) {
+  const Pose moved = moved_pose(random, scene, now);
+  return is_sound(now) || is_sound(moved) ? moved : random_pose(random, scene);
+}
+
 // A part of many small blocks, up to several times as large as the scene.
 PointPart blocky_part(Random& random, const VoxelScene& scene) {
   const double radius = scene.voxel_size_m * std::exp(uniform(random, 0, 5));
@@ -175,21 +197,18 @@ void compare_along_a_motion(std::uint64_t seed, int poses, std::uint64_t& looked
   const auto cropped = static_cast<std::uint32_t>(seed % 4 == 0 ? random() % 64 : 0);
   const Voxmap voxmap = make_voxmap(scene, cropped);
   const Pshell shell = make_pshell(blocky_part(random, scene));
-  query::ContactQuery plain(voxmap, shell, plain_options());
-  query::CollectedPoints wanted;
-  wanted.reserve(shell.view().point_count);
+  PlainQuery plain(voxmap, shell);
   std::vector<Variant> variants = make_variants(voxmap, shell);
   Pose pose = random_pose(random, scene);
   for (int i = 0; i < poses; ++i) {
-    plain.run(pose, wanted);
+    const query::CollectedPoints& wanted = plain.found(pose);
     for (Variant& v : variants) {
       run_variant(random, pose, v);
       ASSERT_TRUE(same(v.found, wanted)) << "seed " << seed << ", pose " << i << ", " << v.name;
     }
     looked_at += variants[16].query->points_looked_at();  // all skipping, one thread
     points += shell.view().point_count;
-    const Pose moved = next_pose(random, scene, pose);
-    pose = is_sound(pose) || is_sound(moved) ? moved : random_pose(random, scene);
+    pose = next_pose(random, scene, pose);
   }
 }
 
@@ -216,15 +235,13 @@ TEST(QueryVariants, FindTheEndsOfATurningBar) {
     for (int i = -200; i <= 200; ++i) part.add({half_m * i / 200.0, 0, 0}, {0, 0, 1});
     const Voxmap voxmap = make_voxmap(scene);
     const Pshell shell = make_pshell(part);
-    query::ContactQuery plain(voxmap, shell, plain_options());
-    query::CollectedPoints wanted;
-    wanted.reserve(shell.view().point_count);
+    PlainQuery plain(voxmap, shell);
     std::vector<Variant> variants = make_variants(voxmap, shell);
     Pose pose = random_pose(random, scene);
     const glm::dquat step =
         coupling::rotation_by(random_direction(random) * uniform(random, 0.002, 0.03));
     for (int i = 0; i < 200; ++i) {
-      plain.run(pose, wanted);
+      const query::CollectedPoints& wanted = plain.found(pose);
       for (Variant& v : variants) {
         run_variant(random, pose, v);
         ASSERT_TRUE(same(v.found, wanted)) << "seed " << seed << ", pose " << i << ", " << v.name;
@@ -276,9 +293,7 @@ TEST(QueryVariants, FindWhatComesSlowlyNearAWall) {
     glm::dvec3 middle_m;
     const Pshell shell = make_pshell(ring_part(random, s, middle_m));
     const Voxmap voxmap = make_voxmap(scene);
-    query::ContactQuery plain(voxmap, shell, plain_options());
-    query::CollectedPoints wanted;
-    wanted.reserve(shell.view().point_count);
+    PlainQuery plain(voxmap, shell);
     std::vector<Variant> variants = make_variants(voxmap, shell);
     std::erase_if(variants, [](const Variant& v) { return v.options.threads > 1; });
     const bool parallel = random() % 2 == 0;  // to a wall, and never turned
@@ -295,7 +310,7 @@ TEST(QueryVariants, FindWhatComesSlowlyNearAWall) {
       const glm::dquat turning = coupling::rotation_by(random_direction(random) * turn);
       for (int i = 0; i < 40; ++i) {
         const Pose pose{at_m - orientation * middle_m, orientation};
-        plain.run(pose, wanted);
+        const query::CollectedPoints& wanted = plain.found(pose);
         touches += !touched && wanted.count > 0;
         touched = wanted.count > 0;
         for (Variant& v : variants) {
@@ -343,17 +358,14 @@ TEST(QueryVariants, LookAtTheSamePointsOnManyThreads) {
     const VoxelScene scene = oblique_scene(random);
     const Voxmap voxmap = make_voxmap(scene, seed % 4 == 0 ? 63 : 0);
     const Pshell shell = make_pshell(blocky_part(random, scene));
-    query::ContactQuery plain(voxmap, shell, plain_options());
-    query::CollectedPoints wanted;
-    wanted.reserve(shell.view().point_count);
+    PlainQuery plain(voxmap, shell);
     std::vector<Variant> variants = make_thread_variants(voxmap, shell);
     Pose pose = random_pose(random, scene);
     for (int i = 0; i < 20; ++i) {
-      plain.run(pose, wanted);
+      const query::CollectedPoints& wanted = plain.found(pose);
       run_thread_variants(random, pose, wanted, variants);
       if (HasFatalFailure()) return;
-      const Pose moved = next_pose(random, scene, pose);
-      pose = is_sound(pose) || is_sound(moved) ? moved : random_pose(random, scene);
+      pose = next_pose(random, scene, pose);
     }
   }
 }
@@ -368,16 +380,14 @@ TEST(QueryVariants, FindWhatLeavesContactAllOver) {
   part.block_points = 16;
   part.super_block_blocks = 4;
   const Pshell shell = make_pshell(part);
-  query::ContactQuery plain(voxmap, shell, plain_options());
-  query::CollectedPoints wanted;
-  wanted.reserve(shell.view().point_count);
+  PlainQuery plain(voxmap, shell);
   std::vector<Variant> variants = make_thread_variants(voxmap, shell);
   Random random(1);
   int all = 0, some = 0;
   for (int i = 0; i < 60; ++i) {
     const double x_m = 0.08 - 0.05 * std::sin(0.3 * i);
     const Pose pose{{x_m, 0.3, 0.3}, random_orientation(random)};
-    plain.run(pose, wanted);
+    const query::CollectedPoints& wanted = plain.found(pose);
     (wanted.count == shell.view().point_count ? all : some) += 1;
     run_thread_variants(random, pose, wanted, variants);
     if (HasFatalFailure()) return;
@@ -445,13 +455,11 @@ TEST(QueryVariants, FindTheSamePointsInUniformAndEmptyMaps) {
   const Pshell shell = make_pshell(sphere_part(0.06, 2000, 0.01));
   for (const VoxelScene& scene : scenes) {
     const Voxmap voxmap = make_voxmap(scene);
-    query::ContactQuery plain(voxmap, shell, plain_options());
-    query::CollectedPoints wanted;
-    wanted.reserve(shell.view().point_count);
+    PlainQuery plain(voxmap, shell);
     std::vector<Variant> variants = make_variants(voxmap, shell);
     for (int i = 0; i < 50; ++i) {
       const Pose pose = random_pose(random, scene);
-      plain.run(pose, wanted);
+      const query::CollectedPoints& wanted = plain.found(pose);
       for (Variant& v : variants) {
         run_variant(random, pose, v);
         ASSERT_TRUE(same(v.found, wanted)) << v.name;

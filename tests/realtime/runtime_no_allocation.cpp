@@ -230,7 +230,7 @@ TEST(StepMemory, NoStepWithHelpersAllocatesOrLocks) {
   expect_no_allocation_or_lock(Model::kDefault, 2, 500);
 }
 
-// What the child below tells the test.
+// The message of the child below to the test.
 struct CallReport {
   int refused = 0;  // errno, where the filter cannot be set
   int touching = 0;

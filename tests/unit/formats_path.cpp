@@ -18,7 +18,7 @@ Result<std::vector<PathRow>> read_text(const std::string& text, PathOf of = Path
   return read_path(folder / "path.csv", of);
 }
 
-// Of the row after the header and before the end.
+// The row after the header and before the end.
 PathRow only_row(const std::string& text, PathOf of = PathOf::kPart) {
   const auto rows = read_text(text, of);
   if (!rows) throw std::runtime_error(to_line(rows.error()));

@@ -1,4 +1,4 @@
-// What OpenCASCADE leaves out of a STEP or IGES file is an error that names it.
+// Parts of a STEP or IGES file that OpenCASCADE leaves out are errors that name them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ TEST(StepLosses, AConstructiveSolidThatIsNotUnderstood) {
                         "#9001=RIGHT_CIRCULAR_CONE('tip',#9006,5.,1.,0.5);\n"
                         "#9004=CSG_SOLID('lid',#9001);\n");
   expect_in("1 solid: #9004 CSG_SOLID 'lid'", step_error(cone));
-  // Of a tree only the root is named: a union with all that lies below a plane is no solid.
+  // Only the root of a tree is named: a union with all that lies below a plane is no solid.
   const std::string tree = with_entities(
       with_item(step_box(), "#9004"),
       std::string(kFrame) +
@@ -375,7 +375,7 @@ TEST(IgesLosses, ADamagedSurfaceOfACube) {
   expect_in(lost, iges_error(with_parameters(box, 19, "144,0,1,0,23;")));
   expect_in(lost, iges_error(with_parameters(box, 19, "144,27,1,0,23;")));
   expect_in(lost, iges_error(with_type(box, 21, "999")));
-  // Of a face that is not a face any more, its boundary tells.
+  // The boundary tells of a face that is not a face any more.
   expect_in("1 faceless boundary: D23 (type 142)", iges_error(with_type(box, 19, "999")));
   expect_in("D23 (type 142)", iges_error(with_parameters(box, 19, "144,21,0,0;")));
 }

@@ -179,7 +179,7 @@ mesh::MeshFacts facts_of(const FactsRecord& r) {
           m[7]};
 }
 
-// Of its memory while it is read: an estimate from its size, high for its format.
+// The memory that a file takes while it is read: an estimate from its size, high for its format.
 double reading_bytes(const std::string& path) {
   constexpr double kOfCompressed = 40, kOfPlain = 10;
   const mesh::NamedFile source = mesh::named_file(path);

@@ -246,7 +246,7 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
     hn::Store(hn::IfThenElse(hn::Lt(reach, hn::Zero(kF)), set(-1), hn::Mul(limit, limit)), kF,
               limits + n);
   }
-  // What a triangle's distance must be at most at a corner.
+  // The most that a triangle's distance may be at a corner.
   HWY_ALIGN float most[8][kEighths];
   const EightPoints corners({-cells.span, -cells.span, -cells.span}, 2 * cells.span);
   for (std::size_t e = 0; e < kEighths; ++e) {

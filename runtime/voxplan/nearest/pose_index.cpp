@@ -33,7 +33,7 @@ struct PoseSearch {
   const Leaf& leaf(const Node& node) const { return index.leaves_[node.leaf]; }
   std::vector<Branch>& open() const { return index.open_; }
   void compare(std::uint32_t number) { index.compare(pose, number, best); }
-  // What may be as near as the best one: by a float distance.
+  // The float distance up to which a pose may be as near as the best one.
   float limit_m() const {
     constexpr float kRoundUp = 1 + 0x1p-22f;
     return static_cast<float>(best.distance_m) * kRoundUp + margin_m;
