@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "formats/command/report.h"
+#include "formats/file/atomic_file.h"
 
 namespace forcelayer::command {
 namespace {
@@ -155,7 +156,8 @@ Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std:
   const OutputFile* report = nullptr;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path->empty()) continue;
-    const Status one = check(outputs[i], outputs.first(i), inputs);
+    Status one = check(outputs[i], outputs.first(i), inputs);
+    if (one && *outputs[i].path != "-") one = AtomicFile::can_create(*outputs[i].path);
     if (one && std::string_view(outputs[i].option) == "--json") report = &outputs[i];
     if (checked && !one) checked = one;
   }

@@ -27,10 +27,10 @@ std::string file_of(const std::string& input);
 // - is another output;
 // - has an ending that belongs to another kind of file ("scene.stl" for a voxmap);
 // - replaces a baked file, or is a baked file or a picture that replaces something else. An empty
-// file, a device and a
-//   pipe can be written to.
+//   file, a device and a pipe can be written to;
+// - lies in a folder that is not there, or where the user may not write: kWriteFailed.
 // "-" becomes a path that writes to standard output, and what else the command prints goes to
-// standard error. What --json names becomes the command's report (report.h). Errors: kUsage.
+// standard error. What --json names becomes the command's report (report.h). Other errors: kUsage.
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs);
 
 }  // namespace forcelayer::command

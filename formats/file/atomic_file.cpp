@@ -118,6 +118,22 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   return file;
 }
 
+Status AtomicFile::can_create(const fs::path& target) {
+  AtomicFile file;
+  file.shown_ = target;
+  file.target_ = follow_links(target);
+  struct stat status {};
+  const bool is_stream = !descriptor_number(file.target_) &&
+                         ::stat(file.target_.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
+                         !S_ISDIR(status.st_mode);
+  if (!is_stream) {
+    const auto created = create(target);
+    return created ? Status() : created.error();
+  }
+  const int refused = ::faccessat(AT_FDCWD, file.target_.c_str(), W_OK, AT_EACCESS);
+  return refused == 0 ? Status() : file.write_error(errno);
+}
+
 Status AtomicFile::open_temporary() {
   temporary_ = temporary_name(target_);
   // Registered before it exists: there is no moment at which a signal would leave it behind.

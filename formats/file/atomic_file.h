@@ -30,6 +30,9 @@ class AtomicFile {
   ~AtomicFile();
 
   static Result<AtomicFile> create(const std::filesystem::path& target);
+  // The error that create() would end with, before there is anything to write. A pipe or a device
+  // is not opened, since its reader would take that for the end: whether it may be is asked.
+  static Status can_create(const std::filesystem::path& target);
 
   Status write(std::span<const std::byte> bytes);  // appends
   Status commit();                                 // flush to disk, rename, flush the folder

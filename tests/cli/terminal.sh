@@ -118,6 +118,44 @@ for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshel
   "$bin/$name" $words --nothing --json table.json 2>err.txt
   cmp -s press.csv table.json || fail "$call: the report of a wrong command line replaced another file"
 done
+# An output that cannot be written is told before any work: before a missing input is missed.
+while read -r name words; do
+  [ -x "$bin/$name" ] || continue
+  # shellcheck disable=SC2086  # words
+  "$bin/$name" $words >out.txt 2>err.txt
+  status=$?
+  [ $status = 1 ] && [ ! -s out.txt ] &&
+    grep -qE "^$name( doctor)?: no/a\.[a-z]+: cannot be written: No such file or directory; create the folder first$" err.txt ||
+    fail "$name $words: status $status: $(cat out.txt err.txt)"
+done <<'END'
+voxelize none.glb --voxel-size 1mm -o no/a.vox
+voxelize none.glb --voxel-size 1mm -o a.vox --json no/a.json
+pointshell none.glb --voxel-size 1mm -o no/a.pshell
+pointshell none.glb --voxel-size 1mm -o a.pshell --json no/a.json
+pointshell verify none.pshell none.glb --json no/a.json
+voxinfo none.vox --json no/a.json
+voxinfo verify none.vox --json no/a.json
+voxinfo sample none.vox --json no/a.json
+voxinfo export none.vox no/a.ply
+voxinfo path none.csv -o no/a.csv
+voxrun none.vox none.pshell --json no/a.json
+voxrun none.vox none.pshell --trace no/a.csv
+voxrun none.vox none.pshell --save-path no/a.csv
+voxrun none.vox none.pshell --record no/a.flr
+voxrun doctor --json no/a.json
+voxcheck none.vox none.pshell none.csv --json no/a.json
+voxcheck none.vox none.pshell none.csv --csv no/a.csv
+voxcheck none.vox none.pshell none.csv --junit no/a.xml
+voxcheck none.vox none.pshell none.csv --picture no/a.png
+voxcheck none.vox none.pshell none.csv --code-quality no/a.json
+voxplan none.vox none.pshell -o no/a.csv
+voxplan none.vox none.pshell -o a.csv --json no/a.json
+voxview none.glb --screenshot no/a.png
+voxview none.glb --screenshot a.png --json no/a.json
+forcelayer --json no/a.json
+forcelayer study none.glb#Pin --voxel-size 1mm -o study --json no/a.json
+END
+[ ! -e study ] || fail "a study that cannot report leaves its folder"
 "$bin/voxrun" floor.vox ball.pshell --motion press.csv --as-fast-as-possible --fail-on contact --json report.json --quiet 2>err.txt
 [ $? = 6 ] || fail "--fail-on contact: $(cat err.txt)"
 grep -q '"exit_status": 6' report.json && grep -q '"frames"' report.json || fail "the report of a 'no'"

@@ -1,7 +1,11 @@
 // A command destroys none of its inputs, and no file of another kind.
 #include "formats/command/output_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -103,6 +107,50 @@ TEST_F(OutputFiles, TwoOutputsNeedTwoNames) {
 
 TEST_F(OutputFiles, ADeviceMayBeAnInputToo) {
   EXPECT_EQ(refusal("/dev/null", FileKind::kVoxmap, {"/dev/null"}), "");
+}
+
+// Before the work, and by the words of the writer. Nothing that can be written to is refused.
+TEST_F(OutputFiles, AnOutputThatCannotBeWrittenIsRefused) {
+  const auto refused = [](std::string path) {
+    const OutputFile output[] = {{"--json", &path, FileKind::kReport}};
+    const Status status = prepare_outputs(output, {});
+    if (status) return std::string();
+    EXPECT_EQ(status.error().code, ErrorCode::kWriteFailed);
+    return to_line(status.error());
+  };
+  const std::string lost = at("none") + "/a.json", below = file("file", "x") + "/a.json";
+  EXPECT_EQ(refused(lost),
+            lost + ": cannot be written: No such file or directory; create the folder first");
+  EXPECT_EQ(refused(below), below + ": cannot be written: Not a directory");
+  fs::create_directory(at("folder"));
+  EXPECT_TRUE(holds(refused(at("folder")), "Is a directory"));
+  EXPECT_TRUE(holds(refused(at(std::string(300, 'x'))), "File name too long"));
+
+  const std::string pipe = at("pipe");  // that nobody reads yet: opening it would wait
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string read_only = file("old.json", "{}"), dangling = at("link.json");
+  fs::permissions(read_only, fs::perms::owner_read);
+  fs::create_symlink(at("target.json"), dangling);
+  for (const std::string& path : {std::string("/dev/null"), std::string("/dev/full"),
+                                  std::string("/dev/stdout"), pipe, read_only, dangling}) {
+    EXPECT_EQ(refused(path), "") << path;
+  }
+  EXPECT_EQ(test::entries_of(folder_.path()), 5);  // as before: nothing is left
+  EXPECT_FALSE(fs::exists(at("target.json")));
+}
+
+// A reader that waits at a pipe does not take the look at it for the end.
+TEST_F(OutputFiles, APipeIsNotOpenedBeforeItIsWrittenTo) {
+  std::string pipe = at("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  const OutputFile output[] = {{"--json", &pipe, FileKind::kReport}};
+  EXPECT_TRUE(prepare_outputs(output, {}));
+  pollfd at_end{reader, POLLIN, 0};
+  ::poll(&at_end, 1, 0);
+  EXPECT_EQ(at_end.revents & POLLHUP, 0);
+  ::close(reader);
 }
 
 }  // namespace
