@@ -205,7 +205,7 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   std::printf("points 2 voxels from a scene prove %.4g voxels for the whole surface\n",
               surface_distance_bound_m(shell.surface_distance_terms(), 2 * header.voxel_size_m) /
                   header.voxel_size_m);
-  for (const mesh::NamedFile& file : mesh::unite_by_file(arguments.inputs)) {
+  for (const NamedFile& file : mesh::unite_by_file(arguments.inputs)) {
     if (file.nodes.empty()) continue;
     std::printf("%s: at the identity pose it stands where it is installed in %s\n",
                 escaped(arguments.output).c_str(), escaped(file.path).c_str());

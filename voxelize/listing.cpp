@@ -50,7 +50,7 @@ class NodeSum {
   std::vector<bool> closed_;  // [meshes]
 };
 
-Result<ListedFile> list_file(const mesh::NamedFile& named, const mesh::Assembly& assembly) {
+Result<ListedFile> list_file(const NamedFile& named, const mesh::Assembly& assembly) {
   ListedFile file;
   file.path = named.path;
   const NodeSum sum(assembly);
@@ -119,7 +119,7 @@ Result<Listing> list_files(std::span<const std::string> inputs,
   Listing listing;
   options.missing_faces = std::numeric_limits<std::uint64_t>::max();
   std::vector<mesh::Assembly> assemblies;
-  for (const mesh::NamedFile& named : mesh::unite_by_file(inputs)) {
+  for (const NamedFile& named : mesh::unite_by_file(inputs)) {
     std::error_code ignored;
     if (named.path.ends_with(".json")) return not_listed(named.path, "takes no manifest");
     if (std::filesystem::is_directory(named.path, ignored)) {

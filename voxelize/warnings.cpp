@@ -24,7 +24,7 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
     const double spacing_m =
         mesh::vertex_spacing_m(meshes[i].float_coordinate, part.world_from_mesh);
     if (!mesh::coarse_vertices_warning(spacing_m, options.voxel_size_m)) continue;
-    double& widest_m = coarse_files[mesh::named_file(part.file).path];
+    double& widest_m = coarse_files[named_file(part.file).path];
     widest_m = std::max(widest_m, spacing_m);
   }
   if (coarse_files.empty()) return warnings;

@@ -15,6 +15,7 @@
 
 #include "formats/command/report.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/named_file.h"
 
 namespace forcelayer::command {
 namespace {
@@ -142,13 +143,6 @@ Result<std::string> take_standard_output() {
 }
 
 }  // namespace
-
-std::string file_of(const std::string& input) {
-  std::error_code error;
-  const std::size_t mark = input.rfind('#');
-  if (mark == std::string::npos || fs::exists(input, error)) return input;
-  return input.substr(0, mark);
-}
 
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs) {
   expect_no_report();

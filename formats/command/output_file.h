@@ -19,9 +19,6 @@ struct OutputFile {
   FileKind kind;
 };
 
-// "file.glb" of "file.glb#Node", unless a file has the whole name.
-std::string file_of(const std::string& input);
-
 // Checks, before anything is read or written, that no output
 // - is an input: the same file by any name, link or "FILE#NODE";
 // - is another output;

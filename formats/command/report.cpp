@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "formats/command/command.h"
-#include "formats/command/output_file.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/mapped_file.h"
+#include "formats/file/named_file.h"
 #include "formats/section_table.h"
 
 namespace forcelayer::command {

@@ -94,7 +94,7 @@ Error AtomicFile::write_error(int number) const {
           "cannot be written: " + std::generic_category().message(number), mend};
 }
 
-Result<AtomicFile> AtomicFile::create(const fs::path& target) {
+Result<AtomicFile> AtomicFile::open(const fs::path& target, bool opens_streams) {
   AtomicFile file;
   file.shown_ = target;
   if (target.empty()) return file.write_error(ENOENT);
@@ -109,8 +109,11 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   if (!exists && errno != ENOENT) return file.write_error(errno);
   if (exists && S_ISDIR(status.st_mode)) return file.write_error(EISDIR);
   if (exists && !S_ISREG(status.st_mode)) {
-    file.descriptor_ = ::open(file.target_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file.descriptor_ < 0) return file.write_error(errno);
+    const char* const stream = file.target_.c_str();
+    if (opens_streams) file.descriptor_ = ::open(stream, O_WRONLY | O_CLOEXEC);
+    const bool is_ours = opens_streams ? file.descriptor_ >= 0
+                                       : ::faccessat(AT_FDCWD, stream, W_OK, AT_EACCESS) == 0;
+    if (!is_ours) return file.write_error(errno);
     return file;
   }
   if (Status opened = file.open_temporary(); !opened) return opened.error();
@@ -118,20 +121,11 @@ Result<AtomicFile> AtomicFile::create(const fs::path& target) {
   return file;
 }
 
+Result<AtomicFile> AtomicFile::create(const fs::path& target) { return open(target, true); }
+
 Status AtomicFile::can_create(const fs::path& target) {
-  AtomicFile file;
-  file.shown_ = target;
-  file.target_ = follow_links(target);
-  struct stat status {};
-  const bool is_stream = !descriptor_number(file.target_) &&
-                         ::stat(file.target_.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
-                         !S_ISDIR(status.st_mode);
-  if (!is_stream) {
-    const auto created = create(target);
-    return created ? Status() : created.error();
-  }
-  const int refused = ::faccessat(AT_FDCWD, file.target_.c_str(), W_OK, AT_EACCESS);
-  return refused == 0 ? Status() : file.write_error(errno);
+  const auto opened = open(target, false);
+  return opened ? Status() : opened.error();
 }
 
 Status AtomicFile::open_temporary() {

@@ -44,6 +44,7 @@ class AtomicFile {
 
  private:
   AtomicFile() = default;
+  static Result<AtomicFile> open(const std::filesystem::path& target, bool opens_streams);
   Status open_temporary();
   void take_over(const struct stat& old) noexcept;  // owner, group and mode, where we may
   void discard() noexcept;

@@ -78,21 +78,6 @@ struct PathStamp {
 
 }  // namespace
 
-NamedFile named_file(const std::string& path) {
-  const auto exists = [](const std::string& name) {
-    std::error_code ignored;
-    return std::filesystem::exists(name, ignored);
-  };
-  if (path.find('#') == std::string::npos || exists(path)) return {path, {}};
-  std::size_t hash = path.find('#');
-  while (hash != std::string::npos && !exists(path.substr(0, hash)))
-    hash = path.find('#', hash + 1);
-  if (hash == std::string::npos) hash = path.rfind('#');
-  NamedFile file{path.substr(0, hash), {}};
-  if (hash + 1 < path.size()) file.nodes.push_back(path.substr(hash + 1));
-  return file;
-}
-
 std::vector<NamedFile> unite_by_file(std::span<const std::string> inputs) {
   std::vector<NamedFile> files;
   for (const std::string& input : inputs) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "formats/file/mapped_file.h"
+#include "formats/file/named_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
@@ -21,14 +22,6 @@ struct SourceFile {
   std::string_view bytes;  // all of it
   ReadOptions options = {};
 };
-
-// "FILE#NODE" taken apart. A file may have "#" in its name: the first part that is the name of a
-// file counts.
-struct NamedFile {
-  std::string path;
-  std::vector<std::string> nodes;  // the text after "#"; none for the whole file
-};
-NamedFile named_file(const std::string& path);
 
 // ".stl" of "Part.STL"; empty where the name has no extension.
 std::string lower_case_extension(const std::string& path);

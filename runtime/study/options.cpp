@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "formats/command/quantity.h"
+#include "formats/file/named_file.h"
 
 namespace forcelayer::study {
 
@@ -54,13 +55,13 @@ Result<Options> OptionParser::finish() const {
   const auto usage = [](const char* option, std::string what, std::string mend) {
     return Error{ErrorCode::kUsage, "", option, std::move(what), std::move(mend)};
   };
-  const std::size_t hash = input_.rfind('#');
-  if (hash == std::string::npos || hash == 0 || hash + 1 == input_.size()) {
+  const NamedFile named = named_file(input_);
+  if (named.path.empty() || named.nodes.empty() || named.nodes.front().empty()) {
     return usage("ASSEMBLY#PART", "'" + input_ + "' names no part",
                  "name it behind a #, as voxelize --list prints it");
   }
-  options.assembly = input_.substr(0, hash);
-  options.node = input_.substr(hash + 1);
+  options.assembly = named.path;
+  options.node = named.nodes.front();
   if (!options.path.empty() && !options.pull.empty()) {
     return usage("--path", "and --pull exclude each other",
                  "give the way that is checked, or where the part is pulled to");

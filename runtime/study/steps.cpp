@@ -14,6 +14,7 @@
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
 #include "formats/file/mapped_file.h"
+#include "formats/file/named_file.h"
 
 namespace forcelayer::study {
 namespace {
@@ -99,7 +100,7 @@ std::vector<std::string> with_references(const std::string& file) {
     if (!std::filesystem::is_regular_file(path, failure)) return;
     if (!seen.insert(path.lexically_normal()).second) return;
     for (const std::string& name : names_in(path)) {
-      add(path.parent_path() / name.substr(0, name.find('#')));
+      add(file_of((path.parent_path() / name).string()));
     }
   };
   add(file);

@@ -108,6 +108,23 @@ grep -q 'pushed [0-9.]* mm deep' given/report.html || fail "the page does not sa
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q 'not settled' given/report.html || fail "the page does not say that the seat is not settled"
 
+# A file and a part with # in their names; a node that is called as a list is written.
+python3 - <<'END' || fail "odd names"
+import json, struct
+glb = open("gearbox.glb", "rb").read()
+length, = struct.unpack_from("<I", glb, 12)
+document = json.loads(glb[20:20 + length])
+for node in document["nodes"]:
+    node["name"] = {"Pin": "pin#3", "Clip": "{Cover,Bolt}"}.get(node["name"], node["name"])
+text = json.dumps(document).encode()
+text += b" " * (-len(text) % 4)
+rest = glb[20 + length:]
+open("odd ü#1.glb", "wb").write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+END
+study 0 'odd ü#1.glb#pin#3' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o odd --json odd.json
+grep -q "^\$ pointshell 'odd ü#1.glb#pin#3'" out.txt && grep -q '"path": "odd ü#1.glb"' odd.json || fail "odd names: $(cat out.txt)"
+study 2 'odd ü#1.glb' --voxel-size 2mm --pull 0,0,60mm -o none
+
 # Errors.
 study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none
 study 2 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --path up.csv -o none

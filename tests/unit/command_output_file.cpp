@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "formats/file/named_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::command {
@@ -58,6 +59,17 @@ TEST_F(OutputFiles, NoInputIsReplacedByAnyNameOfIt) {
   }
   EXPECT_EQ(refusal(at("other.mesh"), FileKind::kReport, {mesh}), "");
   EXPECT_TRUE(holds(refusal(mesh, FileKind::kReport, {"", mesh}), "choose another name"));
+}
+
+// Whichever "#" of an input stands before the node.
+TEST_F(OutputFiles, AnInputIsTheFileBeforeTheFirstSignThatEndsAFile) {
+  const std::string mesh = file("odd#1.mesh", "solid");
+  EXPECT_TRUE(holds(refusal(mesh, FileKind::kReport, {mesh + "#pin#3"}), "is an input"));
+  EXPECT_EQ(named_file(mesh + "#pin#3").path, mesh);
+  EXPECT_EQ(named_file(mesh + "#pin#3").nodes, std::vector<std::string>{"pin#3"});
+  EXPECT_TRUE(named_file(mesh).nodes.empty());
+  EXPECT_EQ(named_file(mesh + "#").nodes, std::vector<std::string>{""});
+  EXPECT_EQ(named_file(at("none#1.mesh#pin")).path, at("none#1.mesh"));
 }
 
 TEST_F(OutputFiles, AnEndingOfAnotherKindIsRefused) {

@@ -42,7 +42,7 @@ bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
 
 // The digest of everything that reading a file depends on; nothing where other files may count.
 std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOptions& options) {
-  const mesh::NamedFile source = mesh::named_file(path);
+  const NamedFile source = named_file(path);
   const auto mapped = MappedFile::open(source.path);
   if (!mapped) return std::nullopt;  // reading it will say why
   const std::filesystem::path name = std::filesystem::path(source.path).filename();
@@ -182,7 +182,7 @@ mesh::MeshFacts facts_of(const FactsRecord& r) {
 // The memory that a file takes while it is read: an estimate from its size, high for its format.
 double reading_bytes(const std::string& path) {
   constexpr double kOfCompressed = 40, kOfPlain = 10;
-  const mesh::NamedFile source = mesh::named_file(path);
+  const NamedFile source = named_file(path);
   const std::string extension = std::filesystem::path(source.path).extension().string();
   std::error_code failure;
   const auto size = static_cast<double>(std::filesystem::file_size(source.path, failure));
