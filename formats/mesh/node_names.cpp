@@ -47,21 +47,23 @@ bool any_end(std::string_view path, const Test& test) {
   }
 }
 
-bool ends_as(const std::string& path, const std::string& name) {
-  return any_end(path, [&](std::string_view end) { return end == name; });
-}
-
 bool ends_like(const std::string& path, const std::string& pattern) {
   return any_end(path, [&](std::string_view end) { return matches(end, pattern); });
 }
 
-// The node of this path, else all whose paths end so, else all that fit the wildcards.
-std::vector<std::size_t> nodes_of(const std::string& name, std::span<const AssemblyNode> nodes) {
+// The node of this path, else all whose paths end so.
+std::vector<std::size_t> bearers_of(const std::string& name, std::span<const AssemblyNode> nodes) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].path == name) return {i};
-    if (ends_as(nodes[i].path, name)) found.push_back(i);
+    if (bears_name(nodes[i].path, name)) found.push_back(i);
   }
+  return found;
+}
+
+// Those, else all that fit the wildcards.
+std::vector<std::size_t> nodes_of(const std::string& name, std::span<const AssemblyNode> nodes) {
+  std::vector<std::size_t> found = bearers_of(name, nodes);
   if (!found.empty() || !has_wildcard(name)) return found;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (ends_like(nodes[i].path, name)) found.push_back(i);
@@ -88,6 +90,11 @@ Error several(const std::string& where, const std::vector<std::size_t>& found,
   return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name", "use one of: " + list};
 }
 
+// The names that `list` stands for among these nodes.
+std::vector<std::string> names_among(const std::string& list, std::span<const AssemblyNode> nodes) {
+  return names_in(list, !bearers_of(list, nodes).empty());
+}
+
 bool is_ambiguous(const std::string& name, const std::vector<std::size_t>& found) {
   return found.size() > 1 && !has_wildcard(name);
 }
@@ -104,12 +111,16 @@ AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
   return {label, parent->path + "/" + label, parent->depth + 1};
 }
 
-bool fits_name(const std::string& path, const std::string& name) {
-  return ends_as(path, name) || ends_like(path, name);
+bool bears_name(const std::string& path, const std::string& name) {
+  return any_end(path, [&](std::string_view end) { return end == name; });
 }
 
-std::vector<std::string> names_in(const std::string& name) {
-  if (name.size() < 2 || name.front() != '{' || name.back() != '}') return {name};
+bool fits_name(const std::string& path, const std::string& name) {
+  return bears_name(path, name) || ends_like(path, name);
+}
+
+std::vector<std::string> names_in(const std::string& name, bool is_borne) {
+  if (is_borne || name.size() < 2 || name.front() != '{' || name.back() != '}') return {name};
   std::vector<std::string> names;
   for (std::size_t start = 1; start < name.size();) {
     const std::size_t end = std::min(name.find(',', start), name.size() - 1);
@@ -123,7 +134,7 @@ Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
                                        std::span<const AssemblyNode> nodes) {
   std::vector<bool> is_in(nodes.size(), names.empty());
   for (const std::string& list : names) {
-    for (const std::string& name : names_in(list)) {
+    for (const std::string& name : names_among(list, nodes)) {
       const std::vector<std::size_t> found = nodes_of(name, nodes);
       if (is_ambiguous(name, found)) return several("#" + name, found, nodes);
       if (found.empty()) {
@@ -146,7 +157,7 @@ NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> 
   if (!chosen) fail(chosen.error());
   NodesToRead to_read{std::move(*chosen), std::vector<bool>(nodes.size()), {}, {}};
   for (const std::string& list : file.options.without) {
-    for (const std::string& name : names_in(list)) {
+    for (const std::string& name : names_among(list, nodes)) {
       const std::vector<std::size_t> found = nodes_of(name, nodes);
       if (is_ambiguous(name, found)) fail(several("--without " + name, found, nodes));
       (found.empty() ? to_read.unknown : to_read.left_out).push_back(name);
@@ -180,15 +191,18 @@ void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<As
   close_down_to(0, nodes.size());
 }
 
-Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies) {
+Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies,
+                      const std::set<std::string>& parts) {
+  const auto is_known = [&](const std::string& name) {
+    const auto left_out_of = [&](const Assembly& assembly) {
+      return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
+             assembly.left_out.end();
+    };
+    return parts.contains(name) || std::any_of(assemblies.begin(), assemblies.end(), left_out_of);
+  };
   for (const std::string& list : without) {
-    for (const std::string& name : names_in(list)) {
-      const bool is_known =
-          std::any_of(assemblies.begin(), assemblies.end(), [&](const Assembly& assembly) {
-            return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
-                   assembly.left_out.end();
-          });
-      if (is_known) continue;
+    for (const std::string& name : names_in(list, is_known(list))) {
+      if (is_known(name)) continue;
       command::NearestNames nearest(name);
       for (const Assembly& assembly : assemblies) {
         for (const AssemblyNode& node : assembly.nodes) nearest.add(node.path);

@@ -24,6 +24,9 @@ inline constexpr std::size_t kDeepestNode = 1000;
 AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
                        std::set<std::string>& used);
 
+// Whether a node of this path is called `name`, as it stands.
+bool bears_name(const std::string& path, const std::string& name);
+
 // Whether a node of this path is meant by `name`, which is no list.
 bool fits_name(const std::string& path, const std::string& name);
 
@@ -48,10 +51,12 @@ NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> 
 // Sets the instances of `nodes`. [instances] `nodes_of_instances`: the node of each, ascending.
 void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<AssemblyNode> nodes);
 
-// An error where a name of `without` is in the list `left_out` of no assembly.
-Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies);
+// An error where a name of `without` is neither in the list `left_out` of an assembly nor one of
+// the `parts` of a manifest that are left out.
+Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies,
+                      const std::set<std::string>& parts = {});
 
-// The names of "{A,B}", else `name` alone.
-std::vector<std::string> names_in(const std::string& name);
+// The names of "{A,B}", else `name` alone; that too where something bears the list as its name.
+std::vector<std::string> names_in(const std::string& name, bool is_borne = false);
 
 }  // namespace forcelayer::mesh

@@ -71,7 +71,7 @@ class SceneReader {
   const SceneReading& reading_;
   Scene scene_;
   std::vector<Placing> placings_;
-  std::vector<std::string> without_;           // names, none a list
+  std::vector<std::string> without_;           // names and lists of them
   std::size_t number_ = 0;                     // of the placing in hand
   std::vector<FileToRead> files_;              // that will be read, in order
   std::map<std::string, std::uint32_t> read_;  // files read so far
@@ -263,9 +263,16 @@ Status SceneReader::place_all() {
 
 // Takes the names of --without that are those of a manifest's parts: such a part is not read.
 void SceneReader::leave_out_parts() {
+  std::vector<std::string> names;
+  for (const std::string& list : without_) {
+    const bool is_borne =
+        std::any_of(placings_.begin(), placings_.end(),
+                    [&](const Placing& placing) { return bears_name(placing.name, list); });
+    for (std::string& name : names_in(list, is_borne)) names.push_back(std::move(name));
+  }
   const auto is_left_out = [&](const Placing& placing) {
     return !placing.name.empty() &&
-           std::any_of(without_.begin(), without_.end(), [&](const std::string& name) {
+           std::any_of(names.begin(), names.end(), [&](const std::string& name) {
              if (!fits_name(placing.name, name)) return false;
              scene_.parts_left_out.insert(name);
              return true;
@@ -276,20 +283,14 @@ void SceneReader::leave_out_parts() {
 
 Result<Scene> SceneReader::finish() {
   for (const auto* list : {&reading_.without, &std::as_const(scene_.without)}) {
-    for (const std::string& names : *list) {
-      for (std::string& name : names_in(names)) without_.push_back(std::move(name));
-    }
+    without_.insert(without_.end(), list->begin(), list->end());
   }
   leave_out_parts();
   list_files();
   if (reading_.read_ahead) reading_.read_ahead(files_);
   if (Status placed = place_all(); !placed) return placed.error();
-  std::vector<std::string> nodes_left_out;
-  for (const std::string& name : without_) {
-    if (!scene_.parts_left_out.contains(name)) nodes_left_out.push_back(name);
-  }
-  if (Status named = check_left_out(nodes_left_out, scene_.assemblies); !named)
-    return named.error();
+  const Status named = check_left_out(without_, scene_.assemblies, scene_.parts_left_out);
+  if (!named) return named.error();
   // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;
   for (MeshObject& object : scene_.objects) {

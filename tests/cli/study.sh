@@ -123,6 +123,13 @@ open("odd ü#1.glb", "wb").write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(tex
 END
 study 0 'odd ü#1.glb#pin#3' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o odd --json odd.json
 grep -q "^\$ pointshell 'odd ü#1.glb#pin#3'" out.txt && grep -q '"path": "odd ü#1.glb"' odd.json || fail "odd names: $(cat out.txt)"
+study 0 'odd ü#1.glb#pin#3' --without '{Cover,Bolt}' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o odd --json odd.json
+python3 - <<'END' || fail "a node that is called as a list is written"
+import json
+assert json.load(open("odd/scene.json"))["without"] == ["pin#3", "{Cover,Bolt}"]
+names = [part["name"] for part in json.load(open("odd/scene.json"))["parts"]]
+assert len(names) == 6 and not any("{" in name for name in names), names
+END
 study 2 'odd ü#1.glb' --voxel-size 2mm --pull 0,0,60mm -o none
 
 # Errors.

@@ -11,11 +11,12 @@ namespace {
 
 using mesh::AssemblyNode;
 
-// Gearbox with a lid of a cover and three bolts, a clip of two halves, and one more cover.
+// Gearbox with a lid of a cover and three bolts, a clip of two halves, and one more cover, which
+// holds what is oddly named.
 std::vector<AssemblyNode> gearbox() {
   const std::vector<std::pair<int, const char*>> names = {
-      {0, "Gearbox"}, {1, "Lid"},  {2, "Cover"}, {2, "Bolt"},  {2, "Bolt"},   {2, "Bolt"},
-      {1, "Clip"},    {2, "Half"}, {2, "Half"},  {1, "Cover"}, {2, "M6 1/2*"}};
+      {0, "Gearbox"}, {1, "Lid"},  {2, "Cover"}, {2, "Bolt"},  {2, "Bolt"},    {2, "Bolt"},
+      {1, "Clip"},    {2, "Half"}, {2, "Half"},  {1, "Cover"}, {2, "M6 1/2*"}, {2, "{Clip,Lid}"}};
   std::vector<AssemblyNode> nodes;
   std::vector<std::pair<AssemblyNode, std::set<std::string>>> open = {{}};
   for (const auto& [depth, name] : names) {
@@ -79,8 +80,29 @@ TEST(NodeNames, MayBeLists) {
 
 TEST(NodeNames, OfDesignersMayHoldWhatElseHasAMeaning) {
   EXPECT_EQ(chosen({"M6 1/2*"}), "Gearbox/Cover/M6 1/2*");
+  EXPECT_EQ(chosen({"{Clip,Lid}"}), "Gearbox/Cover/{Clip,Lid}");
+  EXPECT_EQ(chosen({"Cover/{Clip,Lid}"}), "Gearbox/Cover/{Clip,Lid}");
   EXPECT_EQ(mesh::names_in("{}"), std::vector<std::string>{"{}"});
   EXPECT_EQ(mesh::names_in("a,b"), std::vector<std::string>{"a,b"});
+}
+
+// Each name that is left out is known by itself, or as one of a list, or as a part of a manifest.
+TEST(NodeNames, OfListsAreLeftOut) {
+  mesh::Assembly assembly;
+  assembly.nodes = gearbox();
+  for (const auto& [without, left_out] :
+       {std::pair<std::string, std::vector<std::string>>{"{Clip,Lid}", {"{Clip,Lid}"}},
+        {"{Clip,Bolt*}", {"Clip", "Bolt*"}},
+        {"{Clip,Bold}", {"Clip"}}}) {
+    mesh::SourceFile file{"", "", {}};
+    file.options.without = {without};
+    const mesh::NodesToRead to_read = mesh::nodes_to_read(file, assembly.nodes);
+    EXPECT_EQ(to_read.left_out, left_out);
+    assembly.left_out = left_out;
+    const bool all_known = without != "{Clip,Bold}";
+    EXPECT_EQ(bool(mesh::check_left_out(file.options.without, std::span(&assembly, 1))), all_known);
+    EXPECT_TRUE(mesh::check_left_out(file.options.without, std::span(&assembly, 1), {"Bold", "x"}));
+  }
 }
 
 TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {

@@ -1,5 +1,6 @@
 #include "runtime/viewer/plan/picture_plan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -143,11 +144,13 @@ Status plan_change(const ViewScene& scene, PicturePlan& plan) {
 
 nlohmann::ordered_json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-// Whether an object, or a group that it is in, is meant by a name (formats/mesh/node_names.h).
-bool is_meant(const std::string& object, const std::string& name) {
+// Whether an object, or a group that it is in, is called or meant by a name
+// (formats/mesh/node_names.h).
+bool is_named(const std::string& object, const std::string& name,
+              bool (*fits)(const std::string& path, const std::string& name)) {
   for (std::size_t end = object.size();; end = object.rfind('/', end - 1)) {
     if (end == std::string::npos) return false;
-    if (mesh::fits_name(object.substr(0, end), name)) return true;
+    if (fits(object.substr(0, end), name)) return true;
     if (end == 0) return false;
   }
 }
@@ -160,10 +163,13 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
   const auto set = [&](const char* option, const std::vector<std::string>& lists,
                        char hidden) -> Status {
     for (const std::string& list : lists) {
-      for (const std::string& name : mesh::names_in(list)) {
+      const bool is_borne = std::any_of(
+          objects.begin(), objects.end(),
+          [&](const std::string& object) { return is_named(object, list, mesh::bears_name); });
+      for (const std::string& name : mesh::names_in(list, is_borne)) {
         bool any = false;
         for (std::size_t n = 0; n < objects.size(); ++n) {
-          if (!is_meant(objects[n], name)) continue;
+          if (!is_named(objects[n], name, mesh::fits_name)) continue;
           is_hidden[n] = hidden;
           any = true;
         }
