@@ -122,6 +122,11 @@ Assembly read_as(const Format& format, const SourceFile& file) {
 
 Result<Assembly> read_source(const SourceFile& file) {
   try {
+    const std::vector<std::string>& nodes = file.options.nodes;
+    if (std::find(nodes.begin(), nodes.end(), "") != nodes.end()) {
+      fail_read(file, ErrorCode::kSceneInvalid, "#", "no name stands behind it",
+                "name a node, as voxelize --list prints them, or leave the # out");
+    }
     const Format& format = format_of(file);
     if (!file.options.nodes.empty() && !format.has_nodes) {
       fail_read(file, ErrorCode::kSceneInvalid, "#" + file.options.nodes.front(),

@@ -111,6 +111,11 @@ JSON
   bake manifest scene.json
   [ "$(names manifest)" = "box lid/Gearbox/Lid/Bolt lid/Gearbox/Lid/Bolt[2] lid/Gearbox/Lid/Bolt[3] lid/Gearbox/Lid/Bolt[4] pin" ] ||
     fail "a manifest: $(names manifest)"
+  sed 's/"pin"/"{box,lid}"/' scene.json >odd.json
+  bake fewer odd.json --without '{box,lid}'
+  [ "$(names fewer)" = "$(names manifest | sed 's/ pin$//')" ] || fail "without a part that is called as a list is written: $(names fewer)"
+  bake fewer odd.json --without '{box,Bolt[?]}'
+  [ "$(names fewer)" = "lid {box,lid}" ] || fail "without a list of a part and nodes: $(names fewer)"
   bake fewer scene.json --without pin --without 'Bolt[?]'
   [ "$(names fewer)" = "box lid" ] || fail "a manifest without its pin: $(names fewer)"
   python3 -c 'import json; assert json.load(open("fewer.json"))["without"] == ["Bolt[?]", "Cover", "pin"]' ||
@@ -124,6 +129,14 @@ JSON
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
   refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
   refuses 3 "#Screw*: no node of this name" voxelize "$file#{Cover,Screw*}" --voxel-size 1mm -o no.vox
+  # No name, as of "$file#$PART" with nothing in PART, is not the whole file.
+  refuses 3 "$file: #: no name stands behind it; name a node, as voxelize --list prints them, or leave the # out" \
+    pointshell "$file#" --voxel-size 1mm -o no.pshell
+  refuses 3 "$file: #: no name stands behind it" voxelize "$file#Pin" "$file#" --voxel-size 1mm -o no.vox
+  refuses 3 "$file: #: no name stands behind it" voxelize "$file#" --voxel-size 1mm -o no.vox --sandbox --cache no.cache
+  refuses 3 "$file: #: no name stands behind it" voxelize --list "$file#"
+  printf '{"parts": [{"mesh": "%s#"}]}' "$file" >bad.json
+  refuses 3 "parts[0] of bad.json, #: no name stands behind it" voxelize bad.json --voxel-size 1mm -o no.vox
   printf '{"parts": [{"mesh": "%s#Pin"}, {"mesh": "%s#Pim"}]}' "$file" "$file" >bad.json
   refuses 3 "parts[1] of bad.json, #Pim: no node of this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
   refuses 3 "no node with a mesh is left" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
