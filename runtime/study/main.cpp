@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
   command::arrange_help(
       *made,
       {{"What is asked",
-        {"--voxel-size", "--range", "--path", "--pull", "--time", "--clearance", "--seat",
+        {"--voxel-size", "--range", "--path", "--pull", "--time", "--seed", "--clearance", "--seat",
          "--seat-depth", "--allow"}},
        {"What is read", {"--without", "--missing-faces", "--units", "--sandbox"}},
        {"Output", {"--output", "--files-alone", "--no-pictures"}}},

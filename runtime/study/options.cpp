@@ -25,6 +25,8 @@ OptionParser::OptionParser(CLI::App& study) {
                    "x,y,z: where a hand pulls the part to, in place of a path, such as 0,0,60mm");
   study.add_option("--time", options_.time,
                    "without --path and --pull: how long voxplan looks for a way out; default 60s");
+  study.add_option("--seed", options_.seed,
+                   "of the random numbers of that search, as of voxplan; default 1");
   study.add_option("--clearance", options_.clearance,
                    "that is required of the exact surfaces, default 12.7mm");
   study.add_option("--seat", options_.seat,

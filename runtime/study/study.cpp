@@ -75,6 +75,7 @@ class Study {
 
   Status bake();
   Status find_path();
+  Error not_found() const;
   Status pull();
   Status check();
   Status draw();
@@ -102,10 +103,13 @@ Result<StepEnd> Study::run(const Step& step, bool or_no) {
         ErrorCode::kDeviceFailed, ErrorCode::kAnswerIsNo}) {
     if (end->status == exit_status(other)) code = other;
   }
+  // The system's refusals and signals pass; a wrong command line or file stays wrong.
+  const bool may_pass = end->status == exit_status(ErrorCode::kInternal) || end->status >= 128;
   return Error{
       code, "", step.program,
       "ended with status " + std::to_string(end->status) + ", so the study is not finished",
-      "see its line above; the same command goes on from there"};
+      std::string("see its line above") +
+          (may_pass ? "; the same command goes on from there" : "")};
 }
 
 std::vector<std::string> Study::left_out() const {
@@ -182,6 +186,9 @@ Step Study::plan_step() const {
   if (!options_.time.empty()) {
     step.arguments.insert(step.arguments.end(), {"--time", options_.time});
   }
+  if (!options_.seed.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seed", options_.seed});
+  }
   return step;
 }
 
@@ -242,8 +249,19 @@ Status Study::find_path() {
   if (!path_.empty()) return {};
   path_ = in("path.csv");
   if (!options_.searches()) return pull();
-  const auto planned = run(plan_step());
-  return planned ? Status{} : planned.error();
+  const auto planned = run(plan_step(), true);
+  if (!planned) return planned.error();
+  return planned->status == 0 ? Status{} : not_found();
+}
+
+// In the words of voxplan: what it tried, and what was in the way.
+Error Study::not_found() const {
+  const json plan = read_json(in("plan.json"));
+  const bool is_told = plan.is_object() && plan.contains("error");
+  return {ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
+          is_told ? plan["error"].value("what", "") : "no path found",
+          "the same search finds none again; try a longer --time, another --seed, a smaller "
+          "--clearance or --voxel-size, or give a way of your own with --path or --pull"};
 }
 
 Status Study::pull() {

@@ -74,7 +74,11 @@ if [ -x "$bin/voxplan" ]; then
   study 0 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o found --json found.json
   grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
-  grep -q 'no path found in .* (best: out to ' err.txt && [ ! -e lost/report.html ] || fail "lost: $(cat err.txt)"
+  grep -q '^voxplan: .*: no path found in .* (best: out to ' err.txt && [ ! -e lost/report.html ] || fail "lost: $(cat err.txt)"
+  grep -q '^forcelayer: gearbox.glb: Cover: no path found in .* (best: out to .*; the same search finds none again; try a longer' \
+    err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
+  study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s --seed 5 -o lost
+  grep -q '^\$ voxplan .* --seed 5$' out.txt || fail "--seed is not handed on: $(cat out.txt)"
   # However a study ends, the command that it waits for ends too.
   for signal in TERM KILL; do
     "$bin/forcelayer" study 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 300s -o lost --no-pictures \
@@ -140,6 +144,8 @@ study 2 'gearbox.glb#Pin' --voxel-size 1 --pull 0,0,60mm -o none
 study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
 [ ! -e none ] || fail "a study of nothing leaves $(find none)"
 study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none
+grep -q '^forcelayer: voxelize: ended with status 3, so the study is not finished; see its line above$' err.txt ||
+  fail "a name that is wrong stays wrong: $(cat err.txt)"
 study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o none
 [ ! -e none/report.html ] || fail "a page of nothing"
 finish
