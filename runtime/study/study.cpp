@@ -1,6 +1,10 @@
 #include "runtime/study/study.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +16,7 @@
 #include "formats/command/quantity.h"
 #include "formats/command/text.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/descriptor.h"
 #include "formats/path/path_file.h"
 #include "formats/path/quaternion.h"
 #include "runtime/study/curve.h"
@@ -360,6 +365,18 @@ Status Study::make() {
   return judge();
 }
 
+// The folder, locked for as long as this lives: two studies at once would mix their files. The
+// system lets it go however this program ends, and nothing is written. A file system that knows no
+// such lock refuses nobody.
+Result<Descriptor> lock_folder(const std::string& folder) {
+  Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (locked.valid() && ::flock(locked.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return Error{ErrorCode::kWriteFailed, folder, "--output", "another study is writing to it",
+                 "wait for its end, or name another folder"};
+  }
+  return locked;
+}
+
 }  // namespace
 
 Status make_study(const Options& options) {
@@ -369,6 +386,8 @@ Status make_study(const Options& options) {
     return Error{ErrorCode::kWriteFailed, options.folder, "--output", failure.message(),
                  "name a folder that can be written to"};
   }
+  const auto locked = lock_folder(options.folder);
+  if (!locked) return locked.error();
   auto steps =
       Steps::open((std::filesystem::path(options.folder) / "study.json").string(), options.quiet);
   if (!steps) return steps.error();

@@ -7,7 +7,8 @@
 namespace forcelayer::study {
 
 // Bakes, runs or takes the path, checks, draws and writes the page. Errors: kAnswerIsNo where the
-// path is not clear or the part does not come out; those of the commands that it calls, by their
+// path is not clear or the part does not come out; kWriteFailed where another study writes to the
+// folder; those of the commands that it calls, by their
 // status.
 Status make_study(const Options& options);
 

@@ -89,6 +89,11 @@ if [ -x "$bin/voxplan" ]; then
       sleep 0.1
     done
     [ -n "$planner" ] || fail "no voxplan: $(cat out.txt err.txt)"
+    # While it runs, its folder is its own.
+    "$bin/forcelayer" study 'gearbox.glb#Cover' --voxel-size 2mm --pull 0,0,60mm -o lost --no-pictures >second.txt 2>&1
+    [ $? = 1 ] && [ "$(cat second.txt)" = \
+      "forcelayer: lost: --output: another study is writing to it; wait for its end, or name another folder" ] ||
+      fail "two studies at once: $(cat second.txt)"
     kill -s "$signal" "$study"
     wait "$study" 2>/dev/null && fail "ended by SIG$signal with status 0"
     for _ in $(seq 600); do
