@@ -62,7 +62,8 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the .pshell file to write");
   app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
   app.add_option("--units", arguments.units,
-                 "unit of the mesh files (nm, um, mm, cm, dm, m, km, in, ft, yd)");
+                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): needed where their "
+                 "format defines none, overrides one that it defines");
   app.add_option("--method", arguments.method, "surface (default) or voxel-centers")
       ->check(CLI::IsMember({"surface", "voxel-centers"}));
   app.add_option("--covering-radius", arguments.covering_radius,
@@ -85,7 +86,7 @@ void declare_verify(CLI::App& app, Arguments& arguments) {
       "prove a shell's covering radius and losses again, from the shell and its meshes alone");
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
-  verify->add_option("--units", arguments.units, "unit of the mesh files");
+  verify->add_option("--units", arguments.units, "unit of the meshes, as they were baked");
   declare_reading(*verify, arguments);
   arguments.trust.declare(*verify);
   verify->add_option("--threads", arguments.threads, "at most this many (default: all)")
@@ -233,10 +234,11 @@ Status bake_command(const Arguments& arguments) {
   std::vector<std::string> warnings;
   auto part = load_part(arguments, options->voxel_size_m, warnings, progress);
   if (!part) return part.error();
-  const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
-  if (!imprecise.empty()) {
-    warnings.push_back(imprecise);
-    warn(arguments, imprecise);
+  for (const std::string& warning : {part::precision_warning(*part, options->voxel_size_m),
+                                     part::size_warning(*part, options->voxel_size_m)}) {
+    if (warning.empty()) continue;
+    warnings.push_back(warning);
+    warn(arguments, warning);
   }
   const BakeCost expected = expected_cost(*part, *options);
   if (const std::string cost = cost_warning(expected, *options, *part); !cost.empty()) {

@@ -69,7 +69,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
   app.add_option("--units", arguments.units,
-                 "unit of meshes whose format defines none: mm, cm, m, in, ...");
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
+                 "overrides one that it defines");
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
   app.add_option(
@@ -484,18 +485,24 @@ Status voxelize(const Arguments& arguments) {
   const Forecast forecast = forecast_of(*scene, outlines, *options);
   if (Status fits = check_forecast(forecast, *options, limits::available_bytes()); !fits)
     return fits;
-  const auto large = forecast_warning(forecast, *options);
+  const bool is_shard = !arguments.shard.empty();
+  std::vector<std::string> of_size;  // a shard does not know the whole scene
+  for (const auto& warning :
+       {forecast_warning(forecast, *options),
+        is_shard ? std::nullopt
+                 : mesh::small_size_warning("the scene", forecast.box_m, options->voxel_size_m)}) {
+    if (warning) of_size.push_back(*warning);
+  }
   if (!arguments.quiet) {
     progress.clear();
     print_size(*scene, forecast);
-    if (large) print_warnings({*large});
+    print_warnings(of_size);
   }
   options->progress = [&](const char* stage, double done) {
     progress.show(stage, kReadingDone + (kWritingDone - kReadingDone) * done);
   };
   progress.reckon_from(kReadingDone);
   const std::vector<SceneObject> objects = objects_of(*scene, meshes, options->voxel_size_m);
-  const bool is_shard = !arguments.shard.empty();
   const auto bake =
       is_shard ? bake_shard(objects, *options) : forcelayer::voxelize::bake(objects, *options);
   if (!bake) return bake.error();
@@ -514,7 +521,7 @@ Status voxelize(const Arguments& arguments) {
 
   run.warnings = warnings_of(*scene, meshes, *options);
   if (!arguments.quiet) print_warnings(run.warnings);
-  if (large) run.warnings.push_back(*large);
+  run.warnings.insert(run.warnings.end(), of_size.begin(), of_size.end());
   run.scene_box_m = forecast.box_m;
   if (!arguments.quiet) {
     is_shard ? print_shard(arguments, *bake) : print_summary(arguments.output, *bake, run);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "formats/command/text.h"
+
 namespace forcelayer::mesh {
 namespace {
 
@@ -86,6 +88,20 @@ std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxe
   return "its 32-bit vertices lie " + text_of(spacing_m) +
          " m apart where they are, more than a thousandth of a voxel; move the mesh toward its "
          "origin before exporting it";
+}
+
+std::optional<std::string> small_size_warning(const std::string& what, const Box& box_m,
+                                              double voxel_size_m) {
+  constexpr double kFewVoxels = 4;
+  double across_m = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    across_m = std::max(across_m, box_m.high[axis] - box_m.low[axis]);
+  }
+  const double voxels = across_m / voxel_size_m;
+  if (!(across_m > 0 && voxels < kFewVoxels)) return std::nullopt;
+  return what + command::text(" is %.3g mm across, ", 1e3 * across_m) +
+         (voxels < 1 ? "less than a voxel" : command::text("%.2g voxels", voxels)) +
+         ": --units? Else use a smaller --voxel-size";
 }
 
 }  // namespace forcelayer::mesh

@@ -32,4 +32,9 @@ double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh);
 // The warning for a spacing of more than a thousandth of a voxel; nothing for a finer one.
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m);
 
+// The warning for what is less than four voxels across, `what` being "the scene": the likeliest
+// mistake is millimeters that are meters. Nothing for a larger box, or an empty one.
+std::optional<std::string> small_size_warning(const std::string& what, const Box& box_m,
+                                              double voxel_size_m);
+
 }  // namespace forcelayer::mesh

@@ -45,4 +45,10 @@ std::string precision_warning(const Part& part, double voxel_size_m) {
       .value_or("");
 }
 
+std::string size_warning(const Part& part, double voxel_size_m) {
+  mesh::Box box = mesh::empty_box();
+  for (const Vec3& v : part.vertices) mesh::extend(box, mesh::Vec3d{v.x, v.y, v.z});
+  return mesh::small_size_warning("the part", box, voxel_size_m).value_or("");
+}
+
 }  // namespace forcelayer::part

@@ -29,4 +29,7 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
 // A warning where the file's 32-bit vertices are coarser than a thousandth of a voxel; else empty.
 std::string precision_warning(const Part& part, double voxel_size_m);
 
+// A warning where the part is less than four voxels across; else empty.
+std::string size_warning(const Part& part, double voxel_size_m);
+
 }  // namespace forcelayer::part

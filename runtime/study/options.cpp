@@ -42,7 +42,9 @@ OptionParser::OptionParser(CLI::App& study) {
       ->allow_extra_args(false);
   study.add_option("--missing-faces", options_.missing_faces,
                    "accept up to this many lost faces of a STEP or IGES file, as voxelize does");
-  study.add_option("--units", options_.units, "unit of meshes whose format defines none");
+  study.add_option("--units", options_.units,
+                   "unit of the meshes (mm, cm, m, in, ...): needed where their format defines "
+                   "none, overrides one that it defines");
   study.add_flag("--files-alone", options_.files_alone,
                  "check without the meshes: what the baked files leave open stays open");
   study.add_flag("--sandbox", options_.sandbox,

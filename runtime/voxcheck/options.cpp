@@ -49,7 +49,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "nodes that the bake of the scene left out; repeatable")
       ->allow_extra_args(false);
   app.add_option("--units", options_.units,
-                 "unit of meshes whose format defines none: mm, cm, m, in, ...");
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
+                 "overrides one that it defines");
   app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options_.allow_outside,
                "a manifest may name meshes outside its own folder");

@@ -169,7 +169,16 @@ for n in $(seq 12); do cp gearbox.glb "copy_$n.glb"; done
 [ "$(grep -c "defines a unit of 1 m" err)" = 1 ] && grep -q "and 11 other files: its format defines a unit" err ||
   fail "not one warning for twelve files: $(cat err)"
 "$bin/voxelize" 'copy_1.glb#Pin' 'copy_1.glb#Bolt*' 'copy_1.glb#Clip' --units mm --voxel-size 1mm -o copies.vox >out 2>err
-[ "$(wc -l <err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
+[ "$(grep -c "defines a unit of 1 m" err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
+# One that is too small is warned of, too.
+small="warning: the scene is 0.11 mm across, less than a voxel: --units? Else use a smaller --voxel-size"
+"$bin/voxelize" gearbox.glb --units mm --voxel-size 1mm -o small.vox --json small.json >out 2>err && grep -qxF "voxelize: $small" err ||
+  fail "a scene of less than a voxel: $(cat err)"
+grep -qF "${small#warning: }" small.json || fail "the report of a scene of less than a voxel: $(cat small.json)"
+"$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 20mm -o small.pshell >out 2>err &&
+  grep -qxF "pointshell: warning: the part is 60 mm across, 3 voxels: --units? Else use a smaller --voxel-size" err ||
+  fail "a part of three voxels: $(cat err)"
+"$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 14mm -o small.pshell >out 2>err && [ ! -s err ] || fail "a part of four voxels: $(cat err)"
 
 if "$bin/make_sample_step" gearbox.step 2>/dev/null; then
   check_assembly gearbox.step

@@ -104,5 +104,20 @@ TEST(VertexSpacing, DrawsAWarningBeyondAThousandthOfAVoxel) {
   EXPECT_NE(mesh::coarse_vertices_warning(2e-6, 1.9e-3)->find("thousandth"), std::string::npos);
 }
 
+TEST(SmallSize, IsWarnedOfBelowFourVoxels) {
+  const auto warning = [](double x_m, double y_m) {
+    return mesh::small_size_warning("the part", {{1, 1, 1}, {1 + x_m, 1 + y_m, 1}}, 0.001)
+        .value_or("");
+  };
+  EXPECT_EQ(warning(0, 0.00025),
+            "the part is 0.25 mm across, less than a voxel: --units? Else use a smaller "
+            "--voxel-size");
+  EXPECT_EQ(warning(0.0025, 0),
+            "the part is 2.5 mm across, 2.5 voxels: --units? Else use a smaller --voxel-size");
+  EXPECT_EQ(warning(0.001, 0.0041), "");
+  EXPECT_EQ(warning(0, 0), "");
+  EXPECT_FALSE(mesh::small_size_warning("the scene", mesh::empty_box(), 1));
+}
+
 }  // namespace
 }  // namespace forcelayer

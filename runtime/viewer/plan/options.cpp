@@ -57,7 +57,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--compare", options_.inputs.before,
                  "an earlier .vox: show the gains and losses of the force layer since");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
-  app.add_option("--units", texts_.units, "unit of the meshes' coordinates (mm, cm, m, in ...)");
+  app.add_option("--units", texts_.units,
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
+                 "overrides one that it defines");
   app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
   app.add_option("--turntable", options_.turntable,
