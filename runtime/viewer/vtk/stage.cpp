@@ -161,6 +161,7 @@ struct Stage::Actors {
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
+  PolyData target_data;
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
   Actor sections, section_edges;
   Actor part, part_edges, part_missing_faces, target, shell, spring, clearance, measurement;
@@ -414,7 +415,8 @@ void Stage::build_part() {
     const PolyData edges = feature_edges_of(data);
     a.part = surface_actor(data, kPartColor);
     a.part_edges = line_actor(edges, kInk, 1.5 * scale_);
-    a.target = line_actor(edges, kGhostColor, 2 * scale_);
+    a.target_data = edges;
+    a.target = line_actor(PolyData::New(), kGhostColor, 2 * scale_);
   }
   if (scene_.shell) {
     a.shell = surface_actor(discs_of(*scene_.shell), kPartColor);
@@ -540,14 +542,23 @@ void Stage::place_part(const Pose& world_from_part) {
   }
 }
 
-void Stage::place_target(const Pose& world_from_part, const Pose& world_from_target) {
-  const auto matrix = matrix_of(world_from_target, scene_.origin_m);
-  if (actors_->target != nullptr) actors_->target->SetUserMatrix(matrix);
+void Stage::place_target(const Pose& world_from_part,
+                         const std::optional<Pose>& world_from_target) {
+  if (actors_->target != nullptr) {
+    replace_data(actors_->target, world_from_target ? actors_->target_data : PolyData::New());
+  }
+  if (!world_from_target) {
+    replace_data(actors_->spring, PolyData::New());
+    return;
+  }
+  if (actors_->target != nullptr) {
+    actors_->target->SetUserMatrix(matrix_of(*world_from_target, scene_.origin_m));
+  }
   if (!scene_.shell) return;
   const double width_m = 0.25 * scene_.shell->header().bounding_radius_m;
   replace_data(actors_->spring,
                spring_between(world_from_center(world_from_part, *scene_.shell).position_m,
-                              world_from_center(world_from_target, *scene_.shell).position_m,
+                              world_from_center(*world_from_target, *scene_.shell).position_m,
                               width_m, scene_.origin_m));
 }
 
@@ -588,9 +599,7 @@ void Stage::place_measurement(const std::vector<glm::dvec3>& places_m) {
 
 void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   stage.place_part(moment.world_from_part);
-  if (moment.world_from_target) {
-    stage.place_target(moment.world_from_part, *moment.world_from_target);
-  }
+  stage.place_target(moment.world_from_part, moment.world_from_target);
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
   const ContactView& contacts = moment.contacts;
