@@ -25,6 +25,19 @@ run = next(row for row in csv.DictReader(open("pull.csv")) if abs(float(row["t_s
 assert shown["kind"] != "PENETRATION" and shown["points_surface"] > 100, shown
 for key in "points_surface", "points_proximity", "points_interior", "contacts":
     assert abs(shown[key] - int(run[key])) <= 2, (key, shown, run[key])' || fail "voxview shows other contacts than the run's"
+  # Where it is installed, without a run: seated there as a run's start is, and at rest. Beside it, on nothing.
+  voxrun rest.vox pin.pshell --pull 0,0,1mm --as-fast-as-possible --json seat.json >out 2>err || fail "voxrun: $(cat err)"
+  for height in 0m 0.5m; do
+    voxview rest.vox pin.pshell --part-pose 0,0,$height --screenshot view.png --size 320x240 --json view_$height.json 2>err ||
+      fail "voxview: $(cat err)"
+  done
+  python3 -c '
+import json
+shown, beside = (json.load(open(f"view_{height}.json"))["moment"] for height in ("0m", "0.5m"))
+seat = [one["object"] for one in json.load(open("seat.json"))["seat"]]
+assert shown["kind"] == "in the force layer, no contact" and shown["points_interior"] == shown["contacts"] == 0, shown
+assert len(seat) > 0 and shown["seated_on"] == seat, (shown, seat)
+assert "seated_on" not in beside and beside["clearance_m"] > 0, beside' || fail "voxview does not seat an installed part"
 fi
 
 answer() {  # answer PART: the end of its run, straight up

@@ -83,7 +83,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
       "--duration", texts_.duration,
       "close the window, or take the picture, after this; default: a window stays, a picture of a "
       "stream is taken after 3s");
-  app.add_option("--part-pose", texts_.part_pose, "world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
+  app.add_option("--part-pose", texts_.part_pose,
+                 "world_from_part, as of a start: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
   app.add_option("--model", texts_.model,

@@ -198,15 +198,6 @@ WorldBox box_of(const ViewScene& scene) {
   return box;
 }
 
-double arrow_scale(const ViewScene& scene) {
-  if (!scene.voxmap || !scene.shell) return 1;
-  const VoxmapHeader& header = scene.voxmap->header();
-  const double depth_m = header.force_depth_m > 0 ? header.force_depth_m : header.voxel_size_m;
-  const double most = 0.5 * scene.shell->header().bounding_radius_m / (0.1 * depth_m);
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
-}
-
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene,
                                                                const std::vector<TraceRow>& rows) {
@@ -215,7 +206,11 @@ Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions
   if (!field) return field.error();
   auto source = std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
                                                     std::move(*field));
-  if (!rows.empty()) source->find_seat(rows.front().world_from_part);
+  if (!rows.empty()) {
+    source->find_seat(rows.front().world_from_part);
+  } else if (options.world_from_part) {
+    source->find_seat(*options.world_from_part);
+  }
   return source;
 }
 
@@ -344,6 +339,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
                            {"at_least", moment.clearance->at_least},
                            {"object", moment.clearance->object}};
     }
+    if (!moment.contacts.seated_on.empty()) json["seated_on"] = moment.contacts.seated_on;
     if (moment.on_hand) json["force_n"] = numbers(moment.on_hand->force_n);
     if (const auto& clearance_m = moment.contacts.clearance_m) {
       json["clearance_m"] = *clearance_m;

@@ -64,6 +64,16 @@ Pose grip_of(const TraceRow& first) {
 
 namespace {
 
+std::string describe_seat(const std::vector<std::string>& objects) {
+  constexpr std::size_t kNamed = 4;
+  std::string line;
+  for (std::size_t n = 0; n < objects.size() && n < kNamed; ++n) {
+    line += (n == 0 ? "seated on " : ", ") + escaped(objects[n]);
+  }
+  if (objects.size() > kNamed) line += text_of(" and %zu more", objects.size() - kNamed);
+  return line + ": no clearance is proven there";
+}
+
 std::string describe_clearance(const std::optional<RowClearance>& clearance) {
   if (!clearance) return "no clearance is known";
   const double mm = std::floor(clearance->clearance_m * 1e6) / 1e3;  // never more than proven
@@ -81,7 +91,8 @@ std::vector<std::string> describe(const Moment& moment) {
                             glm::length(moment.on_hand->force_n),
                             glm::length(moment.on_hand->torque_nm)));
     // With both files it is proven again at the pose, and told below.
-    if (!moment.contacts.clearance_m) lines.push_back(describe_clearance(moment.clearance));
+    const bool told = moment.contacts.clearance_m || !moment.contacts.seated_on.empty();
+    if (!told) lines.push_back(describe_clearance(moment.clearance));
   }
   const ContactView& view = moment.contacts;
   const std::string deepest =
@@ -97,6 +108,7 @@ std::vector<std::string> describe(const Moment& moment) {
                                             view.nearest_object.empty() ? "" : " to ",
                                             escaped(view.nearest_object).c_str()));
   }
+  if (!view.seated_on.empty()) lines.push_back(describe_seat(view.seated_on));
   if (moment.other_files) {
     lines.push_back("the run counted other points here: it ran with other files, or with --seat");
   }

@@ -562,10 +562,10 @@ void Stage::place_target(const Pose& world_from_part,
                               width_m, scene_.origin_m));
 }
 
-void Stage::place_contacts(const ContactView& contacts, double dot_m, double per_depth) {
+void Stage::place_contacts(const ContactView& contacts, const Arrows& arrows, double dot_m) {
   struct Places {
     std::vector<glm::dvec3> at, vector;
-  } contact, layer, proximity, interior;
+  } contact, layer, proximity, interior, force;
   for (const ViewPoint& point : contacts.points) {
     Places* kind = point.value == VoxelValue::kSurface ? &layer : &proximity;
     if (point.depth_m > 0) kind = &contact;
@@ -573,9 +573,14 @@ void Stage::place_contacts(const ContactView& contacts, double dot_m, double per
     kind->at.push_back(point.position_m);
     kind->vector.push_back(point.depth_m * point.direction);
   }
+  for (const std::size_t n : arrows.points) {
+    const ViewPoint& point = contacts.points[n];
+    force.at.push_back(point.position_m);
+    force.vector.push_back(point.depth_m * point.direction);
+  }
   Actors& a = *actors_;
   a.contact_points.set(contact.at, contact.vector, scene_.origin_m, dot_m);
-  a.contact_forces.set(contact.at, contact.vector, scene_.origin_m, per_depth);
+  a.contact_forces.set(force.at, force.vector, scene_.origin_m, arrows.per_depth);
   a.layer_points.set(layer.at, layer.vector, scene_.origin_m, 0.7 * dot_m);
   a.proximity_points.set(proximity.at, proximity.vector, scene_.origin_m, 0.6 * dot_m);
   a.interior_points.set(interior.at, interior.vector, scene_.origin_m, 1.2 * dot_m);
@@ -603,7 +608,7 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
   const ContactView& contacts = moment.contacts;
-  stage.place_contacts(contacts, 0.03 * radius_m, arrow_scale(scene));
+  stage.place_contacts(contacts, arrows_of(scene, contacts), 0.03 * radius_m);
   const bool measured = contacts.clearance_m && !contacts.at_least;
   stage.place_clearance(measured ? std::vector{contacts.nearest_m, contacts.nearest_scene_m}
                                  : std::vector<glm::dvec3>());
