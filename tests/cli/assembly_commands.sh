@@ -16,11 +16,27 @@ grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then clear: least prov
   fail "no answer for the pin: $(tail -3 out)"
 if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then
   view=$(grep '^    voxview' commands | sed 's/ *#.*$//')
+  # How near does it come to what? The picture shows the moment that voxrun names, and what it says of it.
   $view --screenshot view.png --size 320x240 --json view.json 2>err || fail "voxview: $(cat err)"
+  sed -n 's/.*least proven clearance \([0-9.]*\) mm to \(.*\) at \([0-9.]*\) s.*/\1 \2 \3/p' out >answer
+  python3 -c '
+import json
+shown = json.load(open("view.json"))["moment"]
+clearance_mm, name, t_s = open("answer").read().split()
+assert shown["name"] == "the least proven clearance" and abs(shown["t_s"] - float(t_s)) < 0.0006, (shown, t_s)
+for told_m in shown["clearance"]["clearance_m"], shown["clearance_m"]:
+    assert abs(1e3 * told_m - float(clearance_mm)) < 0.002, (shown, clearance_mm)
+assert shown["nearest_object"] == shown["clearance"]["object"] == name, (shown, name)' || fail "voxview shows another moment: $(cat answer)"
   # A picture in the seat shows the contacts that the run felt there.
+  seated=$(python3 -c '
+import csv
+rows = [row for row in csv.DictReader(open("pull.csv")) if row["clearance_m"] == ""]
+print(max(rows, key=lambda row: abs(float(row["force_z_n"])))["t_s"])')
+  $view --at "${seated}s" --screenshot view.png --size 320x240 --json view.json 2>err || fail "voxview: $(cat err)"
   python3 -c '
 import csv, json
 shown = json.load(open("view.json"))["moment"]
+assert "seated_on" in shown, shown
 run = next(row for row in csv.DictReader(open("pull.csv")) if abs(float(row["t_s"]) - shown["t_s"]) < 1e-9)
 assert shown["kind"] != "PENETRATION" and shown["points_surface"] > 100, shown
 for key in "points_surface", "points_proximity", "points_interior", "contacts":

@@ -72,7 +72,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                       {0.5, 8});
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
-  app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
+  app.add_option(
+         "--at", texts_.at,
+         "time in the run (2.5s); default: the least proven clearance, else the strongest force")
       ->needs(run);
   app.add_option("--listen", options_.listen,
                  "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")

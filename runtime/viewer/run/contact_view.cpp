@@ -80,7 +80,16 @@ void ContactViewSource::find_seat(const Pose& world_from_part) {
 }
 
 ContactView ContactViewSource::at(const Pose& world_from_part) {
-  return look_up(world_from_part, true);
+  ContactView view = look_up(world_from_part, true);
+  if (view.seated_on.empty()) return view;
+  // It may be as near as a force begins, and clear all the same.
+  ContactView closed = look_up(world_from_part, false);
+  view.clearance_m = closed.clearance_m;
+  view.at_least = closed.at_least;
+  view.nearest_object = std::move(closed.nearest_object);
+  view.nearest_m = closed.nearest_m;
+  view.nearest_scene_m = closed.nearest_scene_m;
+  return view;
 }
 
 ContactView ContactViewSource::as_counted(const Pose& world_from_part, const ContactView& counted) {

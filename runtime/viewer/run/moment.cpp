@@ -71,7 +71,7 @@ std::string describe_seat(const std::vector<std::string>& objects) {
     line += (n == 0 ? "seated on " : ", ") + escaped(objects[n]);
   }
   if (objects.size() > kNamed) line += text_of(" and %zu more", objects.size() - kNamed);
-  return line + ": no clearance is proven there";
+  return line;
 }
 
 std::string describe_clearance(const std::optional<RowClearance>& clearance) {
@@ -87,8 +87,9 @@ std::string describe_clearance(const std::optional<RowClearance>& clearance) {
 std::vector<std::string> describe(const Moment& moment) {
   std::vector<std::string> lines;
   if (moment.time_s && moment.on_hand) {
-    lines.push_back(text_of("t = %.3f s    on the hand: %.2f N, %.4f N m", *moment.time_s,
-                            glm::length(moment.on_hand->force_n),
+    const std::string at = moment.name.empty() ? "" : "at " + std::string(moment.name) + ": ";
+    lines.push_back(text_of("%st = %.3f s    on the hand: %.2f N, %.4f N m", at.c_str(),
+                            *moment.time_s, glm::length(moment.on_hand->force_n),
                             glm::length(moment.on_hand->torque_nm)));
     // With both files it is proven again at the pose, and told below.
     const bool told = moment.contacts.clearance_m || !moment.contacts.seated_on.empty();
@@ -108,7 +109,10 @@ std::vector<std::string> describe(const Moment& moment) {
                                             view.nearest_object.empty() ? "" : " to ",
                                             escaped(view.nearest_object).c_str()));
   }
-  if (!view.seated_on.empty()) lines.push_back(describe_seat(view.seated_on));
+  if (!view.seated_on.empty()) {
+    lines.push_back(describe_seat(view.seated_on) +
+                    (view.clearance_m ? "" : ": no clearance is proven there"));
+  }
   if (moment.other_files) {
     lines.push_back("the run counted other points here: it ran with other files, or with --seat");
   }

@@ -190,13 +190,30 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s) {
   return after == rows.begin() ? 0 : static_cast<std::size_t>(after - rows.begin()) - 1;
 }
 
-std::size_t strongest_row(const std::vector<TraceRow>& rows) {
-  const auto less = [](const TraceRow& a, const TraceRow& b) {
-    if ((a.contacts > 0) != (b.contacts > 0)) return b.contacts > 0;
-    return glm::length(a.on_hand.force_n) < glm::length(b.on_hand.force_n);
+std::string_view NotableRows::name_of(std::size_t row) const {
+  if (row == least_clearance) return "the least proven clearance";
+  return row == strongest ? "the strongest force" : "";
+}
+
+NotableRows notable_rows(const std::vector<TraceRow>& rows) {
+  NotableRows notable;
+  const auto force_n = [](const TraceRow& row) { return glm::length(row.on_hand.force_n); };
+  const auto stronger = [&](const TraceRow& a, const TraceRow& b) {
+    if ((a.contacts > 0) != (b.contacts > 0)) return a.contacts > 0;
+    return force_n(a) > force_n(b);
   };
-  const auto strongest = std::max_element(rows.begin(), rows.end(), less);
-  return static_cast<std::size_t>(strongest - rows.begin());
+  std::optional<std::size_t> nearest;
+  std::size_t strongest = 0;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const auto& clearance = rows[n].clearance;
+    if (clearance && (!nearest || clearance->clearance_m < rows[*nearest].clearance->clearance_m)) {
+      nearest = n;
+    }
+    if (stronger(rows[n], rows[strongest])) strongest = n;
+  }
+  if (nearest && !rows[*nearest].clearance->at_least) notable.least_clearance = nearest;
+  if (force_n(rows[strongest]) > 0) notable.strongest = strongest;
+  return notable;
 }
 
 }  // namespace forcelayer::viewer
