@@ -45,7 +45,7 @@ grep -q 'distances         none' facts || fail "v2.vox has no distances"
 grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
 grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 560 bytes' facts || fail "distances: $(cat facts)"
 grep -q 'objects           2, nearest ones in 1040 bytes' facts || fail "objects: $(cat facts)"
-# Of the voxels with a measured distance, those of each object.
+# The number of each object's voxels with a measured distance.
 of_object() {
   LC_ALL=C join -t' ' <(reader "$golden/$1.vox" --objects | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) \
     <(reader "$golden/$1.vox" --distances | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) |
