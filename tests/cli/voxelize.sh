@@ -230,6 +230,7 @@ manifest_error "parts[0].units" '{"parts": [{"mesh": "cube.obj", "units": "parse
 manifest_error "parts[0]" '{"parts": [{"mesh": "cube.obj"}]}'
 manifest_error "parts[0].matrix[3]" '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,0,0,1]]}]}'
 manifest_error "parts[0].rotation" '{"parts": [{"mesh": "cube.obj", "units": "cm", "rotation": [0,0,0,0]}]}'
+manifest_error "parts[0].rotation" '{"parts": [{"mesh": "cube.obj", "units": "cm", "rotation": [5e-324,5e-324,0,0]}]}'
 manifest_error "voxel_size" '{"voxel_size": "5", "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 manifest_error "layers" '{"layers": -1, "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 
