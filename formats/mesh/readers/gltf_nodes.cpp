@@ -148,7 +148,7 @@ std::string GltfNodes::name_of(std::uint64_t index) const {
 std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t>& indices,
                                                  const Node* parent) const {
   std::vector<Node> level;
-  std::set<std::string> used;
+  UsedLabels used;
   for (const std::uint64_t index : indices) {
     const Affine from_node = parent_from_node(document_, index);
     level.push_back(
