@@ -112,7 +112,7 @@ class Stages {
 // The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 constexpr double kBytesPerPoint = 400;
-// Of the covering radius, what rounding may take of it in a proof. Points stand so much denser;
+// The share of the covering radius that rounding may take in a proof. Points stand so much denser;
 // from 1 on none would do.
 constexpr double kMostMargin = 0.25;
 
