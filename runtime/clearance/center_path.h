@@ -65,7 +65,7 @@ class CenterPath {
   double arc_deviation_m(double turn_rad) const;
 
   double radius_m_;        // of the part about the centroid
-  double farthest_m_ = 0;  // of the centroid at a pose, from the origin
+  double farthest_m_ = 0;  // of the part's origin from the world's, and the centroid's arm
   std::vector<double> time_s_, travel_m_;
   std::vector<double> turn_rad_;  // from each pose to the next
   std::vector<Pose> world_from_center_;

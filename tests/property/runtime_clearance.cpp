@@ -444,6 +444,13 @@ TEST(ClearanceOfPaths, TravelIsNeverLessThanItsSteps) {
   EXPECT_LE(path.travel_m({999, 0}) - path.travel_m({1, 0}), 998 * path.rounding_m());
 }
 
+// A part that stands far from its frame's origin, moved back to the world's.
+TEST(ClearanceOfPaths, RoundingCountsTheArmOfTheCentroid) {
+  const std::vector<PathRow> rows{at_x(0, -1e6), at_x(1, -1e6)};
+  EXPECT_GE(CenterPath(rows, glm::dvec3(1e6, 0, 0), 0.1).rounding_m(), 1e6 * 0x1p-50);
+  EXPECT_LE(CenterPath(rows, glm::dvec3(1e6, 0, 0), 0.1).rounding_m(), 1e6 * 0x1p-46);
+}
+
 TEST(ClearanceOfPaths, NothingOfAStillPartIsLookedAtTwice) {
   Random random(3);
   const Solids solids = random_solids(random);
