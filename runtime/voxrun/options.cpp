@@ -1,6 +1,7 @@
 #include "runtime/voxrun/options.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "formats/command/arguments.h"
@@ -12,7 +13,8 @@ namespace {
 using command::about;
 
 constexpr command::Bounds kRates{1, 100'000};
-constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
+constexpr double kLeast = 1e-3;         // of a speed limit: below it no hand could move
+constexpr double kLongestPullM = 1000;  // five and a half hours
 
 // Bounds of the physical parameters, which no device, part or scene goes beyond.
 command::Bounds bounds_of(std::string_view parameter) {
@@ -309,6 +311,10 @@ Status OptionParser::read_pull(Options& options) const {
   const auto way = command::parse_point(texts_.pull);
   if (!way) return about("--pull", way.error());
   options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
+  const double length_m = glm::length(*options.pull_m);
+  if (!(length_m > 0 && length_m <= kLongestPullM)) {
+    return usage("--pull", "is no way, or longer than 1000 m", "write it like 0,0,60mm");
+  }
   return {};
 }
 
