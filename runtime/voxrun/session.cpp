@@ -181,6 +181,13 @@ Status prepare_run(const Options& options, Session& session) {
   if (options.start.world_from_seat && simulation.seat().empty()) {
     warn({"--seat: the part touches nothing there"}, session.facts.warnings);
   }
+  std::uint64_t touching = 0;
+  for (const auto& of_seat : simulation.seat()) touching += of_seat.points;
+  if (touching == simulation.shell().header().point_count) {
+    warn({"every point of the part touches the scene: if the scene holds the part itself, bake it "
+          "--without"},
+         session.facts.warnings);
+  }
   const double arm_m = glm::length(session.start.handle_from_center.position_m);
   if (const auto warning = arm_warning(session.request, session.run->parameters(), arm_m)) {
     warn({*warning}, session.facts.warnings);

@@ -36,6 +36,7 @@ PYTHON
 
 "$bin/voxelize" "$gearbox" --without Cover --voxel-size 1mm -o bolted.vox --quiet
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm -o opened.vox --quiet
+"$bin/voxelize" "$gearbox" --voxel-size 1mm -o whole.vox --quiet
 "$bin/pointshell" "$gearbox#Cover" --voxel-size 1mm -o cover.pshell --quiet
 
 # It comes out, and every question is answered well.
@@ -199,6 +200,12 @@ run 2 opened.vox cover.pshell --motion rest.csv --start 0,0,-1mm --seat 0,0,0mm
 errs 'and that is not where its seat is; start it clear'
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm
 errs '--seat: the part touches nothing there'
+
+# The scene holds the part too: it is seated on itself, all over.
+run 0 whole.vox cover.pshell --motion rest.csv
+errs 'warning: every point of the part touches the scene: .* --without'
+run 0 bolted.vox cover.pshell --motion rest.csv
+grep -q 'every point' err.txt && fail "a part that is held is no part of the scene"
 
 # Surfaces are not solids: a part about an object, and an object about a part.
 python3 - <<'PYTHON'
