@@ -111,6 +111,17 @@ TEST(Part, TooFarForItsProofIsAnErrorOfTheBake) {
   }
 }
 
+// A mesh far from the origin that its transform brings back has rounded as if it were there.
+TEST(Part, RoundingOfMeshBroughtBackCounts) {
+  mesh::Assembly assembly = assembly_of({box_mesh(0.1, 0.1, 0.1)});
+  for (mesh::Vec3d& vertex : assembly.meshes[0].vertices) vertex[0] += 1e7;
+  assembly.instances[0].assembly_from_mesh.translation = {-1e7, 0, 0};
+  const part::PartInput input{&assembly, 1};
+  const part::Part part = part::assemble_part({&input, 1}).value();
+  EXPECT_GE(part.largest_coordinate, 2e7);
+  EXPECT_LT(part.largest_coordinate, 2.1e7);
+}
+
 // gcc 12 drops this rounding unless it is kept from vectorizing straight-line code.
 TEST(StoredPosition, HasFloatsAsCoordinates) {
   std::mt19937_64 random(5);

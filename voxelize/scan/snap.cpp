@@ -25,17 +25,6 @@ double largest_coordinate(const masks::VoxelBox& box, double voxel_size_m) {
   return largest * voxel_size_m;
 }
 
-// Bounds every sum that placing a vertex passes through, in meters: far from the world's origin, a
-// mesh that its transform brings back to it passes through large ones. `most` is the largest
-// |coordinate| of a vertex in each axis.
-double largest_sum(const mesh::Affine& world_from_mesh, const mesh::Vec3d& most) {
-  mesh::Affine sizes = world_from_mesh;
-  for (double& factor : sizes.linear) factor = std::abs(factor);
-  for (double& offset_m : sizes.translation) offset_m = std::abs(offset_m);
-  const mesh::Vec3d sums = mesh::apply(sizes, most);
-  return std::max({sums[0], sums[1], sums[2]});
-}
-
 // Half a lattice step per axis, and the rounding of placing and dividing: at most eight roundings
 // of the largest number on the way per axis.
 double snap_error(double largest_m, double voxel_size_m) {
@@ -138,7 +127,7 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
   object.box = corner_box(object);
   if (!object.box.empty()) {
     const double largest_m = std::max(largest_coordinate(object.box, voxel_size_m),
-                                      largest_sum(world_from_mesh, extent.most));
+                                      mesh::largest_sum(world_from_mesh, extent.most));
     object.snap_error_m = snap_error(largest_m, voxel_size_m);
   }
   return object;
