@@ -318,6 +318,25 @@ TEST(DeviceInput, TheHandIsAsFastAsItIsForASlowDeviceAndALargeScale) {
   }
 }
 
+// Whatever rate it declares: a force does not outlive its reading by more than the ceiling.
+TEST(DeviceInput, NoSlownessOfADeviceRaisesTheStaleLimitBeyondItsCeiling) {
+  for (const double rate_hz : {1e-3, 1.0, 20.0, 49.0}) {
+    SCOPED_TRACE(rate_hz);
+    PuppetDevice device;
+    device.rate(rate_hz);
+    device.sample.present = device.sample.calibrated = device.sample.fresh = true;
+    loop::DeviceInput input(device, {});
+    StepInput step;
+    ASSERT_TRUE(input.next(0, kDt, step));
+    ASSERT_EQ(step.valid, kInputValid);
+    device.sample.fresh = false;
+    for (int i = 1; i * kDt <= kStaleCeilingS + kDt; ++i) input.next(i * kDt, kDt, step);
+    EXPECT_EQ(step.valid, kInputInvalid);
+    EXPECT_EQ(input.health().trouble, InputTrouble::kFrozen);
+    EXPECT_EQ(input.health().age_share, 1);
+  }
+}
+
 TEST_P(ServoTest, ALateLoopTrips) {
   Bench bench(GetParam());
   bench.go_to(0.03);
