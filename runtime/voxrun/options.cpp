@@ -1,6 +1,7 @@
 #include "runtime/voxrun/options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "formats/command/arguments.h"
@@ -92,7 +93,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(
       app, "--pull", texts_.pull,
       "x,y,z: in place of --motion, a hand that rests for 0.3 s and then moves the part "
-      "straight by this way, such as 0,0,60mm, at 5 cm/s or in two seconds");
+      "straight by this way, such as 0,0,60mm, of up to 100m, at 5 cm/s or in two seconds");
   command::add_choice(
       app, "--hand", options_.hand, {"firm", "loose"},
       "a simulated hand that feels the sim device: firm or loose; --motion is then where "
@@ -305,6 +306,10 @@ Status OptionParser::read_pull(Options& options) const {
   if (texts_.pull.empty()) return {};
   const auto way = command::parse_point(texts_.pull);
   if (!way) return about("--pull", way.error());
+  constexpr double kFarthestPullM = 100;  // a row of its motion every half millimeter
+  if (!(std::hypot((*way)[0], (*way)[1], (*way)[2]) <= kFarthestPullM)) {
+    return usage("--pull", "is longer than 100m", "give the way out, not where the part goes");
+  }
   options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
   return {};
 }
