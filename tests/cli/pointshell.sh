@@ -65,6 +65,9 @@ expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magi
 expect 2 "unknown effort" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort lots
 expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --color
 expect 2 "radius for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
+printf 'v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n' >"$work/microscopic.obj"
+expect 3 "microscopic mesh" "$work/microscopic.obj" "${out[@]}" --units m --voxel-size 1mm
+grep -q "the part's area is too small for single precision; check --units" "$work/stderr" || fail "$(cat "$work/stderr")"
 expect 1 "missing mesh" "$work/none.obj" "${out[@]}" --units mm --voxel-size 1mm
 expect 1 "unwritable output" "${box[@]}" -o "$work/none/out.pshell" --voxel-size 1mm
 expect 3 "mesh without triangles" "$work/points.obj" "${out[@]}" --units mm --voxel-size 1mm
