@@ -237,7 +237,8 @@ def what_its_process_gets():
         assert not [fact for fact in may if fact != "may write"], may
     # One that is trusted keeps the user's rights.
     finish(run(command("trusted", "facts=trusted.txt home=" + home, ["--duration", "100ms", "--trust-plugin"])), 0)
-    assert "may start programs" in open("trusted.txt").read()
+    trusted = open("trusted.txt").read()
+    assert "may start programs" in trusted and "NoNewPrivs:\t1" in trusted, trusted
     if os.access(os.path.dirname(home), os.W_OK):
         os.remove(home)
 
