@@ -204,6 +204,15 @@ def memory_that_cannot_be_cut():
     assert json.load(open("shrink.json"))["output_trips"] == 0
 
 
+def forces_that_are_written_over():
+    """The motors get none beyond their ratings, whatever stands in the shared memory."""
+    finish(start("wild-force", "fault=wild-force at=0.3", ["--duration", "6s"]), 0)
+    felt = [(abs(force), fault) for _, force, fault in motors("wild-force")]
+    assert max(force for force, _ in felt) <= 8.001, max(felt)
+    assert max(force for force, fault in felt if not fault) > 0.5
+    assert any(fault and force == 0 for force, fault in felt), "nothing was written over"
+
+
 def a_library_without_a_slash():
     """It is the file that was checked, not one of that name in the system's folders."""
     shutil.copy(f"{BIN}/fault_plugin.so", "plain.so")
@@ -385,7 +394,8 @@ CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
           *(functools.partial(fault_while_waiting, fault) for fault in FAULTS),
           a_file_that_is_cut_short_while_waiting, push_mode, a_plugin_that_keeps_its_core, a_slow_start,
           a_user_who_may_lock_little_memory,
-          a_late_reading_is_a_blip, memory_that_cannot_be_cut, a_library_without_a_slash,
+          a_late_reading_is_a_blip, memory_that_cannot_be_cut, forces_that_are_written_over,
+          a_library_without_a_slash,
           what_its_process_gets, signals, a_host_that_stands_still, a_host_that_dies,
           a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
 try:

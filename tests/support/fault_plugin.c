@@ -6,9 +6,10 @@
  * silent (no reading ever), no-pose (a quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
  * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop),
- * wild-index (over the words that say where a value is), shrink (tries to cut that memory short),
- * button (no fault: button 1 is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the
- * environment: push mode. facts=FILE: what the process may do, written when the device is opened.
+ * wild-index (over the words that say where a value is), wild-force (over forces), shrink (tries to
+ * cut that memory short), button (no fault: button 1 is pressed from then on).
+ * FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE: what the process may do,
+ * written when the device is opened.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
@@ -251,8 +252,9 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   if (is(d, "absurd")) reading->position_m[2] *= 1000;
   if (is(d, "uncalibrated")) reading->status = 0;
   if (is(d, "crash")) abort();
-  if (is(d, "wild")) write_wildly(0);
-  if (is(d, "wild-index")) write_wildly(1);
+  if (is(d, "wild")) write_wildly(WILD_ALL);
+  if (is(d, "wild-index")) write_wildly(WILD_INDICES);
+  if (is(d, "wild-force")) write_wildly(WILD_FORCES);
   if (is(d, "shrink") && ftruncate(3, 0) == 0) abort();
   while (is(d, "hang")) sleep_ms(1000);
   while (is(d, "spin")) {
