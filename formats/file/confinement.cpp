@@ -120,14 +120,19 @@ constexpr struct {
                {SYS_fcntl, 15},       // F_SETOWN_EX
                {SYS_ioctl, 0x8901},   // FIOSETOWN
                {SYS_ioctl, 0x8902}};  // SIOCSPGRP
-// The network, names and modes.
+// The network, names, modes, times and attributes.
 constexpr int kOfNoReader[] = {
-    SYS_socket,   SYS_connect,   SYS_bind,     SYS_listen,    SYS_unlinkat, SYS_renameat2,
-    SYS_mkdirat,  SYS_mknodat,   SYS_linkat,   SYS_symlinkat, SYS_fchmodat, SYS_fchownat,
-    SYS_truncate, SYS_utimensat, SYS_setxattr, SYS_fchmod,    SYS_fchown,
+    SYS_socket,    SYS_connect,     SYS_bind,         SYS_listen,       SYS_unlinkat, SYS_renameat2,
+    SYS_mkdirat,   SYS_mknodat,     SYS_linkat,       SYS_symlinkat,    SYS_fchmodat, SYS_fchownat,
+    SYS_truncate,  SYS_utimensat,   SYS_setxattr,     SYS_fchmod,       SYS_fchown,   SYS_lsetxattr,
+    SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr,
+    452,  // fchmodat2
+    463,  // setxattrat
+    466,  // removexattrat
 #if defined(__x86_64__)
-    SYS_unlink,   SYS_rename,    SYS_mkdir,    SYS_rmdir,     SYS_mknod,    SYS_link,
-    SYS_symlink,  SYS_chmod,     SYS_chown,    SYS_lchown,    SYS_renameat,
+    SYS_unlink,    SYS_rename,      SYS_mkdir,        SYS_rmdir,        SYS_mknod,    SYS_link,
+    SYS_symlink,   SYS_chmod,       SYS_chown,        SYS_lchown,       SYS_renameat, SYS_utime,
+    SYS_utimes,    SYS_futimesat,
 #endif
 };
 
