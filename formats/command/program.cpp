@@ -1,8 +1,9 @@
 #include "formats/command/program.h"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,8 +19,23 @@
 namespace forcelayer::command {
 namespace {
 
-Error refused(const std::string& name) {
-  return {ErrorCode::kInternal, "", name, std::string("cannot be started: ") + strerror(errno), ""};
+Error refused(const std::string& name, int error) {
+  return {ErrorCode::kInternal, "", name, std::string("cannot be started: ") + strerror(error), ""};
+}
+
+// Becomes the program in a process just forked: only calls that a signal handler may make. Writes
+// errno to `failure` where it cannot.
+[[noreturn]] void become(const char* program, char* const* argv, int in, int out, int failure,
+                         pid_t parent) {
+  // It ends when its parent does, however that ends: nobody would read what it makes.
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(128 + SIGTERM);
+  if (dup2(in, STDIN_FILENO) >= 0 && (out < 0 || dup2(out, STDOUT_FILENO) >= 0)) {
+    execve(program, argv, environ);
+  }
+  const int error = errno;
+  const bool said = ::write(failure, &error, sizeof error) == sizeof error;
+  _exit(said ? 127 : 126);
 }
 
 // A file in memory that begins with the text.
@@ -68,28 +84,36 @@ Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::s
                  "it comes with the package " + package};
   }
   const Descriptor in = file_of(input);
-  int ends[2] = {-1, -1};
-  if (!in.valid() || pipe2(ends, O_CLOEXEC) != 0) return refused(name);
+  if (!in.valid()) return refused(name, errno);
+  int ends[2] = {-1, -1}, failure_ends[2] = {-1, -1};
+  if (pipe2(ends, O_CLOEXEC) != 0) return refused(name, errno);
   const Descriptor out(ends[0]);
   Descriptor out_of_child(ends[1]);
+  if (pipe2(failure_ends, O_CLOEXEC) != 0) return refused(name, errno);
+  const Descriptor failure(failure_ends[0]);
+  Descriptor failure_of_child(failure_ends[1]);  // closed by a program that starts
   std::vector<char*> argv{const_cast<char*>(name.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in.number(), STDIN_FILENO);
-  if (output == ProgramOutput::kTaken) {
-    posix_spawn_file_actions_adddup2(&actions, out_of_child.number(), STDOUT_FILENO);
+  const pid_t parent = getpid(), child = fork();
+  if (child < 0) return refused(name, errno);
+  if (child == 0) {
+    become(program.c_str(), argv.data(), in.number(),
+           output == ProgramOutput::kTaken ? out_of_child.number() : -1, failure_of_child.number(),
+           parent);
   }
-  pid_t child = 0;
-  errno = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (errno != 0) return refused(name);
   out_of_child = Descriptor();
+  failure_of_child = Descriptor();
+  const std::string failed = all_of(failure.number());
   ProgramEnd end;
   end.output = all_of(out.number());  // ends with the child
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (failed.size() == sizeof(int)) {
+    int error = 0;
+    std::memcpy(&error, failed.data(), sizeof error);
+    return refused(name, error);
   }
   end.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   return end;

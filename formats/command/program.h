@@ -19,7 +19,8 @@ struct ProgramEnd {
 // in neither.
 std::string program_path(const std::string& name);
 
-// Runs the program to its end. `input` is its standard input. Its standard error is this one's.
+// Runs the program to its end; it is sent SIGTERM if this one ends before. `input` is its standard
+// input. Its standard error is this one's.
 // Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the
 // system refuses to start it.
 Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,

@@ -84,6 +84,24 @@ if [ -x "$bin/voxplan" ]; then
   grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
   grep -q 'no path found in .* (best: out to ' err.txt && [ ! -e lost/report.html ] || fail "lost: $(cat err.txt)"
+  # However a study ends, the command that it waits for ends too.
+  for signal in TERM KILL; do
+    "$bin/forcelayer" study 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 300s -o lost --no-pictures \
+      >out.txt 2>err.txt &
+    study=$!
+    for _ in $(seq 600); do
+      planner=$(pgrep -x -P "$study" voxplan) && break
+      sleep 0.1
+    done
+    [ -n "$planner" ] || fail "no voxplan: $(cat out.txt err.txt)"
+    kill -s "$signal" "$study"
+    wait "$study" 2>/dev/null && fail "ended by SIG$signal with status 0"
+    for _ in $(seq 600); do
+      kill -0 "$planner" 2>/dev/null || break
+      sleep 0.1
+    done
+    kill -0 "$planner" 2>/dev/null && fail "voxplan goes on after SIG$signal"
+  done
 fi
 
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
