@@ -16,7 +16,10 @@ namespace {
 constexpr std::size_t kShares = 64;          // of a path; whatever the threads
 constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least distance
 constexpr double kMeasuredBeyond = 2;        // voxels above what is required
-constexpr double kSeatVoxels = 2;       // of travel from the seat: an end of a path there is in it
+constexpr double kSeatVoxels = 2;  // of travel from the seat: an end of a path there is in it
+// Of a path. The distances that its ends prove are differences from its travel, whose rounding must
+// stay below that of PathWalk.
+constexpr double kMostTravelVoxels = 1e9;
 constexpr double kMostCapVoxels = 160;  // that a search is made for
 
 // Checks the path between two moments against all objects but those left out.
@@ -315,6 +318,10 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
     return Error{ErrorCode::kUsage, "", "",
                  "the scene stores no distances, so no clearance is known",
                  "bake it without --lean and --metric chebyshev"};
+  }
+  if (!(path.travel_m({path.poses() - 1, 0}) <= kMostTravelVoxels * voxmap.voxel_size_m())) {
+    return Error{ErrorCode::kUsage, "", "", "the path is longer than 1e9 voxels",
+                 "are its poses in meters?"};
   }
   const Check check(voxmap, shell, path, request);
   if (Status sound = check_request(voxmap, check, request); !sound) return sound.error();

@@ -50,6 +50,18 @@ assert over["verdict"] == "clear" and over["violations"] == [] and over["poses"]
 assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clearance_m"] >= 0.0127, over
 PYTHON
 
+# From far away into the scene, and the other way: never clear, and refused where travel would be rounded.
+for far in 1e5 -9e5 1.1e6 1e13 1e20 -1e155 1e300; do
+  status=2
+  [[ "$far" != 1e5 && "$far" != -9e5 ]] || status=6
+  printf 't_s,x_m,y_m,z_m\n%s\n%s\n' "0,0,0,0" "1,$far,0,0" >away.csv
+  printf 't_s,x_m,y_m,z_m\n%s\n%s\n' "0,$far,0,0" "1,0,0,0" >home.csv
+  for path in away home; do
+    check $status opened.vox cover.pshell $path.csv
+    [ $status = 6 ] || errs 'the path is longer than 1e9 voxels'
+  done
+done
+
 # What happens between two rows is seen. Every report says the same.
 check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv --junit through.xml \
   --code-quality quality.json --github
