@@ -149,6 +149,9 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   }
   const auto voxel = length_option(arguments.voxel_size, "--voxel-size", 0, false);
   if (!voxel) return voxel.error();
+  if (!(*voxel >= kMinVoxelSizeM && *voxel <= kMaxVoxelSizeM)) {
+    return usage("--voxel-size is not between 1e-9 and 1e6 meters", "write it like 5mm");
+  }
   const auto radius = length_option(arguments.covering_radius, "--covering-radius", 0, false);
   if (!radius) return radius.error();
   const auto deviation = length_option(arguments.mesh_deviation, "--mesh-deviation", 0, true);

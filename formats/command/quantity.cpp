@@ -71,6 +71,7 @@ Result<NumberAndRest> split_number(std::string_view text) {
 
 // The number of `split` in base units, correctly rounded where the unit is a power of ten.
 Result<double> scaled(const NumberAndRest& split, const Unit& unit) {
+  if (split.number == 0) return split.number;  // whatever its exponent: 0e2147483647
   const auto e = split.text.find_first_of("eE");
   long long exponent = unit.exponent;
   if (e != std::string_view::npos) {

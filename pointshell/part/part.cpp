@@ -208,6 +208,11 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
     return Error{ErrorCode::kBakeTooLarge, "", "", "the part has more than 2^32 / 3 triangles",
                  "give a coarser mesh"};
   }
+  if (!std::all_of(soup.corners.begin(), soup.corners.end(), is_finite)) {
+    return Error{ErrorCode::kMeshUnsupported, "", "",
+                 "a vertex lies farther than a double reaches, where its transform takes it",
+                 "check units and transforms"};
+  }
   part.input_triangles = soup.body.size();
   part.body = std::move(soup.body);
   part.source = std::move(soup.source);

@@ -142,6 +142,11 @@ grep -q 'proven' "$work/stdout" || fail "no summary on stdout"
 expect 0 "sample part" "$data/part.obj" --units mm --quiet -o "$work/sample.pshell" --voxel-size 5mm
 expect 0 "verify the sample part" verify "$work/sample.pshell" "$data/part.obj" --units mm
 
+for size in 1e7m 1e-10m; do
+  "$bin/pointshell" "$data/part.obj" --units mm --voxel-size $size -o no.pshell --quiet 2>err
+  [ $? = 2 ] && grep -q 'voxel-size is not between 1e-9 and 1e6 meters' err || fail "a voxel of $size: $(cat err)"
+done
+
 # The report of a failure has the warnings before it.
 "$bin/pointshell" "$data/part.obj" --units mm --voxel-size 0.5um -o no.pshell --quiet --json no.json 2>err
 [ $? = 3 ] && [ ! -e no.pshell ] || fail "a shell too large: $(cat err)"

@@ -117,6 +117,12 @@ grep -q 'pushed [0-9.]* mm deep' given/report.html || fail "the page does not sa
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q 'not settled' given/report.html || fail "the page does not say that the seat is not settled"
 
+# One pose, in seconds since 1970: ticks of its curve's nanosecond are nearer than doubles.
+printf 't_s,x_m,y_m,z_m\n1700000000,0,0,0.2\n' >late.csv
+(ulimit -v 4000000
+ "$bin/forcelayer" study 'gearbox.glb#Pin' --voxel-size 2mm --path late.csv --clearance 1mm -o late --no-pictures) >out.txt 2>&1 ||
+  fail "a late pose: $(tail -n 1 out.txt)"
+
 # Errors.
 study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none
 study 2 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --path up.csv -o none

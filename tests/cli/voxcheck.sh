@@ -50,19 +50,7 @@ assert over["verdict"] == "clear" and over["violations"] == [] and over["poses"]
 assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clearance_m"] >= 0.0127, over
 PYTHON
 
-# From far away into the scene, and the other way: never clear, and refused where travel would be rounded.
-for far in 1e5 -9e5 1.1e6 1e13 1e20 -1e155 1e300; do
-  status=2
-  [[ "$far" != 1e5 && "$far" != -9e5 ]] || status=6
-  printf 't_s,x_m,y_m,z_m\n%s\n%s\n' "0,0,0,0" "1,$far,0,0" >away.csv
-  printf 't_s,x_m,y_m,z_m\n%s\n%s\n' "0,$far,0,0" "1,0,0,0" >home.csv
-  for path in away home; do
-    check $status opened.vox cover.pshell $path.csv
-    [ $status = 6 ] || errs 'the path is longer than 1e9 voxels'
-  done
-done
-
-# What happens between two rows is seen. Every report says the same.
+# A violation between two rows is seen. Every report says the same.
 check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv --junit through.xml \
   --code-quality quality.json --github
 says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
@@ -111,7 +99,7 @@ says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
 check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
-# What ends near the seat's object elsewhere is not in the seat.
+# A path that ends near the seat's object, elsewhere, is not in the seat.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0.03,0,0.005\n' >elsewhere.csv
 check 6 opened.vox cover.pshell elsewhere.csv --clearance 5.5mm "${felt[@]}" --allow 'Clip/*' --allow Pin --json elsewhere.json
 grep -q '"object": "Gearbox/Housing"' elsewhere.json || fail "the seat's object is let off elsewhere"

@@ -50,7 +50,7 @@ def said(process):
     return process.said.read()
 
 
-# What a machine with more to do does to a loop: it is late by more than the stale limit.
+# A busy machine's effects on a loop, which is late by more than the stale limit.
 LATE = "the loop was late", "took the motors to zero by itself", "no fresh reading"
 
 

@@ -1,4 +1,4 @@
-// What goes into a cache, by digest: fails where an algorithm's output has changed and its version
+// Digests of a cache's entries: fails where an algorithm's output has changed and its version
 // in voxelize/cache/cache_versions.h has not, since old entries would then be taken for new ones.
 #include <gtest/gtest.h>
 

@@ -85,7 +85,7 @@ TEST(RunCommand, TurnsOutcomesIntoStatusAndOneLine) {
   EXPECT_EQ(text.rfind("tool: out of memory", 0), 0u);
 }
 
-// What a terminal would do with a text is not left to who wrote the text.
+// A text's author does not decide what a terminal does with it.
 TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
   const std::pair<const char*, const char*> cases[] = {
       {"plain, \xc3\xa4 \xe6\xbc\xa2 \xf0\x9f\x98\x80",
