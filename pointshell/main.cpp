@@ -127,6 +127,9 @@ Result<double> length_option(const std::string& text, const char* option, double
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
   }
+  if (!zero_allowed && (*length < kMinVoxelSizeM || *length > kMaxVoxelSizeM)) {
+    return usage(std::string(option) + " is not between 1e-9 and 1e6 meters", "write it like 5mm");
+  }
   return *length;
 }
 

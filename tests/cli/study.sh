@@ -57,6 +57,15 @@ assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox"
 assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
 END
 
+# A number that is none is refused before anything is baked.
+for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,0,0,0" "--clearance -1mm" \
+  "--seat-depth infmm" "--missing-faces nan" "--missing-faces 1000001"; do
+  # shellcheck disable=SC2086  # words
+  study 2 "${pin[@]}" -o nothing $words
+  [ "$(wc -l <err.txt)" = 1 ] && grep -q -- "^forcelayer: ${words%% *}: " err.txt && [ ! -e nothing ] ||
+    fail "$words: $(cat out.txt err.txt)"
+done
+
 # Deeper distances are another scene: the bake is told, and made anew.
 study 0 "${pin[@]}" -o pin --range 8mm
 grep -q '^\$ voxelize .*--range 8mm' out.txt || fail "--range is not handed on: $(cat out.txt)"

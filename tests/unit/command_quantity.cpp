@@ -87,6 +87,9 @@ TEST(Quantity, SpellingsOfUnits) {
   for (const char* text : {"5um", "5\xC2\xB5m", "5\xCE\xBCm"}) {  // U+00B5, U+03BC
     EXPECT_EQ(*command::parse_length(text), 5e-6) << text;
   }
+  for (const char* text : {"0e2147483647km", "-0e-2147483648nm", "0e9999999999mm"}) {
+    EXPECT_EQ(*command::parse_length(text), 0) << text;
+  }
   EXPECT_EQ(*command::parse_unit("MM"), 0.001);
   EXPECT_EQ(*command::parse_unit("inch"), 0.0254);
   EXPECT_EQ(*command::parse_unit("\xC2\xB5m"), 1e-6);
