@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The five commands of the README for a part of an assembly, as they stand there; then three parts of the sample
+# The six commands of the README for a part of an assembly, as they stand there; then three parts of the sample
 # assembly: one comes out, one is held by others, one comes out with what is fixed to it.
 set -u
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
@@ -7,9 +7,9 @@ ln -s "$data" sample_data
 PATH=$bin:$PATH
 
 sed -n '/^Does the pin come out/,/^The cover does not/p' "$FORCELAYER_SOURCE_DIR/README.md" | grep '^    ' >commands
-[ "$(wc -l <commands)" = 5 ] || fail "not five commands: $(cat commands)"
-grep '^    vox\(elize\|run\)\|^    pointshell' commands | sed 's/ *#[^"'"'"']*$//; s/voxrun .*/& --as-fast-as-possible/' >offline.sh
-[ "$(wc -l <offline.sh)" = 4 ] || fail "not four commands but voxview: $(cat offline.sh)"
+[ "$(wc -l <commands)" = 6 ] || fail "not six commands: $(cat commands)"
+grep '^    vox\(elize\|run\|check\)\|^    pointshell' commands | sed 's/ *#[^"'"'"']*$//; s/voxrun .*/& --as-fast-as-possible/' >offline.sh
+[ "$(wc -l <offline.sh)" = 5 ] || fail "not five commands but voxview: $(cat offline.sh)"
 bash -e offline.sh >out 2>err || fail "the commands of the README: $(cat err)"
 grep -q " Gearbox/Pin$" out || fail "the list has no pin: $(cat out)"
 grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then clear: least proven clearance [0-9.]+ mm to Gearbox/" out ||
@@ -81,4 +81,6 @@ refuses() {  # refuses TEXT ARGUMENTS...
 }
 refuses "--pull: length '5' has no unit" --pull 0,0,5
 refuses "--pull: is a motion of the sim device" --pull 0,0,5mm --motion sample_data/lift.csv
+refuses "--pull: is no way" --pull 0,0,0m  # from which nothing could come out
+refuses "--pull: is no way" --pull 0,0,1e9m
 finish

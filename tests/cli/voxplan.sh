@@ -119,6 +119,8 @@ plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
 errs '--goal: the part is nearer there than --clearance to Gearbox/Housing: [0-9.]+ mm are proven'
+plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,100km --clearance 2mm --time 1s
+errs '--goal: is more than a million voxels from the seat'
 plan 2 opened.vox cover.pshell -o opened.vox
 plan 1 none.vox cover.pshell -o x.csv
 errs 'none.vox: no such file'

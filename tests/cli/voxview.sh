@@ -117,7 +117,7 @@ def count(color):
     return int((abs(picture - color).max(axis=2) <= 1).sum())
 section, rest = count(numpy.round(0.8 * uncut)), count(uncut)
 assert section > 10000 and section + rest + count(255) == 600 * 600, (section, rest)
-# What is not filled is the cavity's far wall, or the sheet behind.
+# The rest is the cavity's far wall, or the sheet behind.
 assert abs(section / (section + rest) - float(sys.argv[1])) < 0.01, (section, rest)
 END
 done

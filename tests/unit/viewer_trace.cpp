@@ -115,6 +115,13 @@ TEST(Trace, RefusesWhatItCannotRead) {
   EXPECT_EQ(cut.error().where, "line 3");
   EXPECT_EQ(read_text(kHeader + "\nnan" + row(1, 0).substr(8)).error().code,
             ErrorCode::kFieldInvalid);
+  for (const char* const count : {",-1,", ",5e9,", ",1e300,"}) {
+    std::string line = row(1, 0);
+    line.replace(line.find(",10,"), 4, count);
+    const auto counted = read_text(kHeader + "\n" + line);
+    ASSERT_FALSE(counted) << count;
+    EXPECT_EQ(counted.error().what, "contacts is no count");
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <string>
@@ -38,6 +39,9 @@ constexpr std::array<std::string_view, 27> kColumns = {"t_s",
                                                        "points_proximity",
                                                        "points_surface",
                                                        "points_interior"};
+
+// Columns that hold counts, by their place in kColumns.
+constexpr std::size_t kCounts[] = {21, 22, 24, 25, 26};
 
 // Columns that a trace need not have. The name of an object may be quoted, and comes last.
 constexpr std::string_view kClearance = "clearance_m", kAtLeast = "clearance_at_least",
@@ -131,6 +135,8 @@ Pose pose_of(const double* v) {
   return {{v[0], v[1], v[2]}, glm::normalize(glm::dquat(v[3], v[4], v[5], v[6]))};
 }
 
+bool is_count(double number) { return number >= 0 && number <= double{UINT32_MAX}; }
+
 TraceRow row_of(const std::array<double, kColumns.size()>& v) {
   TraceRow row;
   row.time_s = v[0];
@@ -173,6 +179,10 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
       if (!read_number(cell, values[n])) {
         return bad_line(path, number, "'" + std::string(cell) + "' is no number");
       }
+    }
+    for (const std::size_t n : kCounts) {
+      if (is_count(values[n])) continue;
+      return bad_line(path, number, std::string(kColumns[n]) + " is no count");
     }
     rows.push_back(row_of(values));
     rows.back().clearance = clearance.of(cells);
