@@ -18,7 +18,7 @@ if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then
   view=$(grep '^    voxview' commands | sed 's/ *#.*$//')
   # How near does it come to what? The picture shows the moment that voxrun names, and what it says of it.
   $view --screenshot view.png --size 320x240 --json view.json 2>err || fail "voxview: $(cat err)"
-  sed -n 's/.*least proven clearance \([0-9.]*\) mm to \(.*\) at \([0-9.]*\) s.*/\1 \2 \3/p' out >answer
+  sed -n 's/^seated on .*least proven clearance \([0-9.]*\) mm to \(.*\) at \([0-9.]*\) s.*/\1 \2 \3/p' out >answer
   python3 -c '
 import json
 shown = json.load(open("view.json"))["moment"]
