@@ -240,11 +240,10 @@ Status bake_command(const Arguments& arguments) {
   std::vector<std::string> warnings;
   auto part = load_part(arguments, options->voxel_size_m, warnings, progress);
   if (!part) return part.error();
-  for (const std::string& warning : {part::precision_warning(*part, options->voxel_size_m),
-                                     part::size_warning(*part, options->voxel_size_m)}) {
-    if (warning.empty()) continue;
-    warnings.push_back(warning);
-    warn(arguments, warning);
+  const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
+  if (!imprecise.empty()) {
+    warnings.push_back(imprecise);
+    warn(arguments, imprecise);
   }
   const BakeCost expected = expected_cost(*part, *options);
   if (const std::string cost = cost_warning(expected, *options, *part); !cost.empty()) {
@@ -259,10 +258,12 @@ Status bake_command(const Arguments& arguments) {
   };
   auto shell = bake_shell(*part, *options, show, expected.seconds);
   if (!shell) return shell.error();
-  if (const std::string sheets = sheet_warning(*shell); !sheets.empty()) {
-    warnings.push_back(sheets);
+  for (const std::string& warning :
+       {part::size_warning(*part, options->voxel_size_m), sheet_warning(*shell)}) {
+    if (warning.empty()) continue;
+    warnings.push_back(warning);
     progress.clear();
-    warn(arguments, sheets);
+    warn(arguments, warning);
   }
   PshellContent content = shell->content();
   const std::string origin = provenance(*part, *options);
