@@ -1,7 +1,10 @@
 #include "runtime/exact/exact_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <memory>
 
 #include "formats/command/text.h"
 #include "runtime/clearance/center_path.h"
@@ -27,6 +30,7 @@ constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
 // How much deeper than installed the part may go: as the guard of a run lets a shell point
 // (FieldProbe::find_seat), beside a step of the stored distances.
 constexpr double kSeatGiveVoxels = 0.25;
+constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 
 class ExactCheck {
  public:
@@ -107,9 +111,57 @@ class ExactCheck {
     const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_);
     violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
     violation.worst = exact_moment(least.sample);
-    violation.graze = violation.worst.exact_m >= request_.required_m - rounding_m_;
-    answer.violations.push_back(violation);
+    violation.graze =
+        !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(least.sample);
+    if (violation.meets()) look_into(violation);
+    answer.violations.push_back(violation);
+  }
+
+  // Where the surfaces meet: how deep they lie in each other, at the deepest of some moments.
+  void look_into(ExactViolation& violation) {
+    Other& other = other_of(violation.worst.object);
+    if (!are_solid(part_bodies()) || !are_solid(other.bodies)) return;
+    const SeatWalk walk(path_, part_bodies(), other.bodies, other.distance,
+                        kDepthVoxels * voxel_m_);
+    const double from_s = violation.from_s, to_s = violation.to_s;
+    std::vector<double> moments_s{violation.worst.time_s};
+    for (int n = 0; n <= kMomentsDeep; ++n) {
+      moments_s.push_back(std::lerp(from_s, to_s, static_cast<double>(n) / kMomentsDeep));
+    }
+    for (const double time_s : moments_s) {
+      const Depth depth = walk.at_pose(path_.world_from_center(path_.at(time_s)), 0);
+      if (depth.found_m <= violation.depth_m) continue;
+      violation.depth_m = depth.found_m;
+      violation.depth_at_most_m = depth.at_most_m;
+      violation.worst = deepest_moment(time_s, violation.worst.object, depth);
+    }
+  }
+
+  static ExactMoment deepest_moment(double time_s, std::uint32_t object, const Depth& depth) {
+    const glm::dvec3 &part = depth.place_m, &foot = depth.foot_m;
+    return {time_s, 0, object, {part.x, part.y, part.z}, {foot.x, foot.y, foot.z}};
+  }
+
+  // An object of the scene by itself.
+  struct Other {
+    Other(Surface own, const Surface& part, double crack_m)
+        : surface(std::move(own)), bodies(bodies_of(surface, crack_m)), distance(surface, part) {}
+    Surface surface;
+    Bodies bodies;
+    MeshPair distance;
+  };
+  Other& other_of(std::uint32_t object) {
+    auto& other = others_[object];
+    if (!other) {
+      other = std::make_unique<Other>(only(all_, object), part_, kCrackVoxels * voxel_m_);
+    }
+    return *other;
+  }
+
+  const Bodies& part_bodies() {
+    if (part_bodies_.empty()) part_bodies_ = bodies_of(part_, kCrackVoxels * voxel_m_);
+    return part_bodies_;
   }
 
   void take(const Sample& sample) {
@@ -137,21 +189,17 @@ class ExactCheck {
   // Settles the objects of the seat: how deep the part goes into them while it is there.
   void add_seat(ExactAnswer& answer) {
     if (request_.seated.empty() || request_.seat.empty()) return;
-    const Bodies part = bodies_of(part_, kCrackVoxels * voxel_m_);
     for (const std::uint32_t object : request_.seat) {
-      const Surface surface = only(all_, object);
-      if (!surface.triangles.empty()) settle(object, surface, part, answer);
+      const Other& other = other_of(object);
+      if (!other.surface.triangles.empty()) settle(object, other, answer);
     }
   }
 
-  void settle(std::uint32_t number, const Surface& surface, const Bodies& part,
-              ExactAnswer& answer) {
-    const Bodies object = bodies_of(surface, kCrackVoxels * voxel_m_);
+  void settle(std::uint32_t number, const Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const bool both = are_solid(part) && are_solid(object);
-    const MeshPair distance(surface, part_);
-    seat.settled = both || !meet(distance);
-    SeatWalk walk(path_, part, object, distance, kDepthVoxels * voxel_m_);
+    const bool both = are_solid(part_bodies()) && are_solid(object.bodies);
+    seat.settled = both || !meet(object.distance);
+    SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kDepthVoxels * voxel_m_);
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
@@ -186,13 +234,9 @@ class ExactCheck {
     violation.to_s = path_.time_s(stretch.to);
     violation.pushed_into_seat = true;
     const Depth& worst = stretch.worst;
-    violation.depth_m = worst.found_m > seat.allowed_m ? worst.found_m : worst.at_most_m;
-    const glm::dvec3 &part = worst.place_m, &object = worst.foot_m;
-    violation.worst = {path_.time_s(stretch.worst_at),
-                       0,
-                       seat.object,
-                       {part.x, part.y, part.z},
-                       {object.x, object.y, object.z}};
+    violation.depth_m = worst.found_m;
+    violation.depth_at_most_m = worst.at_most_m;
+    violation.worst = deepest_moment(path_.time_s(stretch.worst_at), seat.object, worst);
     return violation;
   }
 
@@ -220,6 +264,8 @@ class ExactCheck {
   MeshPair everything_, seated_;
   clearance::CenterPath path_;
   ExactWalk walk_;
+  std::map<std::uint32_t, std::unique_ptr<Other>> others_;  // those that were asked for
+  Bodies part_bodies_;
   std::optional<Sample> nearest_;  // so far
 };
 

@@ -132,6 +132,10 @@ std::string violations_table(const Json& violations) {
       "<th>against</th><th>nearest at, s</th><th>place</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
+    if (v.contains("exact_m") && v["exact_m"] == 0) {
+      how = "the surfaces meet";
+      if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
+    }
     if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
     if (v.value("seat_not_settled", false)) how = "not settled in its seat";
     if (v.value("graze", false)) how += ", a graze";

@@ -56,7 +56,11 @@ struct ExactViolation {
   // In its seat the part goes deeper into an object than it may. `worst` is the deepest place, and
   // the nearest one of the other surface.
   bool pushed_into_seat = false;
-  double depth_m = 0;
+  // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
+  // that meet elsewhere it is the deepest of a few moments, found coarsely; 0 where one of the two
+  // has no inside.
+  double depth_m = 0, depth_at_most_m = 0;
+  bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
 };
 
 // How deep the part goes into an object of its seat, as the meshes have it.

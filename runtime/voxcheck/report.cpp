@@ -43,6 +43,15 @@ std::string most_text(const CheckedMoment& moment) {
   return text(", at most %.3f mm", ceil_mm(moment.most_m));
 }
 
+// Depths that were found, rounded down: they are no more than the true ones.
+std::string meeting_text(const Report& report, const ExactViolation& exact) {
+  std::string line = "the surfaces meet";
+  if (exact.depth_m > 0) line += text(", at least %.3f mm deep", floor_mm(exact.depth_m));
+  if (exact.worst.object == 0) return line;
+  return line + (exact.depth_m > 0 ? " in " : ": ") +
+         escaped(object_name(report.scene, exact.worst.object));
+}
+
 std::string exact_text(const Report& report, const ExactViolation& exact) {
   if (!exact.graze) return text("%.3f mm exact", 1e3 * exact.worst.exact_m);
   return text("a graze, %.6f mm exact and %.6f mm of deviations and rounding",
@@ -69,8 +78,13 @@ std::string pushed_text(const Report& report, const Violation& v) {
            place_text(v.worst);
   }
   const ExactSeat* seat = exact_seat(report, v.worst.object);
-  return text("pushed %.3f mm deep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
-              1e3 * v.depth_m, object.c_str(), 1e3 * seat->installed_m, 1e3 * seat->allowed_m) +
+  // Between what was found and what is proven, what is allowed may lie.
+  const double most_m = exact_of(report, v)->depth_at_most_m;
+  const std::string most =
+      v.depth_m > seat->allowed_m ? "" : text("and at most %.3f mm ", ceil_mm(most_m));
+  return text("pushed %.3f mm %sdeep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
+              1e3 * v.depth_m, most.c_str(), object.c_str(), 1e3 * seat->installed_m,
+              1e3 * seat->allowed_m) +
          place_text(v.worst);
 }
 
@@ -94,6 +108,7 @@ std::string violation_text(const Report& report, const Violation& v) {
   if (v.worst.beyond_side)
     return line + "beyond a cropped side of the scene, where nothing is known";
   if (const ExactViolation* exact = exact_of(report, v)) {
+    if (exact->meets()) return line + meeting_text(report, *exact) + ", " + place_text(v.worst);
     return line + exact_text(report, *exact) + to_object(report, v.worst.object) + ", " +
            place_text(v.worst);
   }
@@ -141,7 +156,8 @@ std::string seat_depth_text(const Report& report) {
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
   return text(
-      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
+      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm deeper, into "
+      "%s\n",
       1e3 * (deepest->allowed_m - deepest->installed_m), 1e3 * std::max(0.0, deeper(*deepest)),
       escaped(object_name(report.scene, deepest->object)).c_str());
 }
@@ -201,8 +217,9 @@ Json violation_json(const Report& report, const Violation& v) {
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
   json["seat_not_settled"] = v.unsettled_seat;
-  if (v.pushed_into_seat) json["depth_m"] = v.depth_m;
+  if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report, v)) {
+    if (v.depth_m > 0) json["depth_at_most_m"] = exact->depth_at_most_m;
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
   }
@@ -263,7 +280,10 @@ const Violation& worst_of(const CheckResult& result) {
   return *std::min_element(result.violations.begin(), result.violations.end(),
                            [](const Violation& a, const Violation& b) {
                              if (a.unsettled_seat != b.unsettled_seat) return b.unsettled_seat;
-                             return a.worst.clearance_m < b.worst.clearance_m;
+                             if (a.worst.clearance_m != b.worst.clearance_m) {
+                               return a.worst.clearance_m < b.worst.clearance_m;
+                             }
+                             return a.depth_m > b.depth_m;
                            });
 }
 

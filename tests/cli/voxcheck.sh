@@ -148,6 +148,10 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --junit graze.xml
   says 'a graze, [23]\.[0-9]+ mm exact and 0\.000[0-9]+ mm of deviations and rounding to Gearbox/Housing'
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
+  says 'the surfaces meet, at least [1-9]\.[0-9]{3} mm deep in Gearbox/Housing, at 0\.[0-9]+ s'
+  # Where surfaces meet it is no graze, however little is required.
+  check 6 opened.vox cover.pshell through.csv --clearance 0mm "${exact[@]}" --json met.json
+  says 'the surfaces meet, at least '
   check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json seated.json
   python3 - <<'PYTHON'
 import json
@@ -165,6 +169,9 @@ assert v["clearance_m"] <= 0.003 <= v["at_most_m"] and not v["graze"], v
 assert all(v["graze"] and abs(v["exact_m"] - 0.003) < 1e-8 for v in graze["violations"]), graze
 [v] = crossed["violations"]
 assert v["exact_m"] == 0 and v["from_s"] < 0.5 < v["to_s"], v
+apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 0.5
+assert 0.001 < v["depth_m"] <= v["depth_at_most_m"] and abs(apart - v["depth_m"]) < 1e-6, (apart, v)
+assert not any(v["graze"] for v in json.load(open("met.json"))["violations"])
 # It left its seat 1.6 mm up, and rose.
 exact = seated["least_clearance"]["exact_m"]
 assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["least_clearance"]
@@ -189,7 +196,21 @@ PYTHON
     says 'pushed 1\.[0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.555 mm allowed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
-    says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm, into Gearbox/Lid/Bolt$'
+    says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm deeper, into Gearbox/Lid/Bolt$'
+    # Where what is allowed lies between what is found and what is proven, both are said.
+    check 6 "${held[@]}" "${meshes[@]}" --seat-depth 1.505mm --json barely.json
+    says 'pushed [0-9.]+ mm and at most [0-9.]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and [0-9.]+ mm allowed, at '
+    python3 - <<'PYTHON'
+import json, re
+report = json.load(open("barely.json"))
+[v] = report["violations"]
+seat = max(report["seat_depths"], key=lambda seat: seat["deepest_m"])
+assert v["depth_m"] < seat["allowed_m"] < v["depth_at_most_m"], (v, seat)
+assert abs(v["depth_m"] - seat["deepest_m"]) < 1e-12, (v, seat)
+said = open("out.txt").read()
+pushed, deepest = (re.search(words + " ([0-9.]+) mm", said)[1] for words in ("pushed", "deepest found"))
+assert pushed == deepest, said  # it is installed 0 mm deep
+PYTHON
     python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("through_bolt.json"))
