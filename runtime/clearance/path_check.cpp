@@ -105,6 +105,9 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
   share_out(threads, shares, [&](std::size_t thread, std::size_t n) {
     walks[n] = std::make_unique<PathWalk>(path_, *parts[thread], voxmap_.voxel_size_m(), limits);
     walks[n]->walk(ends[n], ends[n + 1]);
+    if (thread == 0 && request_.progress) {
+      request_.progress(static_cast<double>(n + 1) / static_cast<double>(shares));
+    }
   });
   for (const auto& walk : walks) {
     walked.pieces.insert(walked.pieces.end(), walk->pieces().begin(), walk->pieces().end());

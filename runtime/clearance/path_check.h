@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct CheckRequest {
   // Whether a seat is clear where shell points feel nothing. Between them an object may have
   // features that are narrower than twice the covering radius.
   bool felt_seat_is_enough = false;
+  // Is called now and then with the share of a walk along the path that is done, in one thread.
+  std::function<void(double)> progress{};
 };
 
 // The part at one moment of its path.

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "formats/command/progress_line.h"
 #include "formats/command/text.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/exact/exact_walk.h"
@@ -35,8 +36,10 @@ constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 class ExactCheck {
  public:
   ExactCheck(const ExactRequest& request, const Voxmap& voxmap, const Pshell& shell,
-             const std::vector<PathRow>& rows, const Surface& scene, const Surface& part)
+             const std::vector<PathRow>& rows, const Surface& scene, const Surface& part,
+             command::ProgressLine& line)
       : request_(request),
+        line_(line),
         rows_(rows),
         part_(part),
         voxel_m_(voxmap.voxel_size_m()),
@@ -59,6 +62,7 @@ class ExactCheck {
     answer.margin_m = margin_m_;
     add_violations(answer);
     add_seat(answer);
+    walk_.tell(shown("measuring the least clearance", 0, 1));
     add_least(answer);
     answer.moments += walk_.measured();
     if (const auto& found = walk_.contradiction()) {
@@ -72,6 +76,14 @@ class ExactCheck {
   }
 
  private:
+  // Shows task `n` of some on the terminal.
+  Progress shown(const char* stage, std::size_t n, std::size_t tasks) {
+    const auto whole = static_cast<double>(tasks);
+    return [this, stage, n, whole](double share) {
+      line_.show(stage, (static_cast<double>(n) + std::clamp(share, 0.0, 1.0)) / whole);
+    };
+  }
+
   static double radius_m(const Surface& part) {
     double radius = 0;
     for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
@@ -172,8 +184,10 @@ class ExactCheck {
   // Cuts the stretches that are too near by the files down to those that are by the meshes.
   void add_violations(ExactAnswer& answer) {
     std::vector<Piece> pieces;  // that follow each other
-    for (const auto& stretch : request_.stretches) {
+    for (std::size_t n = 0; n < request_.stretches.size(); ++n) {
+      const voxcheck::ProvenStretch& stretch = request_.stretches[n];
       if (!stretch.too_near) continue;
+      walk_.tell(shown("measuring the clearance", n, request_.stretches.size()));
       const auto nearer = walk_.nearer_than(piece_of(stretch), request_.required_m + margin_m_,
                                             kResolutionVoxels * voxel_m_);
       for (const Piece& piece : nearer) {
@@ -200,6 +214,7 @@ class ExactCheck {
     const bool both = are_solid(part_bodies()) && are_solid(object.bodies);
     seat.settled = both || !meet(object.distance);
     SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kDepthVoxels * voxel_m_);
+    walk.tell(shown("measuring the depth in the seat", answer.seat.size(), request_.seat.size()));
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
@@ -255,6 +270,7 @@ class ExactCheck {
   }
 
   const ExactRequest& request_;
+  command::ProgressLine& line_;
   const std::vector<PathRow>& rows_;
   const Surface& part_;
   double voxel_m_, seat_depth_m_;
@@ -277,13 +293,15 @@ Result<ExactAnswer> check_exactly(const ExactRequest& request) {
   const auto shell = open_part(request.part);
   if (!shell) return shell.error();
   std::vector<std::string> warnings;
+  command::ProgressLine line(request.quiet);
+  line.show("reading the meshes", 0);
   const auto scene = read_scene_surface(request, *voxmap, warnings);
   if (!scene) return scene.error();
   const auto part = read_part_surface(request, *shell, warnings);
   if (!part) return part.error();
   const auto rows = voxcheck::read_part_path(request.path, request.scene, request.part);
   if (!rows) return rows.error();
-  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part).answer();
+  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part, line).answer();
   if (answer) answer->warnings = std::move(warnings);
   return answer;
 }

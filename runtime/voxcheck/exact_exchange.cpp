@@ -78,7 +78,8 @@ std::string text_of(const ExactRequest& r) {
               {"stretches", r.stretches},
               {"seated", r.seated},
               {"seat_pose", r.seat_pose},
-              {"seat_depth_m", or_null(r.seat_depth_m)}}
+              {"seat_depth_m", or_null(r.seat_depth_m)},
+              {"quiet", r.quiet}}
       .dump();
 }
 
@@ -107,6 +108,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("seated").get_to(r.seated);
         json.at("seat_pose").get_to(r.seat_pose);
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
+        json.at("quiet").get_to(r.quiet);
         return r;
       });
 }

@@ -36,6 +36,7 @@ struct ExactRequest {
   // How much deeper than installed the part may go into an object of its seat; without: as deep as
   // the guard of a run lets a shell point.
   std::optional<double> seat_depth_m;
+  bool quiet = false;  // no line of progress on the terminal
 };
 
 inline constexpr double kNothingM = 1e100;  // farther away than any mesh

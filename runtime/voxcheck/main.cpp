@@ -10,6 +10,7 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/progress_line.h"
 #include "formats/command/version.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
@@ -83,9 +84,12 @@ Status check(const Options& options) {
   if (!rows) return rows.error();
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
-  const clearance::CheckRequest request{options.clearance_m, options.threads, *allowed,
-                                        options.world_from_seat, options.felt_seat};
+  command::ProgressLine line(options.quiet);
+  const auto show = [&](double share) { line.show("checking the path", share); };
+  const clearance::CheckRequest request{options.clearance_m,     options.threads,   *allowed,
+                                        options.world_from_seat, options.felt_seat, show};
   auto result = clearance::check_path(*scene, *part, path, request);
+  line.clear();
   if (!result) {
     Error error = result.error();
     if (error.file.empty()) error.file = options.scene;

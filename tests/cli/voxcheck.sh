@@ -223,6 +223,18 @@ assert abs(apart - v["depth_m"]) < 1e-6, (apart, v)
 assert "deep into Gearbox/Lid/Bolt" in tree.parse("through_bolt.xml").getroot().find("testcase/failure").get("message")
 PYTHON
   fi
+  # On a terminal a line shows how far it is, and is gone at the end.
+  if command -v script >/dev/null; then
+    call="$bin/voxcheck opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --exact $data/gearbox.glb"
+    call+=" --without Lid --part $data/gearbox.glb#Cover --allow 'Clip/*' --allow Pin"
+    script -qec "$call" /dev/null </dev/null >seen.txt
+    for stage in 'checking the path' 'reading the meshes'; do
+      grep -qF "$stage" seen.txt || fail "no progress: $(cat -v seen.txt)"
+    done
+    python3 -c 'text = open("seen.txt").read(); assert "%" not in text[text.rindex("\x1b[K"):]' || fail "a line is left"
+    script -qec "$call --quiet" /dev/null </dev/null >seen.txt
+    ! grep -q '%' seen.txt || fail "progress of a quiet command: $(cat -v seen.txt)"
+  fi
   check 4 opened.vox cover.pshell sideways.csv --exact "$data/gearbox.glb" --part "$data/gearbox.glb#Cover"
   errs 'opened\.vox: --exact: was not baked from these meshes: they have 3600 triangles'
   check 4 opened.vox cover.pshell sideways.csv --exact "$data/gearbox.glb" --without Lid --part "$data/gearbox.glb#Pin"
