@@ -270,6 +270,49 @@ Status write_text(const std::string& path, const std::string& content) {
   return file->commit();
 }
 
+// A violation in a few words.
+std::string gist_of(const Report& report, const Violation& v) {
+  if (v.unsettled_seat) return "its seat is not settled";
+  if (v.pushed_into_seat) {
+    return "pushed too deep into " + escaped(object_name(report.scene, v.worst.object));
+  }
+  if (v.worst.beyond_side) return "beyond a cropped side of the scene";
+  const ExactViolation* exact = exact_of(report, v);
+  const std::string to = to_object(report, v.worst.object);
+  if (exact == nullptr) return text("%.3f mm proven", floor_mm(v.clearance_m)) + to;
+  if (exact->meets()) return "the surfaces meet";
+  if (exact->graze) return "a graze" + to;
+  return text("%.3f mm exact", 1e3 * exact->worst.exact_m) + to;
+}
+
+// As --seat takes it.
+std::string seat_of(const PathRow& row) {
+  const auto& p = row.position_m;
+  const auto& q = row.orientation_wxyz;
+  // Adding zero turns -0 to 0.
+  std::string pose = text("%.9g,%.9g,%.9gm", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
+  if (std::max({std::abs(q[1]), std::abs(q[2]), std::abs(q[3])}) > 1e-9) {
+    pose += text(",%.9g,%.9g,%.9g,%.9g", q[0], q[1], q[2], q[3]);
+  }
+  return pose;
+}
+
+// Where the part is too near at an end of its path, it may be installed there.
+std::string seat_mend(const Report& report, const PathRow& first, const PathRow& last) {
+  if (report.options.world_from_seat) return "";
+  const auto any = [&](const auto& is_so) {
+    const auto& all = report.result.violations;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Violation& v) { return !v.worst.beyond_side && is_so(v); });
+  };
+  const bool begins = any([&](const Violation& v) { return v.from_s <= first.time_s; });
+  const bool ends = any([&](const Violation& v) { return v.to_s >= last.time_s; });
+  if (!begins && !ends) return "";
+  return text("where it is installed at the path's %s, give --seat ",
+              begins ? "beginning" : "end") +
+         seat_of(begins ? first : last);
+}
+
 std::string required_text(const Report& report) {
   return text("%.3f mm required", report.options.clearance_m * 1e3);
 }
@@ -417,13 +460,13 @@ Json code_quality_json(const Report& report) {
   return list;
 }
 
-Status check_verdict(const Report& report) {
+Status check_verdict(const Report& report, const PathRow& first, const PathRow& last) {
   if (report.result.clear()) return {};
   const Violation& worst = worst_of(report.result);
-  return Error{ErrorCode::kAnswerIsNo, report.options.part, text("at %.3f s", worst.worst.time_s),
+  return Error{ErrorCode::kAnswerIsNo, report.options.path, text("at %.3f s", worst.worst.time_s),
                required_text(report) + (report.exact ? ", but not kept: " : ", but not proven: ") +
-                   violation_text(report, worst),
-               ""};
+                   gist_of(report, worst),
+               seat_mend(report, first, last)};
 }
 
 }  // namespace forcelayer::voxcheck

@@ -15,7 +15,12 @@ check() {
   shift
   "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
   [ "$status" -eq "$wanted" ] || { cat out.txt err.txt; fail "status $status instead of $wanted: $*"; }
-  [ "$(wc -l <err.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
+  grep -v '^voxcheck: warning: ' err.txt >lines.txt || true
+  [ "$(wc -l <lines.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
+  grep '^voxcheck: warning: ' err.txt >warnings.txt || true
+}
+warns() { grep -qF -e "$1" warnings.txt && [ "$(wc -l <warnings.txt)" -eq 1 ] || { cat err.txt; fail "no warning '$1' alone"; }; }
+silent() { [ ! -s warnings.txt ] || { cat err.txt; fail "warned without need"; }
 }
 says() { grep -qE -e "$1" out.txt || { cat out.txt; fail "not said: '$1'"; }; }
 errs() { grep -qE -e "$1" err.txt || { cat err.txt; fail "no '$1' on stderr"; }; }
@@ -55,7 +60,9 @@ check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv 
   --code-quality quality.json --github
 says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
 says '^::error file=through\.csv,title=clearance::12\.700 mm required; 0\.[0-9]+ to 0\.[0-9]+ s: 0\.000 mm proven'
-errs '^voxcheck: cover\.pshell: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: '
+# The path is what is wrong, in a few words; it begins and ends too far away to be installed there.
+errs '^voxcheck: through\.csv: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: 0\.000 mm proven to Gearbox/[A-Za-z/]+$'
+silent
 python3 - <<'PYTHON'
 import csv, json, xml.etree.ElementTree as tree
 report, quality = json.load(open("through.json")), json.load(open("quality.json"))
@@ -74,12 +81,15 @@ assert suite.get("failures") == "1" and "mm proven" in suite.find("testcase/fail
 PYTHON
 
 # The seat: until the part has left it, only other objects count; without one it is a violation.
+# Then it is said how to tell where the part is installed.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm
+errs "; if it is installed at the path's beginning, give --seat 0,0,0m$"
+silent
 # There, narrow features are not felt: that is said, and it is not clear before it is accepted or settled.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --junit open.xml --github
 says '^NOT clear: its seat is not settled; seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
 says '^::error file=out\.csv.*not settled.*narrower than 1\.73 mm are not felt; settle with --exact, or accept with --felt-seat$'
-errs 'not settled: in its seat'
+errs '^voxcheck: out\.csv: at 0\.000 s: 1\.000 mm required, but not proven: its seat is not settled$'
 python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("open.json"))
@@ -96,6 +106,24 @@ says '^  in its seat it may pass through features of those objects narrower than
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
 says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
+silent
+check 6 opened.vox cover.pshell in.csv --clearance 1mm
+errs "; if it is installed at the path's end, give --seat 0,0,0m$"
+# The pose is as --seat takes it.
+printf 't_s,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n0,0,0,0,0,0,180\n1,0,0,60,0,0,180\n' >turned.csv
+check 6 opened.vox cover.pshell turned.csv --clearance 1mm
+errs '--seat 0,0,0m,[0-9.e+-]+,[0-9.e+-]+,[0-9.e+-]+,[0-9.e+-]+$'
+turned_seat=$(sed 's/.*--seat //' err.txt)
+check 0 opened.vox cover.pshell turned.csv --clearance 1mm --felt-seat --seat "$turned_seat" --allow 'Clip/*' --allow Pin
+# A seat in which nothing is touched; a path of another scene.
+check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,100mm
+warns 'warning: --seat: the part touches nothing there'
+printf 't_s,x_m,y_m,z_m\n0,5,0,0\n1,5,0,1\n' >astray.csv
+check 0 opened.vox cover.pshell astray.csv --json astray.json
+warns 'warning: the part is never near the scene: is it the part and the path of this scene?'
+grep -A 1 '"warnings": \[' astray.json | grep -q 'never near the scene' || fail "the report does not warn"
+check 0 opened.vox cover.pshell astray.csv --quiet
+silent
 check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
