@@ -308,8 +308,7 @@ std::string seat_mend(const Report& report, const PathRow& first, const PathRow&
   const bool begins = any([&](const Violation& v) { return v.from_s <= first.time_s; });
   const bool ends = any([&](const Violation& v) { return v.to_s >= last.time_s; });
   if (!begins && !ends) return "";
-  return text("where it is installed at the path's %s, give --seat ",
-              begins ? "beginning" : "end") +
+  return text("if it is installed at the path's %s, give --seat ", begins ? "beginning" : "end") +
          seat_of(begins ? first : last);
 }
 
