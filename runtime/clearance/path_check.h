@@ -54,9 +54,13 @@ struct CurvePiece {
   double from_s = 0, to_s = 0, clearance_m = 0;
 };
 
-// A stretch in which only objects of the seat are nearer than required.
+// A stretch in which only objects of the seat are nearer than required: as long as the part has not
+// once been as far from all objects as that.
 struct SeatedStretch {
   double from_s = 0, to_s = 0;
+  double way_m = 0;        // a bound on how far any point of the part travels in it
+  double clearance_m = 0;  // proven for all of it, the seat's objects among the others
+  CheckedMoment nearest;   // of all moments looked at
 };
 
 struct CheckResult {
@@ -69,6 +73,7 @@ struct CheckResult {
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;
   std::vector<std::uint32_t> seat_objects;
+  double way_m = 0;  // a bound on how far any point of the part travels along the whole path
   std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
 };
 

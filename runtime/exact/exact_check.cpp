@@ -62,6 +62,7 @@ class ExactCheck {
     answer.margin_m = margin_m_;
     add_violations(answer);
     add_seat(answer);
+    add_seated(answer);
     walk_.tell(shown("measuring the least clearance", 0, 1));
     add_least(answer);
     answer.moments += walk_.measured();
@@ -253,6 +254,15 @@ class ExactCheck {
     violation.depth_at_most_m = worst.at_most_m;
     violation.worst = deepest_moment(path_.time_s(stretch.worst_at), seat.object, worst);
     return violation;
+  }
+
+  void add_seated(ExactAnswer& answer) {
+    walk_.tell(shown("measuring the clearance in the seat", 0, 1));
+    for (const auto& [from_s, to_s] : request_.seated) {
+      const auto least = walk_.least({{path_.at(from_s), path_.at(to_s)}}, kDepthVoxels * voxel_m_);
+      answer.seated.push_back(
+          {std::max(0.0, least.at_least_m - margin_m_), exact_moment(least.sample)});
+    }
   }
 
   void add_least(ExactAnswer& answer) {

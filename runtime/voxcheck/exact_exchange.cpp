@@ -8,8 +8,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m,
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
                                    pushed_into_seat, depth_m, depth_at_most_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, installed_m, allowed_m, deepest_m, settled)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, seat,
-                                   moments, warnings)
+                                   seated, moments, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
 namespace {

@@ -75,13 +75,21 @@ struct ExactSeat {
   bool settled = true;
 };
 
+// How near the part comes to all objects that count while it is in its seat: to a thirty-second of
+// a voxel.
+struct ExactNearest {
+  double clearance_m = 0;  // that holds for all of the stretch, deviations and rounding taken off
+  ExactMoment nearest;
+};
+
 struct ExactAnswer {
   double clearance_m = 0;  // that holds along the whole path, deviations and rounding taken off
   double margin_m = 0;     // deviations of scene and part, and rounding
   ExactMoment least;
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
-  std::uint64_t moments = 0;  // at which a distance was measured
+  std::vector<ExactNearest> seated;  // for each of ExactRequest::seated
+  std::uint64_t moments = 0;         // at which a distance was measured
   std::vector<std::string> warnings;
 };
 

@@ -162,6 +162,30 @@ std::string seat_depth_text(const Report& report) {
       escaped(object_name(report.scene, deepest->object)).c_str());
 }
 
+// The measurement of a stretch in the seat; null without --exact, and where no object counts.
+const ExactMoment* exact_in_seat(const Report& report, std::size_t stretch) {
+  if (!report.exact || stretch >= report.exact->seated.size()) return nullptr;
+  const ExactMoment& nearest = report.exact->seated[stretch].nearest;
+  return nearest.exact_m < kNothingM ? &nearest : nullptr;
+}
+
+// How long the part is in its seat, and how near it comes to what there.
+std::string seat_way_text(const Report& report) {
+  std::string lines;
+  for (std::size_t n = 0; n < report.result.seated.size(); ++n) {
+    const clearance::SeatedStretch& seated = report.result.seated[n];
+    const ExactMoment* exact = exact_in_seat(report, n);
+    lines +=
+        text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ", 1e3 * seated.way_m,
+             1e3 * report.result.way_m) +
+        (exact != nullptr
+             ? text("%.3f mm exact", 1e3 * exact->exact_m)
+             : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
+        to_object(report, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
+  }
+  return lines;
+}
+
 // Whether nothing is wrong but that a seat is not settled.
 bool is_only_unsettled(const CheckResult& result) {
   return !result.clear() && std::all_of(result.violations.begin(), result.violations.end(),
@@ -170,13 +194,16 @@ bool is_only_unsettled(const CheckResult& result) {
 
 std::string least_text(const Report& report) {
   const CheckResult& r = report.result;
+  const char* const outside = r.seated.empty() ? "" : "outside of its seat ";
   if (report.exact && report.exact->least.exact_m < kNothingM) {
-    return text("least clearance %.3f mm exact%s, ", 1e3 * report.exact->least.exact_m,
+    return text("least clearance %s%.3f mm exact%s, ", outside, 1e3 * report.exact->least.exact_m,
                 to_object(report, r.least.object).c_str()) +
            place_text(r.least);
   }
-  if (r.at_least) return text("at least %.3f mm, nothing is nearer", floor_mm(r.clearance_m));
-  return text("least proven clearance %.3f mm%s%s, ", floor_mm(r.clearance_m),
+  if (r.at_least) {
+    return text("%sat least %.3f mm, nothing is nearer", outside, floor_mm(r.clearance_m));
+  }
+  return text("least proven clearance %s%.3f mm%s%s, ", outside, floor_mm(r.clearance_m),
               most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
          place_text(r.least);
 }
@@ -346,7 +373,7 @@ std::string verdict_text(const Report& report) {
   std::string line = seat_text(report);
   if (r.clear()) {
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
-           seat_depth_text(report);
+           seat_way_text(report) + seat_depth_text(report);
   }
   if (is_only_unsettled(r)) {
     line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
@@ -362,6 +389,7 @@ std::string verdict_text(const Report& report) {
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
+  line += seat_way_text(report);
   return is_only_unsettled(r) ? line : line + seat_depth_text(report);
 }
 
@@ -380,13 +408,18 @@ Json report_json(const Report& report) {
   }
   json["missing_faces"] = missing_faces(report.scene, report.part);
   json["poses"] = r.poses;
+  json["way_m"] = r.way_m;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;
   json["violations"] = Json::array();
   for (const Violation& v : r.violations) json["violations"].push_back(violation_json(report, v));
   json["seated"] = Json::array();
-  for (const auto& stretch : r.seated) {
-    json["seated"].push_back({{"from_s", stretch.from_s}, {"to_s", stretch.to_s}});
+  for (std::size_t n = 0; n < r.seated.size(); ++n) {
+    const clearance::SeatedStretch& seated = r.seated[n];
+    Json stretch{{"from_s", seated.from_s}, {"to_s", seated.to_s}, {"way_m", seated.way_m}};
+    stretch.update(moment_json(report, seated.nearest, seated.clearance_m));
+    if (const ExactMoment* exact = exact_in_seat(report, n)) add_exact(stretch, *exact);
+    json["seated"].push_back(stretch);
   }
   json["seat"] = Json::array();
   for (const std::uint32_t object : r.seat_objects) {

@@ -96,12 +96,14 @@ report = json.load(open("open.json"))
 [violation] = report["violations"]
 assert report["verdict"] == "not clear" and report["seat_settled"] is False, report
 assert violation["seat_not_settled"] and not violation["pushed_into_seat"], violation
-assert [violation["from_s"], violation["to_s"]] == list(report["seated"][0].values()), violation
+assert [violation["from_s"], violation["to_s"]] == list(report["seated"][0].values())[:2], violation
 assert "not settled" in tree.parse("open.xml").getroot().find("testcase/failure").get("message")
 PYTHON
 felt=(--seat 0,0,0m --felt-seat)
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json out.json
 says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
+says '; least proven clearance outside of its seat [12]\.[0-9]{3} mm, at most '
+says '^  in its seat for [1-5]\.[0-9] mm of a way of 48\.0 mm: least clearance there 0\.000 mm proven, at most [01]\.[0-9]+ mm to Gearbox/'
 says '^  in its seat it may pass through features of those objects narrower than 1\.73 mm$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
@@ -141,6 +143,7 @@ grep -q '"pushed_into_seat": true' pushed.json || fail "not pushed in"
 # One path, however it is written; however many threads.
 check 0 opened.vox cover.pshell mm.csv --clearance 1mm "${felt[@]}" --json mm.json
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json threads.json --threads 5
+check 0 opened.vox cover.pshell out.csv --clearance 5mm "${felt[@]}" --allow 'Clip/*' --allow Pin --json wider.json  # in its seat for longer
 "$bin/voxrun" opened.vox cover.pshell --motion out.csv --as-fast-as-possible --quiet --trace trace.csv \
   --save-path path.csv --record run.flr
 for kind in trace.csv path.csv run.flr; do
@@ -152,6 +155,14 @@ def told(name):
     report = json.load(open(name))
     return {key: report[key] for key in report if key not in ("seconds", "threads", "input_files")}
 assert told("out.json") == told("threads.json")
+# Its way in the seat: it rises by 60 mm/s from 0.2 s on, and lies on the housing before.
+for name in ("out.json", "wider.json"):
+    report = told(name)
+    [seated] = report["seated"]
+    assert abs(report["way_m"] - 0.048) < 1e-9, report["way_m"]
+    assert abs(seated["way_m"] - 0.06 * (seated["to_s"] - 0.2)) < 1e-6, seated
+    assert seated["clearance_m"] == 0 <= seated["at_most_m"] < 0.002 and seated["t_s"] <= 0.2, seated
+assert told("wider.json")["seated"][0]["way_m"] > told("out.json")["seated"][0]["way_m"] + 0.003
 assert told("trace.json") == told("path.json") == told("run.json")
 a, b = told("out.json"), told("mm.json")
 assert abs(a["least_clearance"]["clearance_m"] - b["least_clearance"]["clearance_m"]) < 1e-9, (a, b)
@@ -203,6 +214,8 @@ assert not any(v["graze"] for v in json.load(open("met.json"))["violations"])
 # It left its seat 1.6 mm up, and rose.
 exact = seated["least_clearance"]["exact_m"]
 assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["least_clearance"]
+[stretch] = seated["seated"]
+assert stretch["exact_m"] < 1e-5 and stretch["at_most_m"] < 1e-4 and 0.001 < stretch["way_m"] < 0.005, stretch
 [seat] = seated["seat_depths"]
 assert seated["seat_settled"] and seat["object"] == "Gearbox/Housing", seated
 assert seat["deepest_m"] <= seat["allowed_m"] < 0.0003, seat
