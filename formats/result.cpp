@@ -36,7 +36,11 @@ bool is_shown(std::uint32_t code) {
   const bool line_end = code == 0x2028 || code == 0x2029;
   const bool direction = code == 0x61c || code == 0x200e || code == 0x200f ||
                          (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
-  return !control && !line_end && !direction;
+  // Characters without an image; those that join letters of some scripts are not among them.
+  const bool unseen = code == 0xad || code == 0x200b || (code >= 0x2060 && code <= 0x2064) ||
+                      code == 0xfeff || (code >= 0xfff9 && code <= 0xfffb) ||
+                      (code >= 0xe0000 && code <= 0xe0fff);
+  return !control && !line_end && !direction && !unseen;
 }
 
 }  // namespace

@@ -112,6 +112,9 @@ class Stages {
 // The most points that a method needs, as a multiple of the planar bound.
 constexpr double kMostOfBound = 3;
 constexpr double kBytesPerPoint = 400;
+// The share of the covering radius that rounding may take in a proof. Points stand so much denser;
+// from 1 on none would do.
+constexpr double kMostMargin = 0.25;
 
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
@@ -120,6 +123,15 @@ double physical_memory_bytes() {
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
 Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
                   double voxel_size_m) {
+  if (!(certificate::proof_margin(part, radius) <= kMostMargin * radius)) {
+    char what[160];
+    std::snprintf(what, sizeof what,
+                  "the part reaches %.3g m from its frame's origin: double precision does not tell "
+                  "its places to a quarter of the covering radius",
+                  part.largest_coordinate);
+    return Error{ErrorCode::kBakeTooLarge, "", "", what,
+                 "move the mesh toward its origin, and check --units"};
+  }
   const auto farthest = std::max_element(
       part.vertices.begin(), part.vertices.end(), [&](const part::Vec3& a, const part::Vec3& b) {
         return part::length_squared(a - mass.centroid) < part::length_squared(b - mass.centroid);

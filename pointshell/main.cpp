@@ -127,6 +127,9 @@ Result<double> length_option(const std::string& text, const char* option, double
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
     return usage(std::string(option) + " must be a positive length", "write it like 5mm");
   }
+  if (!zero_allowed && (*length < kMinVoxelSizeM || *length > kMaxVoxelSizeM)) {
+    return usage(std::string(option) + " is not between 1e-9 and 1e6 meters", "write it like 5mm");
+  }
   return *length;
 }
 
@@ -146,6 +149,9 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   }
   const auto voxel = length_option(arguments.voxel_size, "--voxel-size", 0, false);
   if (!voxel) return voxel.error();
+  if (!(*voxel >= kMinVoxelSizeM && *voxel <= kMaxVoxelSizeM)) {
+    return usage("--voxel-size is not between 1e-9 and 1e6 meters", "write it like 5mm");
+  }
   const auto radius = length_option(arguments.covering_radius, "--covering-radius", 0, false);
   if (!radius) return radius.error();
   const auto deviation = length_option(arguments.mesh_deviation, "--mesh-deviation", 0, true);

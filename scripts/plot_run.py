@@ -36,7 +36,7 @@ LARGEST_POINTS = 2000  # of a curve: more cannot be told apart on a page
 
 
 class TraceError(Exception):
-    """What is wrong with the trace, in one line."""
+    """A fault of the trace, in one line."""
 
 
 def read_trace(path):
@@ -98,7 +98,7 @@ def rotated(q, v):
 
 
 def thinned(times, values):
-    """Of every group of rows the lowest and the highest, so that no peak is lost."""
+    """The lowest and the highest of every group of rows, so that no peak is lost."""
     stride = 2 * max(1, len(values) // LARGEST_POINTS)
     if stride == 2:
         return times, values

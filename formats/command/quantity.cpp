@@ -71,11 +71,12 @@ Result<NumberAndRest> split_number(std::string_view text) {
 
 // The number of `split` in base units, correctly rounded where the unit is a power of ten.
 Result<double> scaled(const NumberAndRest& split, const Unit& unit) {
+  if (split.number == 0) return split.number;  // whatever its exponent: 0e2147483647
   const auto e = split.text.find_first_of("eE");
-  int exponent = unit.exponent;
+  long long exponent = unit.exponent;
   if (e != std::string_view::npos) {
     const std::size_t sign = split.text[e + 1] == '+' ? 1 : 0;
-    int own = 0;  // in range: the number is finite, and a tiny one was parsed as such
+    int own = 0;  // stays where it is none: of a zero, which any exponent may follow
     std::from_chars(split.text.data() + e + 1 + sign, split.text.data() + split.text.size(), own);
     exponent += own;
   }

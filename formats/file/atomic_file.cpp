@@ -141,6 +141,7 @@ void AtomicFile::take_over(const struct stat& old) noexcept {
   const bool same_owner = own.st_uid == old.st_uid && own.st_gid == old.st_gid;
   if (!same_owner && ::fchown(descriptor_, old.st_uid, old.st_gid) != 0 &&
       ::fchown(descriptor_, own.st_uid, old.st_gid) != 0) {
+    ::fchmod(descriptor_, own.st_mode & old.st_mode & 0777);
     return;  // another group's rights are not for ours
   }
   ::fchmod(descriptor_, old.st_mode & 0777);

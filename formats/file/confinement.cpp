@@ -109,17 +109,30 @@ constexpr int kOfNoDriver[] = {
     SYS_ptrace,
 #endif
 };
-// Their first argument says which process.
-constexpr int kSignals[] = {SYS_kill, SYS_tkill, SYS_tgkill, SYS_rt_sigqueueinfo,
-                            SYS_rt_tgsigqueueinfo};
-// The network, names and modes.
+// Signals, and limits whose excess ends a process. Their first argument says which process.
+constexpr int kOfAProcess[] = {
+    SYS_kill, SYS_tkill, SYS_tgkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_prlimit64};
+// By their second argument, the kernel signals another process on behalf of a file.
+constexpr struct {
+  int number;
+  std::uint32_t command;
+} kOwners[] = {{SYS_fcntl, F_SETOWN},
+               {SYS_fcntl, 15},       // F_SETOWN_EX
+               {SYS_ioctl, 0x8901},   // FIOSETOWN
+               {SYS_ioctl, 0x8902}};  // SIOCSPGRP
+// The network, names, modes, times and attributes.
 constexpr int kOfNoReader[] = {
-    SYS_socket,   SYS_connect,   SYS_bind,     SYS_listen,    SYS_unlinkat, SYS_renameat2,
-    SYS_mkdirat,  SYS_mknodat,   SYS_linkat,   SYS_symlinkat, SYS_fchmodat, SYS_fchownat,
-    SYS_truncate, SYS_utimensat, SYS_setxattr, SYS_fchmod,    SYS_fchown,
+    SYS_socket,    SYS_connect,     SYS_bind,         SYS_listen,       SYS_unlinkat, SYS_renameat2,
+    SYS_mkdirat,   SYS_mknodat,     SYS_linkat,       SYS_symlinkat,    SYS_fchmodat, SYS_fchownat,
+    SYS_truncate,  SYS_utimensat,   SYS_setxattr,     SYS_fchmod,       SYS_fchown,   SYS_lsetxattr,
+    SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr,
+    452,  // fchmodat2
+    463,  // setxattrat
+    466,  // removexattrat
 #if defined(__x86_64__)
-    SYS_unlink,   SYS_rename,    SYS_mkdir,    SYS_rmdir,     SYS_mknod,    SYS_link,
-    SYS_symlink,  SYS_chmod,     SYS_chown,    SYS_lchown,    SYS_renameat,
+    SYS_unlink,    SYS_rename,      SYS_mkdir,        SYS_rmdir,        SYS_mknod,    SYS_link,
+    SYS_symlink,   SYS_chmod,       SYS_chown,        SYS_lchown,       SYS_renameat, SYS_utime,
+    SYS_utimes,    SYS_futimesat,
 #endif
 };
 
@@ -140,8 +153,8 @@ class Filter {
     jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 1);
     refuse();
   }
-  // Signals to other processes than this one and its group.
-  void refuse_signals(int number) {
+  // To other processes than this one and its group.
+  void refuse_to_others(int number) {
     jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 6);
     load(offsetof(seccomp_data, args));
     jump(BPF_JEQ, 0, 2, 0);
@@ -149,6 +162,14 @@ class Filter {
     refuse();
     load(offsetof(seccomp_data, nr));
     jump(BPF_JA, 0, 0, 0);
+  }
+  // With this second argument.
+  void refuse_command(int number, std::uint32_t command) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 4);
+    load(offsetof(seccomp_data, args) + sizeof(std::uint64_t));
+    jump(BPF_JEQ, command, 0, 1);
+    refuse();
+    load(offsetof(seccomp_data, nr));
   }
   bool install() {
     put(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
@@ -199,7 +220,8 @@ bool confine_system_calls(CallsOf process) {
   if (kMachine == 0) return false;
   Filter filter;
   for (const int number : kOfNoDriver) filter.refuse_call(number);
-  for (const int number : kSignals) filter.refuse_signals(number);
+  for (const int number : kOfAProcess) filter.refuse_to_others(number);
+  for (const auto& owner : kOwners) filter.refuse_command(owner.number, owner.command);
   if (process == CallsOf::kReader) {
     for (const int number : kOfNoReader) filter.refuse_call(number);
   }

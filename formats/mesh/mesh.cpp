@@ -1,6 +1,7 @@
 #include "formats/mesh/mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace forcelayer::mesh {
@@ -11,6 +12,14 @@ Vec3d apply(const Affine& a_from_b, const Vec3d& b) {
   return {m[0] * b[0] + m[1] * b[1] + m[2] * b[2] + t[0],
           m[3] * b[0] + m[4] * b[1] + m[5] * b[2] + t[1],
           m[6] * b[0] + m[7] * b[1] + m[8] * b[2] + t[2]};
+}
+
+double largest_sum(const Affine& a_from_b, const Vec3d& most) {
+  Affine sizes = a_from_b;
+  for (double& factor : sizes.linear) factor = std::abs(factor);
+  for (double& offset : sizes.translation) offset = std::abs(offset);
+  const Vec3d sums = mesh::apply(sizes, most);
+  return std::max({sums[0], sums[1], sums[2]});
 }
 
 Affine compose(const Affine& a_from_b, const Affine& b_from_c) {

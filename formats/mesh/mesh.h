@@ -31,6 +31,9 @@ struct Affine {
   Vec3d translation{0, 0, 0};
 };
 Vec3d apply(const Affine& a_from_b, const Vec3d& b);
+// Bounds every sum that apply() passes through, for points of coordinates up to `most` in each
+// axis: far from the origin of a, a mesh that is brought back to it passes through large ones.
+double largest_sum(const Affine& a_from_b, const Vec3d& most);
 Affine compose(const Affine& a_from_b, const Affine& b_from_c);
 
 // An axis-aligned box; empty where low > high.

@@ -94,11 +94,13 @@ bool is_ambiguous(const std::string& name, const std::vector<std::size_t>& found
 
 }  // namespace
 
-AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
-                       std::set<std::string>& used) {
+AssemblyNode name_node(const std::string& name, const AssemblyNode* parent, UsedLabels& used) {
   std::string label = name;
-  for (int number = 2; !used.insert(label).second; ++number) {
-    label = name + "[" + std::to_string(number) + "]";
+  // All numbers up to the highest are taken: labels are never given back.
+  std::uint64_t* highest = nullptr;
+  for (auto place = used.try_emplace(label, 1); !place.second; place = used.try_emplace(label, 1)) {
+    if (highest == nullptr) highest = &place.first->second;
+    label = name + "[" + std::to_string(++*highest) + "]";
   }
   if (parent == nullptr) return {label, label, 0};
   return {label, parent->path + "/" + label, parent->depth + 1};

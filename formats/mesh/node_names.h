@@ -6,7 +6,8 @@
 // name first. The second sibling of a name is "Bolt[2]".
 #pragma once
 
-#include <set>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,10 +20,12 @@ namespace forcelayer::mesh {
 // A deeper tree is damage; the memory of its paths would grow with the square of the depth.
 inline constexpr std::size_t kDeepestNode = 1000;
 
+// The labels of siblings. With each the highest number that a node called so has, for its label.
+using UsedLabels = std::map<std::string, std::uint64_t>;
+
 // The name of a node called `name` under `parent` (null for roots), whose earlier children bear the
 // labels `used`: "name", else "name[2]", "name[3]".
-AssemblyNode name_node(const std::string& name, const AssemblyNode* parent,
-                       std::set<std::string>& used);
+AssemblyNode name_node(const std::string& name, const AssemblyNode* parent, UsedLabels& used);
 
 // Whether a node of this path is meant by `name`, which is no list.
 bool fits_name(const std::string& path, const std::string& name);

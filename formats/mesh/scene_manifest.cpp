@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -150,7 +151,8 @@ Affine matrix(const Json& json, const std::string& key) {
 std::array<double, 9> rotation(const Json& json, const std::string& key) {
   auto q = numbers<4>(json, key);
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  if (!(norm > 0) || !std::isfinite(norm))
+  // Below the least normal double nothing is left of its digits.
+  if (!(norm >= std::numeric_limits<double>::min()) || !std::isfinite(norm))
     throw BadKey{key, "is a quaternion (w, x, y, z) of length zero", ""};
   for (double& c : q) c /= norm;
   const auto [w, x, y, z] = q;

@@ -10,9 +10,6 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-// A row every so often is no more than this; a finer resampling is none.
-constexpr double kMostRows = 100'000'000;
-
 double length(const Vector& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 Vector difference(const Vector& a, const Vector& b) {
@@ -95,9 +92,13 @@ std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m) {
   std::vector<PathRow> samples;
   const double begin_s = rows.front().time_s, end_s = rows.back().time_s;
-  const double count = std::min(kMostRows, std::ceil((end_s - begin_s) / period_s - 1e-9));
+  const double count = std::ceil((end_s - begin_s) / period_s - 1e-9);
   for (double n = 0; n < count; ++n) {
-    samples.push_back(pose_at(rows, begin_s + n * period_s, center_m));
+    // Late times are coarse: two may be the same double.
+    const double time_s = begin_s + n * period_s;
+    if (time_s >= end_s) break;
+    if (!samples.empty() && time_s == samples.back().time_s) continue;
+    samples.push_back(pose_at(rows, time_s, center_m));
   }
   samples.push_back(rows.back());
   return samples;

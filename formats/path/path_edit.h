@@ -28,7 +28,8 @@ PathFacts path_facts(std::span<const PathRow> rows);
 PathRow pose_at(std::span<const PathRow> rows, double time_s,
                 const std::array<double, 3>& center_m);
 
-// A row every `period_s` from the first time on, and the last row.
+// A row every `period_s` from the first time on, and the last row; fewer where times are so late
+// that doubles are farther apart. All of them are in memory.
 std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m);
 

@@ -12,8 +12,7 @@ namespace forcelayer {
 namespace {
 
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
-constexpr std::size_t kMaxLine = 4096;         // bytes
-constexpr std::size_t kMaxRows = 100'000'000;  // 28 hours at 1 kHz
+constexpr std::size_t kMaxLine = 4096;  // bytes
 constexpr std::size_t kFlushBytes = 1 << 20;
 
 Error line_error(const std::filesystem::path& path, std::size_t line, std::string what) {
@@ -103,6 +102,12 @@ class LineReader {
   bool too_long_ = false;
 };
 
+bool is_within_limits(const PathRow& row) {
+  const auto is_near = [](double x_m) { return std::abs(x_m) <= kFarthestPathM; };
+  return std::abs(row.time_s) <= kLatestPathS && is_near(row.position_m[0]) &&
+         is_near(row.position_m[1]) && is_near(row.position_m[2]);
+}
+
 bool is_comment(std::string_view line) {
   line = without_blanks(line);
   return line.empty() || line.front() == '#';
@@ -137,10 +142,13 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
     }
     const auto row = path_row(columns, values);
     if (!row) return line_error(path, lines.number(), "has a quaternion without direction");
+    if (!is_within_limits(*row)) {
+      return line_error(path, lines.number(), "is farther than 1e9 m, or than 1e12 s");
+    }
     if (!rows.empty() && !(row->time_s > rows.back().time_s)) {
       return line_error(path, lines.number(), "is not later than the line before");
     }
-    if (rows.size() == kMaxRows) {
+    if (rows.size() == kMostPathRows) {
       return line_error(path, lines.number(), "is beyond 100 million rows");
     }
     rows.push_back(*row);
@@ -174,7 +182,7 @@ Status PathWriter::add(const PathRow& row) {
                            row.orientation_wxyz[1],
                            row.orientation_wxyz[2],
                            row.orientation_wxyz[3]};
-  bool readable = row.time_s > last_s_;
+  bool readable = row.time_s > last_s_ && is_within_limits(row);
   last_s_ = row.time_s;
   for (const double value : values) {
     readable &= std::isfinite(value);
@@ -182,7 +190,8 @@ Status PathWriter::add(const PathRow& row) {
     text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
     text_ += ',';
   }
-  if (!readable) return file_.refused("a pose is not finite, or not later than the one before");
+  if (!readable)
+    return file_.refused("a pose is not finite, too far, or not later than the one before");
   text_.back() = '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }

@@ -59,6 +59,11 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
     if (!(*period_s >= kShortestPeriodS)) {
       return Error{ErrorCode::kUsage, "", "--resample", "must be a microsecond or more", ""};
     }
+    const double wanted = (rows.back().time_s - rows.front().time_s) / *period_s;
+    if (wanted >= static_cast<double>(kMostPathRows)) {
+      return Error{ErrorCode::kUsage, "", "--resample", "makes more than 100 million rows",
+                   "give a longer period"};
+    }
     std::array<double, 3> center_m{};
     if (!request.shell.empty()) {
       const auto shell = Pshell::open(request.shell);

@@ -32,8 +32,9 @@ struct Part {
   std::uint64_t input_triangles = 0;       // over all instances
   std::uint64_t duplicate_triangles = 0;   // dropped: the corners of another of their body
   std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
-  double largest_coordinate =
-      0;  // m, absolute, of any vertex, as given or moved: all rounding follows it
+  // The largest of any vertex and of the sums on its way to its place, m, absolute: all rounding
+  // follows it.
+  double largest_coordinate = 0;
   bool single_precision = false;  // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
   std::vector<mesh::MissingFace> missing_faces;  // of those surfaces; part frame, m

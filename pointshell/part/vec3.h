@@ -74,6 +74,10 @@ inline double coordinate(const Vec3& p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
+inline bool is_finite(const Vec3& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
 // Lexicographic: a total order for finite coordinates.
 inline bool lexicographic_less(const Vec3& a, const Vec3& b) {
   if (a.x != b.x) return a.x < b.x;

@@ -1,7 +1,9 @@
 #include "runtime/clearance/center_path.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "runtime/coupling/coupling.h"
 
@@ -31,14 +33,19 @@ CenterPath::CenterPath(std::span<const PathRow> rows, const Pshell& shell)
 
 CenterPath::CenterPath(std::span<const PathRow> rows, const glm::dvec3& center_m, double radius_m)
     : radius_m_(radius_m * kRoundUp) {
+  const double arm_m = glm::length(center_m);
   for (const PathRow& row : rows) {
     const Pose center = pose_of(row) * Pose{center_m, {1, 0, 0, 0}};
     double travel_m = 0;
     if (!world_from_center_.empty()) {
       const Pose& before = world_from_center_.back();
       turn_rad_.push_back(glm::length(turn_between(before, center)));
-      travel_m = travel_m_.back() + travel_between_m(before, center);
+      const double step_m = travel_between_m(before, center);
+      // Rounded up, so that the travel between two poses is never less than that of its steps.
+      travel_m = travel_m_.back() + step_m;
+      if (step_m > 0) travel_m = std::nextafter(travel_m, std::numeric_limits<double>::infinity());
     }
+    farthest_m_ = std::max(farthest_m_, glm::length(pose_of(row).position_m) + arm_m);
     time_s_.push_back(row.time_s);
     travel_m_.push_back(travel_m);
     world_from_center_.push_back(center);
@@ -55,6 +62,11 @@ double CenterPath::time_s(const Moment& m) const {
   if (m.share == 0) return time_s_[m.pose];
   return time_s_[m.pose] + m.share * (time_s_[m.pose + 1] - time_s_[m.pose]);
 }
+
+// In units of 2^-53: of the centroid at a pose, 9 of its arm and 1 of its place; of the way between
+// two poses, which is up to twice as long as they are far, 4, and of the place on it 1; of the
+// travel at either moment 3. Along each axis; in all directions sqrt(3) times as much.
+double CenterPath::rounding_m() const { return std::ldexp(farthest_m_ + travel_m_.back(), -48); }
 
 Moment CenterPath::at(double time_s) const {
   const auto after = std::upper_bound(time_s_.begin(), time_s_.end(), time_s);

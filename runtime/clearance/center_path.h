@@ -33,6 +33,10 @@ class CenterPath {
   // A bound on how far any point of the part has travelled since the first pose, along its arc, m.
   double travel_m(const Moment& moment) const;
 
+  // A bound on the rounding of the centroid's place at a moment, and of the travel from one moment
+  // to another, m: it grows with the length of the path and with its distance from the origin.
+  double rounding_m() const;
+
   // A bound on how far any point of the part travels from one pose to another, m.
   double travel_between_m(const Pose& from, const Pose& to) const;
 
@@ -60,7 +64,8 @@ class CenterPath {
  private:
   double arc_deviation_m(double turn_rad) const;
 
-  double radius_m_;  // of the part about the centroid
+  double radius_m_;        // of the part about the centroid
+  double farthest_m_ = 0;  // of the part's origin from the world's, and the centroid's arm
   std::vector<double> time_s_, travel_m_;
   std::vector<double> turn_rad_;  // from each pose to the next
   std::vector<Pose> world_from_center_;

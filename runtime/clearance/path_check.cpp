@@ -19,6 +19,9 @@ constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least di
 constexpr double kMeasuredBeyond = 2;        // voxels above what is required
 constexpr double kSeatVoxels = 2;       // of travel from the seat: an end of a path there is in it
 constexpr double kMostCapVoxels = 160;  // that a search is made for
+// Voxels that places on a path may be off by. Up to here a motion has moments that lie nearer to
+// each other than a walk cuts it.
+constexpr double kMostRoundingVoxels = 1e-4;
 
 // Checks the path between two moments against all objects but those left out.
 class Check {
@@ -168,7 +171,14 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
 }
 
 // Refuses what cannot be told.
-Status check_request(const Voxmap& voxmap, const Check& check, const CheckRequest& request) {
+Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath& path,
+                     const CheckRequest& request) {
+  // Not finite for a path that overflows.
+  if (!(path.rounding_m() <= kMostRoundingVoxels * voxmap.voxel_size_m())) {
+    return Error{ErrorCode::kUsage, "", "path",
+                 "goes so far that double precision does not tell its places to 1e-4 voxel",
+                 "check its units, or cut it into shorter paths nearer to the scene"};
+  }
   if (request.world_from_seat && voxmap.objects() == nullptr) {
     return Error{ErrorCode::kUsage, "", "--seat",
                  "the scene names no objects, so what the part is seated on cannot be told",
@@ -346,7 +356,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
                  "bake it without --lean and --metric chebyshev"};
   }
   const Check check(voxmap, shell, path, request);
-  if (Status sound = check_request(voxmap, check, request); !sound) return sound.error();
+  if (Status sound = check_request(voxmap, check, path, request); !sound) return sound.error();
   std::optional<SeatStretch> seat;
   CheckResult result;
   Pose in_seat;

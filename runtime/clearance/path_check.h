@@ -78,7 +78,8 @@ struct CheckResult {
 };
 
 // Errors: kUsage where the scene stores no distances, where its voxels are too small for the
-// required clearance, or where the seat cannot be found (SeatStretch::find).
+// required clearance, where the path goes too far for double precision (CenterPath::rounding_m), or
+// where the seat cannot be found (SeatStretch::find).
 Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
                                const CheckRequest& request);
 

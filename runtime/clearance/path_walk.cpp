@@ -26,7 +26,12 @@ constexpr double kRounding = 1e-6;  // voxels: exceeds that of the bounds here
 
 PathWalk::PathWalk(const CenterPath& path, PartDistance& part, double voxel_size_m,
                    const WalkLimits& limits)
-    : path_(path), part_(part), voxel_size_m_(voxel_size_m), limits_(limits) {}
+    : path_(path),
+      part_(part),
+      voxel_size_m_(voxel_size_m),
+      limits_(limits),
+      path_rounding_(path.rounding_m() / voxel_size_m),
+      margin_(2 * (kRounding + path_rounding_)) {}
 
 // enough(): the distance that a piece must prove for the path's least distance to be known.
 // wanted(): the distance that also proves that no piece is too near.
@@ -44,10 +49,11 @@ Sample PathWalk::sample(const Moment& moment, double enough_voxels) {
 }
 
 double PathWalk::proven_between(const Sample& a, const Sample& b) const {
-  const double travel = (b.travel_m - a.travel_m) / voxel_size_m_;
-  const double by_ends = (a.least.voxels + b.least.voxels - travel) / 2 - kRounding;
+  const double travel = (b.travel_m - a.travel_m) / voxel_size_m_ + path_rounding_;
+  const double nearer = std::min(a.least.voxels, b.least.voxels) - path_rounding_;
+  const double farther = std::max(a.least.voxels, b.least.voxels) - path_rounding_;
+  const double by_ends = (nearer + farther - travel) / 2 - kRounding;
   if (by_ends >= wanted()) return by_ends;
-  const double nearer = std::min(a.least.voxels, b.least.voxels);
   const double squared = nearer * nearer - travel * travel / 4;
   const double by_chord = squared > 0 ? std::sqrt(squared) - kRounding : 0;
   // Where that would not do, nothing is gained by looking at every pose.
@@ -90,10 +96,10 @@ void PathWalk::cover(const Sample& a, const Sample& b) {
     return;
   }
   const double target = std::max(limits_.required_voxels, limits_.least_voxels);
-  Sample middle = sample(between(a, b), target + travel / 2 + 2 * kRounding);
+  Sample middle = sample(between(a, b), target + travel / 2 + margin_);
   // The ends may prove more there.
-  const double from_a = a.least.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_;
-  const double from_b = b.least.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_;
+  const double from_a = a.least.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_ - margin_;
+  const double from_b = b.least.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_ - margin_;
   middle.least.voxels = std::max({middle.least.voxels, from_a, from_b});
   cover(a, middle);
   cover(middle, b);
@@ -103,7 +109,7 @@ void PathWalk::walk(const Moment& from, const Moment& to) {
   part_.forget();
   const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
   const double enough =
-      std::max(limits_.required_voxels, limits_.least_voxels) + travel / 2 + 2 * kRounding;
+      std::max(limits_.required_voxels, limits_.least_voxels) + travel / 2 + margin_;
   const Sample first = sample(from, enough);
   if (from.pose == to.pose && from.share == to.share) {
     const bool too_near = first.least.voxels < limits_.required_voxels;
@@ -130,7 +136,7 @@ bool PathWalk::keep(const Sample& a, const Sample& b, bool or_nothing, Moment& u
     return true;
   }
   if (travel < kEdge) return false;
-  const Sample middle = tested(between(a, b), limits_.required_voxels + travel / 2 + 2 * kRounding);
+  const Sample middle = tested(between(a, b), limits_.required_voxels + travel / 2 + margin_);
   if (middle.least.voxels < limits_.required_voxels) {
     if (!or_nothing) keep(a, middle, false, until);
     return false;
@@ -175,7 +181,7 @@ Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothin
     if (is_too_near_between(from, to)) return from;
   }
   const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
-  const double enough = required + travel / 2 + 2 * kRounding;
+  const double enough = required + travel / 2 + margin_;
   const Sample last = end(to, enough, known.last);
   const Sample first = end(from, enough, known.first);
   Moment until = from;

@@ -84,6 +84,8 @@ class PathWalk {
   PartDistance& part_;
   double voxel_size_m_;
   WalkLimits limits_;
+  double path_rounding_;  // of the place at a moment, and of the travel between two, in voxels
+  double margin_;         // beyond a distance that is wanted between two moments, in voxels
   std::vector<Piece> pieces_;
   std::uint64_t tested_ = 0, motions_subdivided_ = 0;
   std::size_t last_subdivided_ = ~std::size_t{0};

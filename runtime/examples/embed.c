@@ -10,7 +10,7 @@
 
 static const double kStart[7] = {0.1, 0.1, 0.06, 1, 0, 0, 0};
 
-/* What your SDK's callback reads: here a hand that comes down 30 mm. */
+/* The reading that your SDK's callback makes: here a hand that comes down 30 mm. */
 static forcelayer_reading reading_at(double time_s) {
   forcelayer_reading reading;
   memset(&reading, 0, sizeof reading);

@@ -77,7 +77,7 @@ enum {
   FORCELAYER_TRIPPED = 2  /* zero until the clutch is pressed and released */
 };
 
-/* What is known of the clearance: the distance between the surfaces of part and scene. */
+/* How the clearance, the distance between the surfaces of part and scene, is known. */
 enum {
   FORCELAYER_CLEARANCE_NONE = 0,     /* nothing */
   FORCELAYER_CLEARANCE_AT_LEAST = 1, /* no point is near enough to the scene to be measured */

@@ -22,7 +22,7 @@ extern "C" {
 #define FORCELAYER_PLUGIN_SI_UNITS 0x5349u     /* "everything I give and take is in SI units" */
 #define FORCELAYER_PLUGIN_RIGHT_HANDED 0x5248u /* "my frames are right-handed" */
 
-/* What the device is: the handshake. Zeroed before open(), which fills it in. A field that stays
+/* The device's description: the handshake. Zeroed before open(), which fills it in. A field left
  * zero says "none" or "not known", and what must be known (abi, si_units, right_handed, rate_hz,
  * limits of force and torque where axes are actuated) is refused as zero. */
 typedef struct forcelayer_plugin_info {
@@ -61,7 +61,7 @@ typedef struct forcelayer_plugin_reading {
   uint32_t status;            /* FORCELAYER_PLUGIN_* bits */
 } forcelayer_plugin_reading;
 
-/* What the hand shall feel: about the handle's origin, device axes. */
+/* The wrench that the hand shall feel: about the handle's origin, device axes. */
 typedef struct forcelayer_plugin_wrench {
   double force_n[3];
   double torque_nm[3];

@@ -12,7 +12,6 @@ namespace forcelayer::loop {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's floats err by 1e-7
-constexpr double kLeastPeriods = 2.5;    // stale limit of a slow device, in its own periods
 constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarsest device
 constexpr double kLeastTurnRad = 0.01;   // the same of its rotation
 
@@ -50,7 +49,10 @@ DeviceInput::DeviceInput(devices::Device& device, const DevicePlacement& placeme
                          const InputLimits& limits)
     : device_(device), placement_(placement), limits_(limits) {
   const double rate_hz = device.capabilities().rate_hz;
-  if (rate_hz > 0) limits_.stale_s = std::max(limits_.stale_s, kLeastPeriods / rate_hz);
+  if (rate_hz > 0) {
+    const double periods_s = std::min(kStalePeriods / rate_hz, kStaleCeilingS);
+    limits_.stale_s = std::max(limits_.stale_s, periods_s);
+  }
 }
 
 InputTrouble DeviceInput::trouble(const DeviceSample& sample, double dt_s) noexcept {

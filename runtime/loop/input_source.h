@@ -34,7 +34,7 @@ class InputSource {
 
 // Limits beyond which a reading is refused.
 struct InputLimits {
-  double stale_s = kStaleLimitS;  // without a fresh reading; at least 2.5 of its periods
+  double stale_s = kStaleLimitS;  // without a fresh reading; at least kStalePeriods
   double max_jump_mps = HandleVelocity::kMaxSpeedMps;     // between readings of hardware
   double max_turn_radps = HandleVelocity::kMaxTurnRadps;  // the same for its rotation
   double workspace_reach = 2;  // in workspace radii: a pose farther out is in another unit

@@ -29,13 +29,33 @@ std::vector<std::string> no_priority(int number, const char* whose) {
           "(/etc/security/limits.d: @realtime - rtprio 90)"};
 }
 
+// Whether a limit on locked memory holds for what is mapped from now on: whether so much would be
+// refused because of it. Nothing of it is touched.
+bool is_limited() noexcept {
+  constexpr std::size_t kMuch = std::size_t{1} << 40;
+  constexpr int kFlags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+  void* const mapped = mmap(nullptr, kMuch, PROT_NONE, kFlags, -1, 0);
+  if (mapped == MAP_FAILED) return errno == EAGAIN;
+  munmap(mapped, kMuch);
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::string> lock_memory() {
   prefault_stack();
   // Pages are locked as they are touched: a scene's untouched pages are never read.
-  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
-  return {std::string("memory is not locked (") + std::strerror(errno) +
+  constexpr int kNow = MCL_CURRENT | MCL_ONFAULT;
+  bool locked = mlockall(kNow | MCL_FUTURE) == 0;
+  int number = errno;
+  if (locked && is_limited()) {
+    // Else the limit would refuse mappings to come: stacks of threads, a next scene.
+    mlockall(kNow);
+    locked = false;
+    number = EAGAIN;
+  }
+  if (locked) return {};
+  return {std::string("memory is not locked (") + std::strerror(number) +
           "): pages may be swapped out under the loop; raise the memlock limit "
           "(/etc/security/limits.d: @realtime - memlock unlimited)"};
 }

@@ -46,6 +46,18 @@ double tick_of(double span) {
   return 10 * power;
 }
 
+// The multiples of a tick in a span. Where doubles are so far apart that they are one and the same,
+// there are no more than elsewhere.
+std::vector<double> ticks_of(double from, double span) {
+  constexpr int kMost = 12;
+  const double tick = tick_of(span), first = std::ceil(from / tick);
+  std::vector<double> ticks;
+  for (int n = 0; n < kMost && (first + n) * tick <= from + span * (1 + 1e-9); ++n) {
+    ticks.push_back((first + n) * tick);
+  }
+  return ticks;
+}
+
 class Drawing {
  public:
   Drawing(double from_s, double to_s, double top_m)
@@ -68,15 +80,13 @@ class Drawing {
 
   void axes() {
     const double low = y(0);
-    for (double mm = 0; mm <= top_m_ * 1e3 * (1 + 1e-9); mm += tick_of(top_m_ * 1e3)) {
+    for (const double mm : ticks_of(0, top_m_ * 1e3)) {
       svg_ += text(
           "<path d=\"M%.0f %.1fH%.0f\" class=\"grid\"/><text x=\"%.0f\" y=\"%.1f\" "
           "text-anchor=\"end\">%g</text>\n",
           kLeft, y(mm / 1e3), kWidth - kRight, kLeft - 6, y(mm / 1e3) + 4, mm);
     }
-    const double tick = tick_of(span_s_);
-    for (double t = std::ceil(from_s_ / tick) * tick; t <= from_s_ + span_s_ * (1 + 1e-9);
-         t += tick) {
+    for (const double t : ticks_of(from_s_, span_s_)) {
       svg_ += text(
           "<path d=\"M%.1f %.1fv4\" class=\"axis\"/><text x=\"%.1f\" y=\"%.1f\" "
           "text-anchor=\"middle\">%g</text>\n",

@@ -2,9 +2,48 @@
 
 #include <CLI/CLI.hpp>
 
+#include "formats/command/arguments.h"
 #include "formats/command/quantity.h"
 
 namespace forcelayer::study {
+namespace {
+
+Error usage(const char* option, std::string what, std::string mend) {
+  return Error{ErrorCode::kUsage, "", option, std::move(what), std::move(mend)};
+}
+
+// Refuses wrong numbers before the first command runs.
+Status check_numbers(const Options& options) {
+  const struct {
+    const char* option;
+    const std::string& text;
+    bool required;
+  } lengths[] = {{"--voxel-size", options.voxel_size, true},
+                 {"--clearance", options.clearance, true},
+                 {"--range", options.range, false},
+                 {"--seat-depth", options.seat_depth, false}};
+  for (const auto& length : lengths) {
+    if (length.text.empty() && !length.required) continue;
+    const auto length_m = command::parse_length(length.text);
+    if (!length_m) return command::about(length.option, length_m.error());
+    if (*length_m < 0) return usage(length.option, "must not be negative", "");
+  }
+  if (!options.pull.empty()) {
+    const auto way_m = command::parse_point(options.pull);
+    if (!way_m) return command::about("--pull", way_m.error());
+  }
+  if (!options.seat.empty() && options.seat != "none") {
+    const auto seat = command::parse_pose(options.seat);
+    if (!seat) return command::about("--seat", seat.error());
+  }
+  if (!options.time.empty()) {
+    const auto time_s = command::parse_duration(options.time);
+    if (!time_s) return command::about("--time", time_s.error());
+  }
+  return {};
+}
+
+}  // namespace
 
 OptionParser::OptionParser(CLI::App& study) {
   options_.clearance = "12.7mm";
@@ -37,8 +76,9 @@ OptionParser::OptionParser(CLI::App& study) {
       .add_option("--without", options_.without,
                   "other nodes that are left out of the scene; repeatable")
       ->allow_extra_args(false);
-  study.add_option("--missing-faces", options_.missing_faces,
-                   "accept up to this many lost faces of a STEP or IGES file, as voxelize does");
+  command::add_count(study, "--missing-faces", missing_faces_,
+                     "accept up to this many lost faces of a STEP or IGES file, as voxelize does",
+                     0, 1'000'000);
   study.add_option("--units", options_.units, "unit of meshes whose format defines none");
   study.add_flag("--files-alone", options_.files_alone,
                  "check without the meshes: what the baked files leave open stays open");
@@ -51,9 +91,7 @@ OptionParser::OptionParser(CLI::App& study) {
 
 Result<Options> OptionParser::finish() const {
   Options options = options_;
-  const auto usage = [](const char* option, std::string what, std::string mend) {
-    return Error{ErrorCode::kUsage, "", option, std::move(what), std::move(mend)};
-  };
+  if (missing_faces_ > 0) options.missing_faces = std::to_string(missing_faces_);
   const std::size_t hash = input_.rfind('#');
   if (hash == std::string::npos || hash == 0 || hash + 1 == input_.size()) {
     return usage("ASSEMBLY#PART", "'" + input_ + "' names no part",
@@ -69,15 +107,7 @@ Result<Options> OptionParser::finish() const {
     return usage("--seat", "none, and no way that the part begins at",
                  "give --path, or the seat that it shall come out of");
   }
-  for (const auto& [option, length] :
-       {std::pair("--voxel-size", &options.voxel_size),
-        std::pair("--clearance", &options.clearance), std::pair("--range", &options.range),
-        std::pair("--seat-depth", &options.seat_depth)}) {
-    if (length->empty() && (length == &options.range || length == &options.seat_depth)) continue;
-    if (const auto read = command::parse_length(*length); !read) {
-      return usage(option, read.error().what, read.error().mend);
-    }
-  }
+  if (Status sound = check_numbers(options); !sound) return sound.error();
   if (options.files_alone && !options.seat_depth.empty()) {
     return usage("--seat-depth", "is settled by the meshes", "leave out --files-alone");
   }

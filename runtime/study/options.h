@@ -12,7 +12,7 @@ class App;
 
 namespace forcelayer::study {
 
-// As typed; the commands that are called check what they are given.
+// As typed. Numbers were read, so that a wrong one is refused before the first command runs.
 struct Options {
   std::string assembly;  // before "#": the file, or manifest
   std::string node;      // behind it: the part
@@ -38,6 +38,7 @@ class OptionParser {
  private:
   Options options_;
   std::string input_;
+  unsigned missing_faces_ = 0;
 };
 
 }  // namespace forcelayer::study

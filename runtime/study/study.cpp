@@ -1,7 +1,5 @@
 #include "runtime/study/study.h"
 
-#include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -9,11 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
-#include "formats/command/quantity.h"
 #include "formats/command/text.h"
 #include "formats/file/atomic_file.h"
-#include "formats/path/path_file.h"
-#include "formats/path/quaternion.h"
 #include "runtime/study/curve.h"
 #include "runtime/study/page.h"
 #include "runtime/study/steps.h"
@@ -24,7 +19,6 @@ namespace {
 using nlohmann::json;
 
 constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
-constexpr double kFollowed = 0.98;  // of the pull, that a part goes which comes out
 
 Status write_text(const std::string& path, const std::string& content) {
   auto file = AtomicFile::create(path);
@@ -36,18 +30,6 @@ Status write_text(const std::string& path, const std::string& content) {
 json read_json(const std::string& path) {
   std::ifstream file(path);
   return json::parse(file, nullptr, false);
-}
-
-using Point = std::array<double, 3>;
-
-// Where a place of the part is at a pose of its path.
-Point placed(const PathRow& row, const Point& place_m) {
-  const Quaternion& q = row.orientation_wxyz;
-  const Quaternion turned =
-      product(product(q, {0, place_m[0], place_m[1], place_m[2]}), conjugate(q));
-  Point world_m = row.position_m;
-  for (std::size_t axis = 0; axis < 3; ++axis) world_m[axis] += turned[axis + 1];
-  return world_m;
 }
 
 // One study, step by step.
@@ -248,24 +230,15 @@ Status Study::find_path() {
 
 Status Study::pull() {
   if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
-  const auto rows = read_path(path_, PathOf::kPart);
-  if (!rows) return rows.error();
-  const auto pull = command::parse_point(options_.pull);
-  if (!pull) return pull.error();
-  const Point center_m = read_json(in("part.json"))["center_m"];
-  const Point from_m = placed(rows->front(), center_m), to_m = placed(rows->back(), center_m);
-  double along = 0, all = 0;  // of the pull, squared
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    along += (to_m[axis] - from_m[axis]) * (*pull)[axis];
-    all += (*pull)[axis] * (*pull)[axis];
-  }
-  if (along >= kFollowed * all) return {};
-  held_ = command::text("it does not come out: pulled %.3g mm, it went %.3g mm",
-                        1e3 * std::sqrt(all), 1e3 * along / std::sqrt(all));
   const json run = read_json(in("run.json"));
-  const json touched = run.is_object() ? run.value("touched_objects", json::array()) : json();
-  if (touched.is_array() && !touched.empty() && touched[0]["name"].is_string()) {
-    held_ += ", held by " + escaped(touched[0]["name"].get<std::string>());
+  const json ended = run.is_object() ? run.value("pull", json()) : json();
+  if (!ended.is_object() || !ended.value("held", false)) return {};
+  held_ = command::text("it does not come out: pulled %.4g mm, it went %.3g mm",
+                        1e3 * ended.value("led_m", 0.0), 1e3 * ended.value("went_m", 0.0));
+  for (const json& object : ended.value("against", json::array())) {
+    if (!object.is_string()) continue;
+    held_ += (held_.find(", held by ") == std::string::npos ? ", held by " : ", ") +
+             escaped(object.get<std::string>());
   }
   return {};
 }

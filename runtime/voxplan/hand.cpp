@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <map>
 #include <optional>
 
 #include "runtime/voxplan/pose_space.h"
@@ -36,6 +37,7 @@ constexpr int kAxes = 6;              // those of the world first
 constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
 constexpr double kLeastKept = 0.01;   // of a motion: less is no way
 constexpr unsigned kMostGoals = 1000;
+constexpr int kHeldBy = 20;  // random motions that tell what holds the part
 // The clock is read after so many poses, or questions of a planner whether it shall end: processor
 // time is a call of the system.
 constexpr std::uint64_t kClockEvery = 64;
@@ -283,7 +285,7 @@ struct Hand::Parts {
   Rule rule = Rule::kInSeat;
   std::vector<Pose> in_seat, beyond;
   bool done = false;
-  Pose farthest;
+  Pose farthest = problem.world_from_start;
   double out_m = 0;
 };
 
@@ -499,13 +501,29 @@ std::uint64_t Hand::motions_tested() const { return parts_->check->motions_teste
 std::uint64_t Hand::motions_kept() const { return parts_->check->motions_kept(); }
 double Hand::kept_m() const { return parts_->check->kept_m(); }
 
-std::uint32_t Hand::blocked_by() const {
+// By motions of a planner's length: away from the start, and to all sides, with turns and without.
+std::vector<std::uint32_t> Hand::blocked_by() const {
   Parts& p = *parts_;
-  if (p.out_m == 0) return 0;
-  Pose onward = p.farthest;
-  const glm::dvec3 way_m = p.farthest.position_m - p.problem.world_from_start.position_m;
-  onward.position_m += way_m / p.out_m * (2 * p.problem.part.header().bounding_radius_m);
-  return p.check->met(p.rule, p.farthest, onward);
+  const double radius_m = p.problem.part.header().bounding_radius_m;
+  const glm::dvec3 way = p.farthest.position_m - p.problem.world_from_start.position_m;
+  std::vector<Twist6> motions;
+  if (p.out_m > 0) motions.push_back({way.x, way.y, way.z, 0, 0, 0});
+  for (std::size_t n = 0; n < 6; ++n) {
+    for (const double sign : {1.0, -1.0}) motions.emplace_back()[n] = sign;
+  }
+  Random random(1);
+  for (int n = 0; n < kHeldBy; ++n) motions.push_back(random_twist(1, random));
+  std::map<std::uint32_t, int> refused;
+  for (const Twist6& motion : motions) {
+    const Pose there = moved(p.farthest, of_length(motion, 2 * radius_m), radius_m);
+    ++refused[p.check->met(p.rule, p.farthest, there)];
+  }
+  refused.erase(0);
+  std::vector<std::uint32_t> objects;
+  for (const auto& [object, times] : refused) objects.push_back(object);
+  std::stable_sort(objects.begin(), objects.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return refused.at(a) > refused.at(b); });
+  return objects;
 }
 
 }  // namespace forcelayer::voxplan

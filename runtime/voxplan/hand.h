@@ -42,9 +42,10 @@ class Hand {
   const std::vector<Pose>& in_seat() const;  // of the way, as SearchResult has them
   const std::vector<Pose>& beyond() const;
 
-  // How far from the start it came, and what it meets there on the way outward.
+  // How far from the start it came, and the objects that refuse motions from there, the most
+  // frequent first; those without a name are left out.
   double out_m() const;
-  std::uint32_t blocked_by() const;
+  std::vector<std::uint32_t> blocked_by() const;
 
   std::uint64_t poses_tested() const;
   std::uint64_t motions_tested() const;

@@ -15,6 +15,8 @@
 namespace forcelayer::voxplan {
 namespace {
 
+constexpr double kFarthestVoxels = 1e6;  // of a goal: each voxel of a way is proven
+
 // An error where the part cannot be at an end of its way: in its seat, or clear of everything.
 Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule) {
   const auto checked = proven(problem, rows_of(problem, {}, {pose}, 1), rule, 1);
@@ -48,6 +50,11 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   std::optional<Pose> end;
   if (options.world_from_goal) {
     end = *options.world_from_goal * part_from_center(problem.part);
+    const double way_m = glm::length(end->position_m - problem.world_from_start.position_m);
+    if (!(way_m <= kFarthestVoxels * problem.scene.voxel_size_m())) {
+      return Error{ErrorCode::kUsage, "", "--goal", "is more than a million voxels from the seat",
+                   "check its unit"};
+    }
     if (Status s = check_end(problem, *end, "--goal", Rule::kClear); !s) return s.error();
   }
   const Destination goal =

@@ -23,16 +23,19 @@ std::string name_of(const Report& report, std::uint32_t object) {
 // Rounded down: a clearance must not be quoted larger than it is.
 double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
 
-std::string seat_text(const Report& report) {
-  const auto& objects = report.plan.checked.seat_objects;
-  if (report.plan.checked.seated.empty()) return "";
-  std::string line =
-      "; until " + text("%.3f s", report.plan.checked.seated.front().to_s) + " seated on ";
+std::string names_of(const Report& report, const std::vector<std::uint32_t>& objects) {
+  std::string line;
   for (std::size_t n = 0; n < objects.size(); ++n) {
     if (n == kListed) return line + text(" and %zu more", objects.size() - kListed);
     line += (n == 0 ? "" : ", ") + name_of(report, objects[n]);
   }
   return line;
+}
+
+std::string seat_text(const Report& report) {
+  if (report.plan.checked.seated.empty()) return "";
+  return text("; until %.3f s seated on ", report.plan.checked.seated.front().to_s) +
+         names_of(report, report.plan.checked.seat_objects);
 }
 
 }  // namespace
@@ -54,7 +57,7 @@ std::string not_found_text(const Report& report) {
   const SearchResult& result = report.plan.search;
   std::string line =
       text("no path found in %.3g s (best: out to %.3g mm", result.seconds, 1e3 * result.out_m);
-  if (result.blocked_by != 0) line += ", blocked by " + name_of(report, result.blocked_by);
+  if (!result.blocked_by.empty()) line += ", blocked by " + names_of(report, result.blocked_by);
   if (result.refused == 0) return line + ")";
   return line +
          text("; %llu that did not prove clear)", static_cast<unsigned long long>(result.refused));
@@ -89,7 +92,10 @@ Json report_json(const Report& report) {
       json["seated"].push_back({{"from_s", stretch.from_s}, {"to_s", stretch.to_s}});
     }
   } else {
-    json["best"] = {{"out_m", result.out_m}, {"blocked_by", named(result.blocked_by)}};
+    json["best"] = {{"out_m", result.out_m}, {"blocked_by", Json::array()}};
+    for (const std::uint32_t object : result.blocked_by) {
+      json["best"]["blocked_by"].push_back(named(object));
+    }
   }
   json["poses_tested"] = result.poses_tested;
   json["refused"] = result.refused;

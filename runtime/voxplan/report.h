@@ -19,7 +19,7 @@ struct Report {
 // "path found: ...", a line.
 std::string found_text(const Report& report);
 
-// "no path found in 60 s (best: out to 31 mm, blocked by bracket_12)".
+// "no path found in 60 s (best: out to 31 mm, blocked by bracket_12, rib_3)".
 std::string not_found_text(const Report& report);
 
 nlohmann::ordered_json report_json(const Report& report);

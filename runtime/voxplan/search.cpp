@@ -90,8 +90,10 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     if (!result.found) hand->note_farthest();
     result.out_m = std::max(result.out_m, hand->out_m());
   }
+  const auto farthest = std::find_if(
+      hands.begin(), hands.end(), [&](const auto& hand) { return hand->out_m() >= result.out_m; });
+  if (!result.found) result.blocked_by = (*farthest)->blocked_by();
   for (const auto& hand : hands) {
-    if (!result.found && hand->out_m() >= result.out_m) result.blocked_by = hand->blocked_by();
     result.poses_tested += hand->poses_tested();
     result.motions_tested += hand->motions_tested();
     result.motions_kept += hand->motions_kept();

@@ -35,10 +35,10 @@ struct SearchResult {
   bool found = false;
   Way in_seat;  // from the start on, until the clearance is proven; empty where it is at the start
   Way beyond;   // from there to the goal
-  // How far from the start the part came, and what it met there on its way outward (0: nothing
-  // that has a name).
+  // How far from the start the part came, and the objects that refuse motions from there, the most
+  // frequent first; those without a name are left out.
   double out_m = 0;
-  std::uint32_t blocked_by = 0;
+  std::vector<std::uint32_t> blocked_by;
   std::uint64_t poses_tested = 0;
   std::uint64_t motions_tested = 0;
   std::uint64_t motions_kept = 0;  // as a whole

@@ -15,6 +15,7 @@ namespace {
 
 constexpr long long kReadingNs = 3'000'000'000;
 constexpr double kLeastLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
+constexpr double kMaxWatchdogS = 0.1;
 constexpr long long kPollNs = 1'000'000;
 
 // The pose in which the hand of a run without --motion holds still: the part's start.
@@ -98,11 +99,14 @@ Result<ChosenDevice> make_device(const Options& options) {
 }
 
 Status check_watchdog(const Options& options, const DeviceCapabilities& device) {
-  const bool safe = device.actuated_axes == 0 || device.watchdog_s > 0;
+  const bool safe =
+      device.actuated_axes == 0 || (device.watchdog_s > 0 && device.watchdog_s <= kMaxWatchdogS);
   if (safe || options.without_watchdog) return {};
-  return Error{ErrorCode::kDeviceRefused, "", device.name,
-               "has motors and no watchdog of its own: when its driver dies, its last force stays",
-               "give --without-watchdog if somebody stands at its switch"};
+  return Error{
+      ErrorCode::kDeviceRefused, "", device.name,
+      "has motors and no watchdog of its own, or one above 100 ms: when its driver dies, its "
+      "last force stays",
+      "give --without-watchdog if somebody stands at its switch"};
 }
 
 // A reading that a run can begin with.

@@ -1,6 +1,7 @@
 #include "runtime/voxrun/options.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "formats/command/arguments.h"
@@ -12,7 +13,8 @@ namespace {
 using command::about;
 
 constexpr command::Bounds kRates{1, 100'000};
-constexpr double kLeast = 1e-3;  // of a speed limit: below it no hand could move
+constexpr double kLeast = 1e-3;         // of a speed limit: below it no hand could move
+constexpr double kLongestPullM = 1000;  // five and a half hours
 
 // Bounds of the physical parameters, which no device, part or scene goes beyond.
 command::Bounds bounds_of(std::string_view parameter) {
@@ -119,10 +121,12 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
       "map, and no others, are kept in memory from the start (what the device's workspace "
       "allows, where that is known; else all)");
-  command::add_texts(app, "--fail-on", texts_.fail_on, ',',
-                     "contact (but in the seat), outside (of the map) or seat (not left): end with "
-                     "status 6 where it happened, as a run with penetration does in any case; "
-                     "repeatable");
+  command::add_texts(
+      app, "--fail-on", texts_.fail_on, ',',
+      "contact (but in the seat), outside (of the map), seat (not left) or held (short "
+      "of the end of --pull): end with status 6 where it happened, as a run with penetration does "
+      "in any case; "
+      "repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
       "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
@@ -241,7 +245,8 @@ Status OptionParser::read_fail_on(Options& options) const {
   constexpr std::pair<std::string_view, FailOn> kKinds[] = {{"penetration", kFailOnPenetration},
                                                             {"contact", kFailOnContact},
                                                             {"outside", kFailOnOutside},
-                                                            {"seat", kFailOnSeat}};
+                                                            {"seat", kFailOnSeat},
+                                                            {"held", kFailOnHeld}};
   std::string_view rest = texts_.fail_on;
   while (!rest.empty()) {
     const std::string_view word = rest.substr(0, rest.find(','));
@@ -251,7 +256,7 @@ Status OptionParser::read_fail_on(Options& options) const {
     }
     if (bit == 0) {
       return usage("--fail-on", "'" + std::string(word) + "' is nothing that a run is checked for",
-                   "give penetration, contact, outside or seat");
+                   "give penetration, contact, outside, seat or held");
     }
     options.fail_on |= bit;
     rest.remove_prefix(std::min(rest.size(), word.size() + 1));
@@ -306,6 +311,10 @@ Status OptionParser::read_pull(Options& options) const {
   const auto way = command::parse_point(texts_.pull);
   if (!way) return about("--pull", way.error());
   options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
+  const double length_m = glm::length(*options.pull_m);
+  if (!(length_m > 0 && length_m <= kLongestPullM)) {
+    return usage("--pull", "is no way, or longer than 1000 m", "write it like 0,0,60mm");
+  }
   return {};
 }
 

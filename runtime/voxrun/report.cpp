@@ -280,6 +280,19 @@ double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
   return static_cast<double>(total.frames) / scenes.parameters().rate_hz;
 }
 
+Json pull_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
+  if (!facts.pull) return nullptr;
+  Json json;
+  put(json, "led_m", facts.pull->led_m);
+  put(json, "went_m", facts.pull->went_m);
+  put(json, "held", facts.pull->held());
+  Json& against = json["against"] = Json::array();
+  for (const TouchedObject& touched : s.touched_last) {
+    if (touched.object != 0) against.push_back(object_json(scenes, touched.object));
+  }
+  return json;
+}
+
 void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json) {
   put(json, "seated_frames", s.seated_frames);
   put(json, "guarantee_from_s", number(s.guarantee_from_s));
@@ -412,7 +425,8 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "frames", s.frames);
   put(json, "force_layer_frames", s.force_layer_frames);
   put(json, "penetration_frames", s.penetration_frames);
-  put(json, "verdict", verdict_word(scenes, s));
+  put(json, "verdict", verdict_word(scenes, facts.pull, s));
+  put(json, "pull", pull_json(scenes, facts, s));
   put(json, "penetration_ratio", number(penetration_ratio(s)));
   put(json, "contact_frames", s.contact_frames);
   put(json, "guard_cuts", s.guard_cuts);

@@ -10,6 +10,7 @@
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/output_events.h"
 #include "runtime/voxrun/scenes.h"
+#include "runtime/voxrun/verdict.h"
 
 namespace forcelayer::voxrun {
 
@@ -26,6 +27,7 @@ struct RunFacts {
   devices::DeviceTrouble device_trouble;
   std::vector<devices::DeviceCounter> device_counters;
   bool ended_tripped = false;
+  std::optional<Pull> pull;  // none without one, or where it was not carried out
   std::vector<OutputEvent> events;
   std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages brought in before the start
   std::uint64_t resident_bytes = 0;    // of the scene's file, in memory at the end

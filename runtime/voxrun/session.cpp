@@ -181,6 +181,13 @@ Status prepare_run(const Options& options, Session& session) {
   if (options.start.world_from_seat && simulation.seat().empty()) {
     warn({"--seat: the part touches nothing there"}, session.facts.warnings);
   }
+  std::uint64_t touching = 0;
+  for (const auto& of_seat : simulation.seat()) touching += of_seat.points;
+  if (touching == simulation.shell().header().point_count) {
+    warn({"every point of the part touches the scene: if the scene holds the part itself, bake it "
+          "--without"},
+         session.facts.warnings);
+  }
   const double arm_m = glm::length(session.start.handle_from_center.position_m);
   if (const auto warning = arm_warning(session.request, session.run->parameters(), arm_m)) {
     warn({*warning}, session.facts.warnings);
@@ -205,6 +212,11 @@ machine::ReachBox reach_of(const Options& options, const Session& session) {
   return {center_m - reach_m, center_m + reach_m};
 }
 
+// A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
+std::uint64_t frames_of(double seconds, const Session& session) {
+  return static_cast<std::uint64_t>(std::ceil(seconds * session.run->parameters().rate_hz - 1e-6));
+}
+
 loop::LoopOptions loop_options(const Options& options, const Session& session,
                                const std::atomic<int>& stop) {
   loop::LoopOptions loop;
@@ -213,11 +225,7 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
   loop.stale_s = options.run.stale_s;
   loop.end_on_trip = session.after_trip == AfterTrip::kEnd;
   const auto seconds = options.duration_s ? options.duration_s : session.device.motion_end_s;
-  // A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
-  if (seconds) {
-    loop.frames =
-        static_cast<std::uint64_t>(std::ceil(*seconds * session.run->parameters().rate_hz - 1e-6));
-  }
+  if (seconds) loop.frames = frames_of(*seconds, session);
   return loop;
 }
 
@@ -380,6 +388,12 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   loop::run_loop(servo, loop, &ring, statistics);
   session.facts.steal_s = machine::steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
+  if (options.pull_m && statistics.frames == loop.frames &&
+      loop.frames >= frames_of(*session.device.motion_end_s, session)) {
+    const glm::dvec3 went_m = statistics.center_last_m - session.start.world_from_center.position_m;
+    const double led_m = glm::length(*options.pull_m);
+    session.facts.pull = Pull{led_m, glm::dot(went_m, *options.pull_m) / led_m};
+  }
   change.finish();
   const Voxmap& last = change.map() != nullptr ? *change.map() : voxmap;
   session.facts.scene_file_bytes = last.bytes().size();
@@ -410,7 +424,7 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   if (Status s = run_frames(options, session, stop, next_scene, *statistics); !s) return s;
   if (!options.quiet) {
     std::cout << end_text(*session.scenes, session.facts, *statistics)
-              << verdict_text(*session.scenes, *statistics) << std::flush;
+              << verdict_text(*session.scenes, session.facts.pull, *statistics) << std::flush;
   }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json,
@@ -421,7 +435,7 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   }
   if (Status sound = check_output(session.facts); !sound) return sound;
   if (Status repeated = check_replay(session); !repeated) return repeated;
-  return check_verdict(options, *session.scenes, *statistics);
+  return check_verdict(options, *session.scenes, session.facts.pull, *statistics);
 }
 
 }  // namespace forcelayer::voxrun

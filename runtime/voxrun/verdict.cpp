@@ -14,6 +14,7 @@ using loop::FirstFrame;
 using loop::LoopStatistics;
 
 constexpr std::size_t kListed = 4;  // names in a line
+constexpr double kFollowed = 0.98;  // of a pull: what a simulated hand's grip may give way
 
 const char* ending(std::uint64_t count) { return count == 1 ? "" : "s"; }
 
@@ -52,6 +53,14 @@ std::string against(const Scenes& scenes, const loop::TouchedInFrame& in_frame, 
   return line;
 }
 
+bool is_held(const std::optional<Pull>& pull) { return pull && pull->held(); }
+
+// "pulled 60 mm, it went 37.1 mm" where it is held.
+std::string pull_part(const std::optional<Pull>& pull) {
+  if (!is_held(pull)) return "";
+  return text("pulled %.4g mm, it went %.3g mm", 1e3 * pull->led_m, 1e3 * pull->went_m);
+}
+
 bool seat_open(const Scenes& scenes, const LoopStatistics& s) {
   return !scenes.seat().empty() && !s.guarantee_from_s;
 }
@@ -66,7 +75,8 @@ bool is_doubtful(const LoopStatistics& s) {
          (s.barred_frames > 0 && unproven_frames(s) > 0);
 }
 
-std::string seat_part(const Scenes& scenes, const LoopStatistics& s) {
+std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
+                      const LoopStatistics& s) {
   const std::string seat = seat_text(scenes, INFINITY);
   if (seat.empty()) return "";
   if (s.guarantee_from_s) {
@@ -78,11 +88,12 @@ std::string seat_part(const Scenes& scenes, const LoopStatistics& s) {
         "guaranteed; ",
         seat.c_str());
   }
-  const bool held = s.touched_last[0].force_n > 0;
+  const std::string pulled = pull_part(pull);
   return text(
       "seated on %s to the end: it has not left its seat, and no separation is "
-      "guaranteed; %s%s; ",
-      seat.c_str(), held ? "held" : "nothing holds it",
+      "guaranteed; %s%s%s%s; ",
+      seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
+      s.touched_last[0].force_n > 0 ? "held" : "nothing holds it",
       against(scenes, s.touched_last, true).c_str());
 }
 
@@ -107,6 +118,8 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
 
 }  // namespace
 
+bool Pull::held() const { return went_m < kFollowed * led_m; }
+
 std::string seat_text(const Scenes& scenes, double least_overlap_m) {
   std::string line;
   std::size_t count = 0;
@@ -121,21 +134,26 @@ std::string seat_text(const Scenes& scenes, double least_overlap_m) {
   return line;
 }
 
-const char* verdict_word(const Scenes& scenes, const LoopStatistics& s) {
+const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
+                         const LoopStatistics& s) {
   if (s.penetration_frames > 0) return "not clear";
   if (is_doubtful(s)) return "unknown";
-  return seat_open(scenes, s) ? "seated" : "clear";
+  if (seat_open(scenes, s)) return "seated";
+  return is_held(pull) ? "held" : "clear";
 }
 
-std::string verdict_text(const Scenes& scenes, const LoopStatistics& s) {
+std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
+                         const LoopStatistics& s) {
   if (s.frames == 0) return "no frame was run\n";
-  std::string line = seat_part(scenes, s);
+  std::string line = seat_part(scenes, pull, s);
   if (s.penetration_frames > 0) {
     line += "NOT clear: ";
   } else if (is_doubtful(s)) {
     line += "not known to be clear: ";
   } else if (!seat_open(scenes, s)) {
-    line += "clear: ";
+    line += is_held(pull)
+                ? "held: " + pull_part(pull) + against(scenes, s.touched_last, true) + "; "
+                : "clear: ";
   }
   if (s.first_outside_map) {
     line += text("%llu frame%s beyond a cropped side of the scene, the first at %.3f s; ",
@@ -153,7 +171,8 @@ std::string verdict_text(const Scenes& scenes, const LoopStatistics& s) {
                      against(scenes, s.first_penetration->touched, true).c_str());
 }
 
-Status check_verdict(const Options& options, const Scenes& scenes, const LoopStatistics& s) {
+Status check_verdict(const Options& options, const Scenes& scenes, const std::optional<Pull>& pull,
+                     const LoopStatistics& s) {
   std::optional<double> first_s;
   std::string what;
   const auto see = [&](FailOn kind, const std::optional<FirstFrame>& first, const char* did,
@@ -168,6 +187,8 @@ Status check_verdict(const Options& options, const Scenes& scenes, const LoopSta
       true);
   if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
     what = "the part has not left its seat on " + seat_text(scenes, INFINITY);
+  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_held(pull)) {
+    what = "the part is held: " + pull_part(pull) + against(scenes, s.touched_last, true);
   }
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),

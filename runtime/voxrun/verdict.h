@@ -1,7 +1,7 @@
 // The verdict of a run: the last line of its report, and --fail-on.
 #pragma once
 
-#include <span>
+#include <optional>
 #include <string>
 
 #include "runtime/loop/loop_statistics.h"
@@ -10,19 +10,28 @@
 
 namespace forcelayer::voxrun {
 
+// A pull that was carried out to its end.
+struct Pull {
+  double led_m = 0;   // the way of the hand
+  double went_m = 0;  // of the part along that, by its center
+  bool held() const;  // the part stopped short
+};
+
 // The objects of the part's seat, escaped, the first few by name; empty without a seat. An overlap
 // of more than `least_overlap_m` is said.
 std::string seat_text(const Scenes& scenes, double least_overlap_m);
 
-// `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), or `unknown` (a
-// premise failed, or no frame was run).
-const char* verdict_word(const Scenes& scenes, const loop::LoopStatistics& statistics);
+// `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), `held` (short of
+// the end of its pull), or `unknown` (a premise failed, or no frame was run).
+const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
+                         const loop::LoopStatistics& statistics);
 
 // The same with figures, times and names: one line, escaped, with its end.
-std::string verdict_text(const Scenes& scenes, const loop::LoopStatistics& statistics);
+std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
+                         const loop::LoopStatistics& statistics);
 
 // An error where the run did what --fail-on names. Errors: kAnswerIsNo.
-Status check_verdict(const Options& options, const Scenes& scenes,
+Status check_verdict(const Options& options, const Scenes& scenes, const std::optional<Pull>& pull,
                      const loop::LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

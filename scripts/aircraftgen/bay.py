@@ -151,7 +151,7 @@ def tube(random, y, z, radius, detail):
 
 
 def clamps(x, detail):
-    """What holds the lines at a frame."""
+    """The rings that hold the lines at a frame."""
     return [Ring((x, y, z), (1, 0, 0), radius + 1, 14, 3, detail.around(40))
             for y, z, radius in TUBES]
 

@@ -41,7 +41,7 @@ if(TARGET voxelize)
   install(FILES ${pipelines}/github.yml ${pipelines}/gitlab.yml ${pipelines}/slurm.sh COMPONENT tools EXCLUDE_FROM_ALL
           DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/forcelayer-tools/examples/pipelines)
 endif()
-# What a command starts beside itself, or names where it is missing.
+# Packages of the programs that a command starts, or names where they are missing.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "forcelayer-runtime, forcelayer-viewer")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "forcelayer-tools, forcelayer-viewer")
 set(CPACK_DEBIAN_VIEWER_PACKAGE_RECOMMENDS "xauth, xvfb")

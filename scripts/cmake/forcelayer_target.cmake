@@ -1,4 +1,4 @@
-# What every target of the project shares: warnings, floating-point rules, include paths, aliases.
+# Shared by every target of the project: warnings, floating-point rules, include paths, aliases.
 
 add_library(forcelayer_options INTERFACE)
 # No contraction into FMA: the scalar twins in the tests must agree with the fast paths bit for bit.
@@ -12,7 +12,7 @@ target_compile_options(forcelayer_options INTERFACE
   $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>
   # The same bytes wherever the sources lie.
   $<BUILD_INTERFACE:-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=>
-  # What ships is hardened: it reads other people's files and holds a motor.
+  # Release builds are hardened: they read other people's files and hold a motor.
   $<$<CONFIG:Release>:$<BUILD_INTERFACE:-fstack-protector-strong;-fstack-clash-protection;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>>
   $<$<AND:$<CONFIG:Release>,$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>>:$<BUILD_INTERFACE:-fcf-protection>>)
 include(CheckPIESupported)
@@ -24,7 +24,7 @@ if(FORCELAYER_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(forcelayer_options INTERFACE
     $<BUILD_INTERFACE:-Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread>)
 endif()
-# What runs once, as often as a device reports, or calls others to do the work is small rather than fast.
+# Code that runs once, as often as a device reports, or calls others to do the work is small rather than fast.
 # Under sanitizers it is quick to compile: -O0 takes three fifths of the time of -O1.
 set(forcelayer_small $<$<CONFIG:Release>:-Os>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
@@ -32,7 +32,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_G
 endif()
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT FORCELAYER_FUZZERS)
   set(forcelayer_small -O0)
-  # Of the vector targets AVX2 and the baseline: each takes up to half a minute a kernel.
+  # Only AVX2 and the baseline of the vector targets: each takes up to half a minute a kernel.
   add_compile_definitions(
     "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 endif()

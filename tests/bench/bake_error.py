@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a finer voxel costs and what it buys: time and memory of a bake against its geometric error.
+"""Cost and gain of a finer voxel: time and memory of a bake against its geometric error.
 
 Usage: bake_error.py [--bin FOLDER] [--short] [--json FILE]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What distances and objects add to a bake: processor time and bytes of each kind of map.
+"""The cost of distances and objects in a bake: processor time and bytes of each kind of map.
 
 Usage: bake_full.py [--bin FOLDER] [--short] [--repeat N] [--json FILE]
 

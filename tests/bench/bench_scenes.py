@@ -1,4 +1,4 @@
-"""What the Python benchmarks share: scenes, voxelize in a process of its own, and their reports."""
+"""Shared by the Python benchmarks: scenes, voxelize in a process of its own, and their reports."""
 
 import argparse
 import json

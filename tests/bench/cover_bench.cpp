@@ -1,4 +1,4 @@
-// What a denser shell costs and buys: points, time of a frame and error of the contact wrench, by
+// Cost and gain of a denser shell: points, time of a frame and error of the contact wrench, by
 // covering radius and by the way of making the shell.
 //
 //   cover_bench [--orientations N] [--radius VOXELS]... [--contact NAME]... [--json FILE]

@@ -127,7 +127,7 @@ class Paths:
         return wrong
 
     def motion(self):
-        """What touches: free flight, springs and spins are without contact."""
+        """The motion that touches: free flight, springs and spins are without contact."""
         return self.judged("motion", self.bench("motion", "--only", "bounce"))
 
     def trajectory(self):

@@ -112,7 +112,7 @@ def main():
                  report["poses_tested"]]
         if not report["found"]:
             best = report["best"]
-            return ["no", *asked, "", "", "", "", "", f"{1e3 * best['out_m']:.3g}", best["blocked_by"], ""], ""
+            return ["no", *asked, "", "", "", "", "", f"{1e3 * best['out_m']:.3g}", ", ".join(best["blocked_by"]), ""], ""
         meshes = ("--exact", given.assembly, *without, "--part", f"{given.assembly}#{part}", *units)
         checked = run("voxcheck", *files, at / "way.csv", "--clearance", clearance, "--seat", "0,0,0m",
                       *(meshes if given.exact else ("--felt-seat",)))

@@ -81,7 +81,7 @@ struct Choice {
   }
 };
 
-// What a contact is pooled with; null for none.
+// The group that a contact is pooled with; null for none.
 const char* group_of(const Combination& combination) {
   if (combination.smooth) return "flush_and_smooth";
   if (combination.wall_by_wall) return "wedges";

@@ -45,7 +45,7 @@ T value_of(Result<T> result) {
   return std::move(*result);
 }
 
-// What a program made of the mesh: the voxels that it says the mesh touches, and the class of every
+// A program's result for a mesh: the voxels that it says the mesh touches, and the class of every
 // voxel after the offset.
 struct Outcome {
   double wall_s = 0, cpu_s = 0;
@@ -53,7 +53,7 @@ struct Outcome {
   DenseGrid touched, values;
 };
 
-// What a set of touched voxels encloses, by a flood from outside. Not timed.
+// The voxels that a set of touched voxels encloses, by a flood from outside. Not timed.
 reference::ReferenceScene scene_of(const DenseGrid& touched) {
   DenseGrid flooded = touched;
   reference::mark_free({}, flooded);

@@ -1,4 +1,4 @@
-// What voxcheck proves along paths beside the exact distance of the meshes, at 100,000 moments of
+// The clearance that voxcheck proves beside the meshes' exact distance, at 100,000 moments of
 // random paths in generated scenes, the sample data and the shared models; and whether it finds
 // paths that are 0.1 to 2 voxels too near.
 //

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What `voxelize --plan` foresees beside the bakes themselves: file size and time.
+"""The forecasts of `voxelize --plan` beside the bakes themselves: file size and time.
 
 Usage: plan_bench.py [--bin FOLDER] [--repeat N] [--json FILE]
 

@@ -1,4 +1,4 @@
-// What python_bench.py asks from Python, asked by a plain loop in C++:
+// The questions that python_bench.py asks from Python, asked by a plain loop in C++:
 //   python_bench SCENE.vox PART.pshell FILE query|clearance|steps THREADS
 // FILE holds poses as doubles, x y z qw qx qy qz each; for steps, of the hand. Asks once to warm up
 // and once more, and prints the wall-clock and processor seconds of the second time.

@@ -1,4 +1,4 @@
-// What clearance_bench and path_bench share: which families of scenes are judged, how far, and
+// Shared by clearance_bench and path_bench: which families of scenes are judged, how far, and
 // their options.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What the shells are worth: points, proof, normals, time and memory of both methods.
+// The worth of shells: points, proof, normals, time and memory of both methods.
 //
 //   shell_bench [--mesh NAME]... [--voxels N]... [--models FOLDER] [--json FILE]
 //
@@ -102,7 +102,7 @@ std::optional<part::Vec3> mesh_normal(const part::TriangleTree& tree, const part
   return part::normalized(sum);
 }
 
-// What a shell's file holds.
+// Facts of a shell's file.
 struct ShellFacts {
   double weight_sum_m2 = 0;
   double mean_block_radius_m = 0;

@@ -1,4 +1,4 @@
-// What a baked scene and its contact query need not look at, and what each way of skipping saves:
+// The parts of a baked scene that a contact query skips, and the saving of each way of skipping:
 // one scene and part as a line of JSON. skipped.py runs it over scenes.
 //
 //   skip_bench SCENE.vox PART.pshell [--places N] [--frames N]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What bakes and contact queries did not look at, and what time each kind of skipping saved.
+"""The work that bakes and contact queries skip, and the time that each kind of skipping saves.
 
 Usage: skipped.py [--bin FOLDER] [--short] [--json FILE]
 
@@ -45,7 +45,7 @@ def moved_copy(scene, folder, shift_m):
     """The manifest with its middle part moved, beside the same meshes."""
     manifest = json.loads(scene.path.read_text())
     part = manifest["parts"][len(manifest["parts"]) // 2]
-    # Of a part placed by a matrix the translation is its last column.
+    # A matrix has its translation in the last column.
     if "matrix" in part:
         part["matrix"][3] = part["matrix"][3] + shift_m
     else:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the speed of bake and query must be, beside what it is, with the peers in the same run.
+"""The speed that bake and query must have, beside the measured one, with the peers in the same run.
 
 Usage: speed_targets.py [--bin FOLDER] [--short] [--json FILE]
 

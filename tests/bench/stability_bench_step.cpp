@@ -1,4 +1,4 @@
-// What a step of the default model costs beyond its contact queries.
+// The time of a step of the default model beyond its contact queries.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

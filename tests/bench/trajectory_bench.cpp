@@ -52,7 +52,7 @@ void rebake(Trial& trial, double voxel_size_m) {
   trial.part = std::make_shared<BakedPart>(trial.part->mesh(), voxel_size_m);
 }
 
-// What the model derives at 1 kHz, as settings.
+// The parameters that the model derives at 1 kHz, as settings.
 void fix_parameters(Trial& trial, const Setting& setting) {
   const Parameters p = make_simulation(trial, setting.model)->parameters();
   const double f = setting.stiffness_factor;

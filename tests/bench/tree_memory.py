@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the tree costs: figure 6 of the paper, and how compact the files are.
+"""The memory of the tree: figure 6 of the paper, and how compact the files are.
 
 Usage: tree_memory.py [--bin FOLDER] [--json FILE]
 

@@ -1,4 +1,4 @@
-// What voxrun commands at rest, beside what the bench sums: the step itself is run until a pressed
+// The wrench that voxrun commands at rest, beside the bench's sum: the step is run until a pressed
 // part holds still, and the wrench on the hand is compared with the shared force at that pose.
 #pragma once
 
@@ -17,7 +17,7 @@ class Commanded {
   // or is not at rest after three seconds, is not compared.
   void see(const Voxmap& voxmap, const Pshell& shell, const Pose& above, const glm::dvec3& in);
 
-  // Of each that was compared: the difference over the force, or that of the torques over force and
+  // For each one compared: the difference over the force, or that of the torques over force and
   // radius, where it is larger. While the hand rests, a motion that hardly lowers the energy is not
   // made (DefaultModel::affordable), so the part stays a little beside where forces balance.
   const std::vector<double>& off() const { return off_; }

@@ -118,6 +118,10 @@ done < <(sources formats voxelize pointshell runtime | grep -v /firmware/ | xarg
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }
 
+# Comments and docstrings say what a thing is, as a sentence or a noun phrase.
+refuse 'a comment begins with "What" or "Of"' '(^|[[:space:]])(//+<?|#+|\*|/\*+<?|""")[[:space:]]*(What|Of)\b' -r \
+  --include=\*.{h,cpp,c,py,sh,bash,cmake,map,txt,yml} formats pointshell runtime scripts tests voxelize *.txt *.py
+
 for command in voxrun voxcheck voxinfo forcelayer; do
   binary=$FORCELAYER_BIN_DIR/$command
   [ -x "$binary" ] || { echo "FAILED: $binary is missing" >&2; exit 1; }

@@ -68,7 +68,7 @@ findings = json.load(open("doctor.json"))["findings"]
 assert all(f["verdict"] in ("good", "note", "change") and f["seen"] for f in findings)
 assert all(f["mend"] for f in findings if f["verdict"] == "change")
 PYTHON
-# What is refused is named with what to do about it (as a user without privileges).
+# A refusal is named with the mend for it (as a user without privileges).
 if [ "$(id -u)" -eq 0 ]; then
   chmod 755 "$scratch"
   cp "$bin/voxrun" "$bin/voxrun-doctor" .  # nobody may look into the folder of the build

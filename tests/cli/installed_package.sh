@@ -54,7 +54,7 @@ if ! diff <(echo "$headers") <(sort <<<"$expected"); then
   exit 1
 fi
 
-# What voxrun and voxcheck load: libc and its parts, Highway, Nettle, hidapi and what that needs, nothing else; small.
+# voxrun and voxcheck load libc and its parts, Highway, Nettle, hidapi and what that needs, nothing else; small.
 if [ "$(cache_entry CMAKE_BUILD_TYPE)" = Release ]; then
   allowed='^(linux-vdso|ld-linux-.*|libc|libm|libstdc\+\+|libgcc_s|libhwy|libhidapi-hidraw|libudev|libnettle)$'
   for command in voxrun voxcheck; do

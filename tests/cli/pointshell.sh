@@ -46,9 +46,17 @@ expect 2 "no voxel size" "${box[@]}" "${out[@]}"
 expect 2 "voxel size without a unit" "${box[@]}" "${out[@]}" --voxel-size 1
 expect 2 "negative voxel size" "${box[@]}" "${out[@]}" --voxel-size -1mm
 for option in --voxel-size --covering-radius --mesh-deviation; do
+  given=(--voxel-size 1mm)
+  [ "$option" != --voxel-size ] || given=()
   for length in nanmm -infm 1e300m; do
-    expect 2 "$option=$length" "${box[@]}" "${out[@]}" --voxel-size 1mm $option=$length
-    grep -q "^pointshell: $option: " "$work/stderr" || fail "$option is not named: $(cat "$work/stderr")"
+    expect 2 "$option=$length" "${box[@]}" "${out[@]}" "${given[@]}" $option=$length
+    grep -qE "^pointshell: $option: .*($length'? is (not a finite|beyond)|is not a finite)" "$work/stderr" ||
+      fail "$option is not named: $(cat "$work/stderr")"
+  done
+  [ "$option" != --mesh-deviation ] || continue
+  for length in 1e-300m 1e-10m 1001km; do
+    expect 2 "$option=$length" "${box[@]}" "${out[@]}" "${given[@]}" $option=$length
+    grep -q "^pointshell: $option is not between" "$work/stderr" || fail "$(cat "$work/stderr")"
   done
 done
 expect 2 "no units" "$work/box.obj" "${out[@]}" --voxel-size 1mm
@@ -57,6 +65,9 @@ expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magi
 expect 2 "unknown effort" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort lots
 expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --color
 expect 2 "radius for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
+printf 'v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n' >"$work/microscopic.obj"
+expect 3 "microscopic mesh" "$work/microscopic.obj" "${out[@]}" --units m --voxel-size 1mm
+grep -q "the part's area is too small for single precision; check --units" "$work/stderr" || fail "$(cat "$work/stderr")"
 expect 1 "missing mesh" "$work/none.obj" "${out[@]}" --units mm --voxel-size 1mm
 expect 1 "unwritable output" "${box[@]}" -o "$work/none/out.pshell" --voxel-size 1mm
 expect 3 "mesh without triangles" "$work/points.obj" "${out[@]}" --units mm --voxel-size 1mm
@@ -130,6 +141,11 @@ grep -q 'proven' "$work/stdout" || fail "no summary on stdout"
 # The sample part.
 expect 0 "sample part" "$data/part.obj" --units mm --quiet -o "$work/sample.pshell" --voxel-size 5mm
 expect 0 "verify the sample part" verify "$work/sample.pshell" "$data/part.obj" --units mm
+
+for size in 1e7m 1e-10m; do
+  "$bin/pointshell" "$data/part.obj" --units mm --voxel-size $size -o no.pshell --quiet 2>err
+  [ $? = 2 ] && grep -q 'voxel-size is not between 1e-9 and 1e6 meters' err || fail "a voxel of $size: $(cat err)"
+done
 
 # The report of a failure has the warnings before it.
 "$bin/pointshell" "$data/part.obj" --units mm --voxel-size 0.5um -o no.pshell --quiet --json no.json 2>err

@@ -204,7 +204,7 @@ def check_paths(scene, part, run):
         curve = answer["curve"]
         assert (curve["from_s"][1:] == curve["to_s"][:-1]).all() and (curve["to_s"] > curve["from_s"]).all()
         assert curve["clearance_m"].min() >= answer["clearance_m"] - 1e-12
-        # What is proven between poses is proven at them.
+        # A clearance proven between poses is proven at them.
         at = scene.clearance(part, frames["world_from_part"])["clearance_m"]
         assert numpy.nanmin(at) > answer["clearance_m"] - 1e-3
     one, two = (scene.check(part, frames["t_s"], frames["world_from_part"], 0.012, threads=n) for n in (1, 2))

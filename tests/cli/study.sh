@@ -60,6 +60,15 @@ assert "least clearance outside of its seat" in said
 assert f"{1e3 * seated['way_m']:.3f} mm of a way of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
 END
 
+# A number that is none is refused before anything is baked.
+for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,0,0,0" "--clearance -1mm" \
+  "--seat-depth infmm" "--missing-faces nan" "--missing-faces 1000001"; do
+  # shellcheck disable=SC2086  # words
+  study 2 "${pin[@]}" -o nothing $words
+  [ "$(wc -l <err.txt)" = 1 ] && grep -q -- "^forcelayer: ${words%% *}: " err.txt && [ ! -e nothing ] ||
+    fail "$words: $(cat out.txt err.txt)"
+done
+
 # Deeper distances are another scene: the bake is told, and made anew.
 study 0 "${pin[@]}" -o pin --range 8mm
 grep -q '^\$ voxelize .*--range 8mm' out.txt || fail "--range is not handed on: $(cat out.txt)"
@@ -110,6 +119,12 @@ grep -q 'class="verdict no"><strong>Not clear' given/report.html || fail "the pa
 grep -q 'pushed [0-9.]* mm deep' given/report.html || fail "the page does not say what is wrong"
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q 'not settled' given/report.html || fail "the page does not say that the seat is not settled"
+
+# One pose, in seconds since 1970: ticks of its curve's nanosecond are nearer than doubles.
+printf 't_s,x_m,y_m,z_m\n1700000000,0,0,0.2\n' >late.csv
+(ulimit -v 4000000
+ "$bin/forcelayer" study 'gearbox.glb#Pin' --voxel-size 2mm --path late.csv --clearance 1mm -o late --no-pictures) >out.txt 2>&1 ||
+  fail "a late pose: $(tail -n 1 out.txt)"
 
 # Errors.
 study 2 gearbox.glb --voxel-size 1mm --pull 0,0,60mm -o none

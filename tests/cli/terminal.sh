@@ -80,7 +80,7 @@ done
 
 "$bin/voxinfo" verify --help | tr '\n' ' ' | grep -q 'counts.*clearance.*hole.*distance.*object' || fail "voxinfo verify does not say what it proves"
 
-# What this build can do.
+# --version says which formats and devices this build has.
 for name in voxelize pointshell voxview; do
   [ ! -x "$bin/$name" ] || "$bin/$name" --version | grep -qE '; (reads|without) STEP and IGES\)$' || fail "$name --version"
 done

@@ -55,7 +55,7 @@ assert over["verdict"] == "clear" and over["violations"] == [] and over["poses"]
 assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clearance_m"] >= 0.0127, over
 PYTHON
 
-# What happens between two rows is seen. Every report says the same.
+# A violation between two rows is seen. Every report says the same.
 check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv --junit through.xml \
   --code-quality quality.json --github
 says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
@@ -129,7 +129,7 @@ silent
 check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
-# What ends near the seat's object elsewhere is not in the seat.
+# A path that ends near the seat's object, elsewhere, is not in the seat.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0.03,0,0.005\n' >elsewhere.csv
 check 6 opened.vox cover.pshell elsewhere.csv --clearance 5.5mm "${felt[@]}" --allow 'Clip/*' --allow Pin --json elsewhere.json
 grep -q '"object": "Gearbox/Housing"' elsewhere.json || fail "the seat's object is let off elsewhere"

@@ -38,7 +38,7 @@ f 2 4 8 6
 EOF
 printf 'solid nothing\nendsolid nothing\n' >empty.stl
 
-# What works.
+# Valid calls.
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm --metric chebyshev -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
 [ -s err ] && fail "noise on stderr in a pipe: $(cat err)"
 "$bin/voxinfo" verify scene.vox >out || fail "the scene is not valid"
@@ -153,7 +153,7 @@ EOF
   fail "a standoff with a compliance"
 rm -rf cache cached.vox near.vox facts facts.json
 
-# What does not.
+# Refused calls.
 for option in --lean "--metric chebyshev"; do
   expect 2 "--standoff: needs stored distances" cube.obj --units cm --voxel-size 1mm --standoff 2mm $option -o scene.vox
 done
@@ -230,6 +230,7 @@ manifest_error "parts[0].units" '{"parts": [{"mesh": "cube.obj", "units": "parse
 manifest_error "parts[0]" '{"parts": [{"mesh": "cube.obj"}]}'
 manifest_error "parts[0].matrix[3]" '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,0,0,1]]}]}'
 manifest_error "parts[0].rotation" '{"parts": [{"mesh": "cube.obj", "units": "cm", "rotation": [0,0,0,0]}]}'
+manifest_error "parts[0].rotation" '{"parts": [{"mesh": "cube.obj", "units": "cm", "rotation": [5e-324,5e-324,0,0]}]}'
 manifest_error "voxel_size" '{"voxel_size": "5", "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 manifest_error "layers" '{"layers": -1, "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 

@@ -8,7 +8,7 @@ scene=("$data/bay.json" --voxel-size 20mm --quiet)
 part=("$data/part.obj" --units mm --voxel-size 4mm --effort fast --quiet)
 voxelize=$bin/voxelize pointshell=$bin/pointshell
 
-# What a sound machine gives.
+# The files that a sound machine gives.
 reference() {
   "$voxelize" "${scene[@]}" -o good.vox --json good.json && "$pointshell" "${part[@]}" -o good.pshell || fail "reference"
 }

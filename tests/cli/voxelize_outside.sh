@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The files that a manifest or a glTF file names stay under its folder, unless --allow-outside.
-# What the commands create has the mode that the user's umask leaves.
+# Files that the commands create have the mode that the user's umask leaves.
 set -u
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
@@ -65,7 +65,7 @@ bake cube.obj
 "$bin/voxelize" "$work/scene/../scene/scene.json" -o out.vox --quiet || fail "by a crooked path"
 # A link to a manifest is a manifest where the link lies.
 "$bin/voxelize" elsewhere/scene.json -o out.vox --quiet 2>err && fail "a mesh beside the link's target"
-# What is not there is missing, not forbidden; where the file would be does matter.
+# An absent file is missing, not forbidden; where the file would be does matter.
 bake none.obj
 [ $? = 1 ] && grep -q 'no such file' err || fail "missing: $(cat err)"
 bake ../none.obj

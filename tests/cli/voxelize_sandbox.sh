@@ -74,7 +74,7 @@ fi
 fresh changed.stl
 expect 1 'has changed while it was being read' "$bin/voxelize" changed.stl --units mm --voxel-size 20mm -o out.vox
 
-# Of a manifest's files the one at fault is named; the others are not.
+# The file at fault of a manifest is named; the others are not.
 fresh good.stl
 fresh crash.stl
 cat >scene.json <<'JSON'
@@ -123,7 +123,7 @@ if [ -e "$bin/../lib/forcelayer/forcelayer_step.so" ]; then
   outlives "$child" && fail "the reader of STEP outlives Ctrl-C"
 fi
 
-# What a reader does not need is refused to it: files elsewhere, to write, programs, the network, signals.
+# A reader is refused all that it does not need: files elsewhere, to write, programs, the network, signals.
 if "$bin/voxrun" doctor --clock 0 | grep -q 'confinement of plugins: Landlock.*seccomp'; then
   mkdir inside
   echo secret >secret.txt

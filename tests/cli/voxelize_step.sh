@@ -123,7 +123,7 @@ for more in --quiet --sandbox; do
   "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --quiet --allow-outside $more 2>err || fail "--allow-outside $more: $(cat err)"
   cmp -s <(rows parts) clamp.rows || fail "--allow-outside gives other voxels $more"
 done
-# What is read from another place is a warning, on the terminal and in the reports.
+# A file read from another place is a warning, on the terminal and in the reports.
 mv external/rod.stp external/home
 "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
 "$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --effort fast --json shell.json >out 2>>err || fail "by name: $(cat err)"

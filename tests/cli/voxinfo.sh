@@ -45,7 +45,7 @@ grep -q 'distances         none' facts || fail "v2.vox has no distances"
 grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
 grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 560 bytes' facts || fail "distances: $(cat facts)"
 grep -q 'objects           2, nearest ones in 1040 bytes' facts || fail "objects: $(cat facts)"
-# Of the voxels with a measured distance, those of each object.
+# The number of each object's voxels with a measured distance.
 of_object() {
   LC_ALL=C join -t' ' <(reader "$golden/$1.vox" --objects | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) \
     <(reader "$golden/$1.vox" --distances | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) |
@@ -215,6 +215,12 @@ then
   "$voxinfo" liar.vox --quiet
   expect_refused 4 "surface_voxels" "$voxinfo" verify liar.vox
 fi
+
+# A resampling of more rows than a path has is refused, before it takes their memory.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n200,1,0,0\n' >path.csv
+(ulimit -v 1000000; expect_refused 2 "more than 100 million rows" "$voxinfo" path path.csv --resample 1us -o fine.csv; exit $failed) || failed=1
+"$voxinfo" path path.csv --resample 10s -o coarse.csv >out || fail "resample: $(cat out)"
+expect_equal "rows of 10 s" "$(wc -l <coarse.csv)" 22
 
 # A file that could not be written is not there, and an old file stays.
 echo old >old.csv

@@ -74,14 +74,53 @@ END
 
 # Bolts hold it; voxels of 1 mm feel their heads.
 plan 6 bolted.vox fine.pshell --clearance 2mm --time 1s -o no.csv --json no.json
-errs '^voxplan: fine.pshell: no path found in [0-9.]+ s \(best: out to [0-9.e+-]+ mm(, blocked by [^)]*)?\); which does not say'
+errs '^voxplan: fine.pshell: no path found in [0-9.]+ s \(best: out to [0-9.e+-]+ mm, blocked by [^)]*Gearbox/Lid/Bolt[^)]*\); which does not say'
 [ ! -e no.csv ] || fail "a path is there"
 python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] and r["best"]["out_m"] < 0.02, r' || fail "no.json"
+
+# A bolt with its nut clamps a plate and a bracket: they hold it, and no neighbor that stands 5 voxels away.
+python3 - <<'END'
+def turned(name, profile, closed):
+    """A square prism of these half widths and heights, mm; a tube where the profile is closed."""
+    with open(name, "w") as obj:
+        for half, z in profile:
+            for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
+                obj.write(f"v {half * x} {half * y} {z}\n")
+        rings = len(profile)
+        for n in range(rings if closed else rings - 1):
+            for side in range(4):
+                a, b = 4 * n + side, 4 * n + (side + 1) % 4
+                obj.write("f " + " ".join(str(1 + c % (4 * rings)) for c in (a, b, b + 4, a + 4)) + "\n")
+        if not closed:
+            last = 4 * rings
+            obj.write(f"f 4 3 2 1\nf {last - 3} {last - 2} {last - 1} {last}\n")
+turned("bolt.obj", [(10, -19), (10, -15), (5, -15), (5, 15), (10, 15), (10, 19)], False)
+turned("plate.obj", [(5, -15), (30, -15), (30, 0), (5, 0)], True)
+turned("bracket.obj", [(5, 0), (30, 0), (30, 15), (5, 15)], True)
+turned("neighbor.obj", [(5, 15), (5, 19)], False)
+END
+cat >clamped.json <<'END'
+{"parts": [{"name": "plate", "mesh": "plate.obj", "units": "mm"}, {"name": "bracket", "mesh": "bracket.obj", "units": "mm"},
+           {"name": "east", "mesh": "neighbor.obj", "units": "mm", "translation": ["20mm", 0, 0]},
+           {"name": "west", "mesh": "neighbor.obj", "units": "mm", "translation": ["-20mm", 0, 0]},
+           {"name": "north", "mesh": "neighbor.obj", "units": "mm", "translation": [0, "20mm", 0]},
+           {"name": "south", "mesh": "neighbor.obj", "units": "mm", "translation": [0, "-20mm", 0]}]}
+END
+"$bin/voxelize" clamped.json --voxel-size 1mm -o clamped.vox --quiet
+"$bin/pointshell" bolt.obj --units mm --voxel-size 1mm -o bolt.pshell --quiet
+plan 6 clamped.vox bolt.pshell --clearance 1mm --time 1s -o no.csv --json no.json
+errs 'blocked by (plate, bracket|bracket, plate)'
+python3 -c '
+import json
+best = json.load(open("no.json"))["best"]
+assert best["out_m"] < 0.001 and sorted(best["blocked_by"][:2]) == ["bracket", "plate"], best' || fail "who holds the bolt: $(cat no.json)"
 
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
 errs '--goal: the part is nearer there than --clearance to Gearbox/Housing: [0-9.]+ mm are proven'
+plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,100km --clearance 2mm --time 1s
+errs '--goal: is more than a million voxels from the seat'
 plan 2 opened.vox cover.pshell -o opened.vox
 plan 1 none.vox cover.pshell -o x.csv
 errs 'none.vox: no such file'

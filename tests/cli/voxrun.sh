@@ -146,6 +146,9 @@ for option in --duration --stale-limit; do
     expect 2 "$option: " floor.vox ball.pshell "${fast[@]}" $option $time
   done
 done
+for way in 0,0,1001m 0,0,1e9m -1e8,1e8,0m; do
+  expect 2 '--pull: is no way, or longer than 1000 m' floor.vox ball.pshell --as-fast-as-possible --pull=$way
+done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
 expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --model paper
 head -c 5000 run.flr >cut.flr

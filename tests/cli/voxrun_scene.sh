@@ -109,7 +109,7 @@ PYTHON
 }
 in_time asked at_a_signal
 
-# What cannot be used changes nothing. A part in the middle of a solid has no side to be on.
+# A scene that cannot be used changes nothing. A part in the middle of a solid has no side to be on.
 cp plate.vox first.vox
 "$bin/voxrun" first.vox part.pshell --motion press.csv --duration 1s --after-trip rearm --scene-next missing.vox@0.1s \
   --scene-next buried.vox@0.2s --json stays.json >out 2>err || fail "status $?: $(cat err)"

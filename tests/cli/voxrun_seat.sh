@@ -36,6 +36,7 @@ PYTHON
 
 "$bin/voxelize" "$gearbox" --without Cover --voxel-size 1mm -o bolted.vox --quiet
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm -o opened.vox --quiet
+"$bin/voxelize" "$gearbox" --voxel-size 1mm -o whole.vox --quiet
 "$bin/pointshell" "$gearbox#Cover" --voxel-size 1mm -o cover.pshell --quiet
 
 # It comes out, and every question is answered well.
@@ -200,6 +201,12 @@ errs 'and that is not where its seat is; start it clear'
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm
 errs '--seat: the part touches nothing there'
 
+# The scene holds the part too: it is seated on itself, all over.
+run 0 whole.vox cover.pshell --motion rest.csv
+errs 'warning: every point of the part touches the scene: .* --without'
+run 0 bolted.vox cover.pshell --motion rest.csv
+grep -q 'every point' err.txt && fail "a part that is held is no part of the scene"
+
 # Surfaces are not solids: a part about an object, and an object about a part.
 python3 - <<'PYTHON'
 def box(name, half):
@@ -225,4 +232,38 @@ run 0 nut.vox cube.pshell --motion rest.csv --without-guarantee
 errs 'warning: start: nut lies inside the part'
 run 2 cube.vox nut.pshell --motion rest.csv
 errs 'start: the part starts more than [0-9.]* mm inside (cube|the scene); .*--free-seed'
+
+# A part that lifts off its plate and stops at a roof: it did not come out, whatever its clearance was.
+python3 - <<'PYTHON'
+def box(name, center_z, half, half_z):
+    corners = [(x, y, center_z + z) for x in (-half, half) for y in (-half, half) for z in (-half_z, half_z)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    with open(name, "w") as file:
+        file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
+        file.writelines("f {} {} {} {}\n".format(*face) for face in faces)
+box("plate.obj", -5, 30, 5)
+box("roof.obj", 65, 30, 5)
+box("block.obj", 10, 10, 10)
+PYTHON
+"$bin/voxelize" plate.obj roof.obj --units mm --voxel-size 1mm -o roofed.vox --quiet
+"$bin/voxelize" plate.obj --units mm --voxel-size 1mm -o open.vox --quiet
+"$bin/pointshell" block.obj --units mm --voxel-size 1mm -o block.pshell --quiet
+run 0 roofed.vox block.pshell --pull 0,0,100mm --json held.json
+says '^seated on plate until [0-9.]* s; then held: pulled 100 mm, it went 3[0-9.]* mm, against roof; least proven clearance [0-9.]* mm to roof'
+run 6 roofed.vox block.pshell --pull 0,0,100mm --fail-on held
+errs 'at the end: the part is held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
+run 0 roofed.vox block.pshell --pull 0,0,100mm --hand firm --json firm.json
+says 'then held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
+run 0 roofed.vox block.pshell --pull 0,0,100mm --duration 0.5s --fail-on held --json early.json  # not to its end
+run 0 open.vox block.pshell --pull 0,0,100mm --fail-on held --hand firm --json open.json
+says 'then clear: '
+python3 - <<'PYTHON'
+import json
+held, firm, early, free = (json.load(open(f"{name}.json")) for name in ("held", "firm", "early", "open"))
+assert held["verdict"] == firm["verdict"] == "held" and free["verdict"] == "clear", (held["verdict"], free["verdict"])
+for run in (held, firm):
+    pull = run["pull"]
+    assert pull["led_m"] == 0.1 and 0.03 < pull["went_m"] < 0.04 and pull["held"] and pull["against"] == ["roof"], pull
+assert early["pull"] is None and not free["pull"]["held"] and abs(free["pull"]["went_m"] - 0.1) < 0.002, free["pull"]
+PYTHON
 echo "all passed"

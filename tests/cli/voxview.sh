@@ -117,7 +117,7 @@ def count(color):
     return int((abs(picture - color).max(axis=2) <= 1).sum())
 section, rest = count(numpy.round(0.8 * uncut)), count(uncut)
 assert section > 10000 and section + rest + count(255) == 600 * 600, (section, rest)
-# What is not filled is the cavity's far wall, or the sheet behind.
+# The rest is the cavity's far wall, or the sheet behind.
 assert abs(section / (section + rest) - float(sys.argv[1])) < 0.01, (section, rest)
 END
 done
@@ -167,6 +167,37 @@ assert told["clearance_m"] > 0 and told["object"], told
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done
+# The hand's outline: where the hand asks for the part, drawn from a place far from the world's origin; none without a hand.
+for moment in "--trace trace.csv --at 2.2s" "--part-pose 0.28m,0,0.5m"; do
+  "$bin/voxview" bay.vox part.pshell --part "$data/part.obj" --part-units mm $moment --show handle --plain --view-from 0,-1,0 \
+    --size 800x600 --json facts.json --screenshot picture.png
+  "$python" - "$data/part.obj" "$moment" <<'END' || fail "the hand's outline: $moment"
+import csv, json, sys
+from matplotlib import image
+import numpy
+facts = json.load(open("facts.json"))
+picture = numpy.round(255 * image.imread("picture.png")[:, :, :3]).astype(int)
+rows, columns = (abs(picture - (0, 115, 178)).max(axis=2) <= 2).nonzero()  # kGhostColor
+if "t_s" not in facts["moment"]:
+    assert len(rows) == 0, f"{len(rows)} pixels of an outline without a hand"
+    sys.exit()
+def pose(row, what):
+    w, x, y, z = (float(row[f"{what}_q{n}"]) for n in "wxyz")
+    turn = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    return numpy.array([[*turn[n], float(row[f"{what}_{'xyz'[n]}_m"])] for n in range(3)] + [[0, 0, 0, 1]])
+run = list(csv.DictReader(open("trace.csv")))
+grip = numpy.linalg.inv(pose(run[0], "handle")) @ pose(run[0], "part")
+row = min(run, key=lambda r: abs(float(r["t_s"]) - facts["moment"]["t_s"]))
+corners = numpy.array([[float(x) / 1000 for x in line.split()[1:4]] + [1] for line in open(sys.argv[1]) if line.startswith("v ")])
+target = (corners @ (pose(row, "handle") @ grip).T)[:, :3] - facts["target_m"]
+pixels = target / facts["metres_per_pixel"]
+wanted = (400 + pixels[:, 0].min(), 400 + pixels[:, 0].max(), 300 - pixels[:, 2].max(), 300 - pixels[:, 2].min())
+drawn = (columns.min(), columns.max(), rows.min(), rows.max())
+assert numpy.abs(numpy.array(drawn) - wanted).max() < 4, (drawn, wanted)
+END
+done
 # The line of the clearance: from a tip 12 mm above a floor straight down to it, and none where nothing is measured.
 printf 'v %s\n' '0 0 -10' '200 0 -10' '200 200 -10' '0 200 -10' '0 0 0' '200 0 0' '200 200 0' '0 200 0' >floor.obj
 printf 'f %s\n' '1 4 3 2' '5 6 7 8' '1 2 6 5' '2 3 7 6' '3 4 8 7' '4 1 5 8' >>floor.obj
@@ -194,6 +225,7 @@ assert abs(numpy.array(moment["nearest_scene_m"]) - (0.1, 0.1, 0)).max() < 0.000
 long = 0.012 / facts["metres_per_pixel"]
 assert abs(numpy.ptp(rows) - long) < 12 and numpy.ptp(columns) < 14, (numpy.ptp(rows), numpy.ptp(columns), long)
 assert 0 < moment["clearance_m"] < 0.012
+assert moment["seated_on"] == ["floor"] and moment["contacts"] == 0, moment  # so near that a run would start in a seat
 rows, _, facts = purple(60)
 assert facts["moment"]["at_least"] and len(rows) == 0, facts
 END
@@ -310,10 +342,14 @@ import csv
 rows = list(csv.reader(open("trace.csv")))
 free = next(row for row in rows[1:] if row[rows[0].index("contacts")] == "0")
 free[rows[0].index("force_x_n")] = "99"  # felt without a contact, as braking is
+for row in rows[1:]:  # the least clearance would be shown
+    row[rows[0].index("clearance_m")] = ""
 csv.writer(open("braked.csv", "w"), lineterminator="\n").writerows(rows)
 END
 "$bin/voxview" bay.vox part.pshell --trace braked.csv "${tiny[@]}"
-"$python" -c 'import json; assert json.load(open("facts.json"))["moment"]["contacts"] > 0' || fail "no contact in the strongest frame"
+"$python" -c 'import json
+moment = json.load(open("facts.json"))["moment"]
+assert moment["contacts"] > 0 and moment["name"] == "the strongest force", moment' || fail "no contact in the strongest frame"
 expect 4 'the voxel sizes differ' --compare bay.vox coarse.vox
 got=0
 "$bin/voxview" bay.vox 2>error.txt || got=$?

@@ -76,7 +76,7 @@ class Screen:
         return windows[-1] if windows else None
 
     def picture(self):
-        """What is on the screen, as [768][1024][3]."""
+        """The screen's pixels, as [768][1024][3]."""
         data = pathlib.Path("screen/Xvfb_screen0").read_bytes()
         header = numpy.frombuffer(data[:100], ">u4")
         start, width, height, line = (int(header[n]) for n in (0, 4, 5, 12))
@@ -124,7 +124,7 @@ class Screen:
         return self.changed(before, what)
 
     def set_resources(self, text):
-        """What xrdb does."""
+        """Sets the resources of the screen, as xrdb does."""
         string, replace = 31, 0
         name = self.x.XInternAtom(self.display, b"RESOURCE_MANAGER", 0)
         self.x.XChangeProperty(self.display, self.root, ctypes.c_ulong(name), ctypes.c_ulong(string), 8, replace, text,
@@ -132,7 +132,7 @@ class Screen:
         self.x.XSync(self.display, 0)
 
     def close_window(self):
-        """What a window manager's button does."""
+        """Closes the window as a window manager's button does."""
         protocols = self.x.XInternAtom(self.display, b"WM_PROTOCOLS", 0)
         delete = self.x.XInternAtom(self.display, b"WM_DELETE_WINDOW", 0)
         message = XClientMessage(type=CLIENT_MESSAGE, display=self.display, window=self.window(),
@@ -141,7 +141,7 @@ class Screen:
         self.send(message)
 
     def kill_client(self):
-        """What xkill does."""
+        """Cuts the client off, as xkill does."""
         self.x.XKillClient(self.display, ctypes.c_ulong(self.window()))
         self.x.XSync(self.display, 0)
 

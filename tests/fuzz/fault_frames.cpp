@@ -233,7 +233,7 @@ class Episode {
     const bool bad = kind_ < kZeroAtOnce || old_ticks_ > kStaleTicks + 1 || kind_ == kLate;
     if (bad && !zero) breaks("force in the frame of a fault");
     since_bad_ = bad ? 0 : since_bad_ + 1;
-    // What may have come back by now: nothing for zero_s, then a ramp.
+    // The share of the wrench that may be back by now: nothing for zero_s, then a ramp.
     const double gain =
         (static_cast<double>(since_bad_) * kDt - limits_.zero_s) / limits_.ramp_s + 0.006;
     if (since_bad_ < 300 && (force_n > kPuppetForceN * std::max(gain, 0.0) ||
@@ -244,7 +244,7 @@ class Episode {
     counts_.touching += frame.result.report.surface > 0;
     counts_.with_force += !zero;
     counts_.penetrations += frame.result.report.interior > 0;
-    // What moves nothing looks at nothing: the part is where the frame before reported it.
+    // A frame without motion queries nothing: the part is where the frame before reported it.
     if (frame_ % 61 == 0 && frame.input.valid == kInputValid && frame.result.report.interior == 0 &&
         has_interior_point(simulation_->voxmap(), simulation_->shell().view(),
                            frame.result.report.world_from_center)) {

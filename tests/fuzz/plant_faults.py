@@ -198,7 +198,7 @@ def copy_last_commit():
 
 
 def notices(test):
-    """What fails of a test, or nothing."""
+    """The failures of a test, or nothing."""
     program, which = test
     path = BUILD / "bin" / program
     if which.isdigit():

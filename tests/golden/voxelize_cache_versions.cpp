@@ -1,4 +1,4 @@
-// What goes into a cache, by digest: fails where an algorithm's output has changed and its version
+// Digests of a cache's entries: fails where an algorithm's output has changed and its version
 // in voxelize/cache/cache_versions.h has not, since old entries would then be taken for new ones.
 #include <gtest/gtest.h>
 
@@ -32,6 +32,7 @@ constexpr Golden kGolden[] = {
     {"facts", 1, "5969afd315368bd0abbc5d4dca1f187a"},
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"part", 2, "1c4d57068bd7dcebb03b7856ce94f27c"},
+    {"part", 3, "1c4d57068bd7dcebb03b7856ce94f27c"},
     {"node", 1, "b3fc25335a66c7ce49d0e54e610980d0"},
     {"distance", 1, "dced7f28bc28ea459de843b666334c3c"},
     {"distance", 2, "dced7f28bc28ea459de843b666334c3c"},

@@ -1,4 +1,4 @@
-// What voxelize bakes of one small scene in every kind of voxels: the same bytes for ever. The
+// One small scene that voxelize bakes in every kind of voxels: the same bytes for ever. The
 // files are seeds of the fuzz targets as well.
 #include <gtest/gtest.h>
 

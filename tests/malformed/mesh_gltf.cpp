@@ -146,6 +146,9 @@ TEST(DamagedGltf, RefusesTransformsThatAreNone) {
                kUnreadable, "nodes[0]", "not affine");
   expect_error(read_nodes(R"([{"mesh":0,"rotation":[0,0,0,0]}])"), kUnreadable, "nodes[0]",
                "not finite");
+  expect_error(
+      read_nodes(R"([{"children":[1],"scale":[1e300,1,1]},{"mesh":0,"scale":[1e300,1,1]}])"),
+      kUnreadable, "nodes[1]", "not finite");
   expect_error(read_nodes(R"([{"mesh":0,"translation":[0,0,"x"]}])"), kUnreadable, "JSON",
                "must be number");
 }

@@ -1,4 +1,4 @@
-// What reading gives, file by file: real models, and odd, damaged and empty ones.
+// The outcome of reading, file by file: real models, and odd, damaged and empty ones.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -149,7 +149,7 @@ TEST(SmallFiles, ManifestsToo) {
   }
 }
 
-// Of two lists of parts a parser keeps one.
+// A parser keeps one of two lists of parts.
 TEST(SmallFiles, ManifestsWithAKeyTwiceAreRefused) {
   const ScratchFolder folder;
   std::ofstream(folder / "scene.json")

@@ -91,7 +91,7 @@ struct Nodes {
     view.bricks = bricks[0].data();
   }
 
-  // Of a voxel from -64 to 127 along each axis, from the middle node on.
+  // Value of a voxel, counted from the middle node: -64 to 127 along each axis.
   std::uint32_t value(int x, int y, int z) const {
     const auto part = [](int at) { return (at + 64) / 64; };
     const std::uint32_t node =
@@ -154,7 +154,7 @@ TEST(NodeRows, AreTheVoxelsAndGrowAsTheyDo) {
   }
 }
 
-// What is surely allowed is allowed, pair by pair; and codes that change slowly surely are.
+// Pairs that are surely allowed are allowed one by one; and codes that change slowly surely are.
 TEST(CodeRules, WhatIsSureIsTrue) {
   const testing::AlignedBytes golden = testing::golden_file_bytes("v2_distances.vox");
   auto header = testing::read_at<VoxmapHeader>(golden.bytes(), 0);

@@ -34,7 +34,7 @@ double distance_to_block(const Point& x, int m) {
 // as near: 13.2.
 TEST(DistanceBounds, LayersImplyTheirDistance) {
   std::mt19937_64 random(1);
-  // Of one to four layers, and of standoffs between them.
+  // Radii of one to four layers, and of standoffs between them.
   for (const double more : {0.0, 0.11, 0.5, 1.0, 1.7, 2.0, 3.0}) {
     const double radius = kLeastInteriorVoxels + more;
     for (int m = 0; m <= 5; ++m) {

@@ -2,6 +2,7 @@
 // that they cover a simple polygon once and nothing else.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -129,6 +130,87 @@ TEST(PolygonSplitter, CoversQuadsWithAReflexCornerAnywhere) {
 
 TEST(PolygonSplitter, FansAConvexPolygonWithCornersInALine) {
   expect_covered_in_all_planes({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}}, "square");
+}
+
+// The rule of clipping as it is stated, each time by a look at all corners: from a corner on the
+// first ear, where there is none the widest corner; then on from the second corner behind it.
+std::vector<mesh::Triangle> clipped_slowly(const std::vector<Flat>& outline) {
+  std::vector<std::uint32_t> ring(outline.size());
+  std::iota(ring.begin(), ring.end(), 0u);
+  const auto is_same = [](const Flat& a, const Flat& b) { return a.x == b.x && a.y == b.y; };
+  const auto turn_at = [&](std::size_t n) {
+    const std::size_t count = ring.size();
+    return doubled_area(outline[ring[(n + count - 1) % count]], outline[ring[n]],
+                        outline[ring[(n + 1) % count]]);
+  };
+  const auto is_ear = [&](std::size_t n) {
+    const std::size_t count = ring.size();
+    const Flat &a = outline[ring[(n + count - 1) % count]], &b = outline[ring[n]],
+               &c = outline[ring[(n + 1) % count]];
+    if (turn_at(n) <= 0) return turn_at(n) == 0;
+    return std::none_of(ring.begin(), ring.end(), [&](std::uint32_t corner) {
+      const Flat& p = outline[corner];
+      if (is_same(p, a) || is_same(p, b) || is_same(p, c)) return false;
+      return doubled_area(a, b, p) >= 0 && doubled_area(b, c, p) >= 0 && doubled_area(c, a, p) >= 0;
+    });
+  };
+  std::vector<mesh::Triangle> triangles;
+  for (std::size_t from = 1; ring.size() >= 3;) {
+    const std::size_t count = ring.size();
+    std::size_t tip = from, steps = 0;
+    while (steps < count && !is_ear((from + steps) % count)) {
+      if (turn_at((from + steps) % count) > turn_at(tip)) tip = (from + steps) % count;
+      ++steps;
+    }
+    if (steps < count) tip = (from + steps) % count;
+    triangles.push_back({ring[(tip + count - 1) % count], ring[tip], ring[(tip + 1) % count]});
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(tip));
+    from = (tip % (count - 1) + 1) % (count - 1);
+  }
+  return triangles;
+}
+
+// A band that winds around a center: outwards along one side, back along the other.
+std::vector<Flat> spiral(int corners) {
+  std::vector<Flat> outline;
+  for (int n = 0; n < corners; ++n) {
+    const bool outwards = n < corners / 2;
+    const double angle = 0.05 * (outwards ? n : corners - 1 - n);
+    const double radius = 1 + 0.01 * angle + (outwards ? 0 : 0.03);
+    outline.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return outline;
+}
+
+// Corners on a small grid: an outline that crosses and touches itself.
+std::vector<Flat> random_tangle(std::mt19937_64& random) {
+  std::vector<Flat> outline(5 + random() % 40);
+  for (Flat& p : outline) {
+    p = {static_cast<double>(random() % 12), static_cast<double>(random() % 12)};
+  }
+  return outline;
+}
+
+TEST(PolygonSplitter, ClipsByTheRule) {
+  int clipped = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::vector<Flat> outline = seed % 3 == 0   ? random_star(random, 4 + random() % 60)
+                                : seed % 3 == 1 ? random_tangle(random)
+                                                : spiral(50 + static_cast<int>(random() % 400));
+    if (doubled_area(outline) < 0) std::reverse(outline.begin(), outline.end());
+    mesh::Mesh mesh = lift(outline, {1, 0, 0}, {0, 1, 0});
+    std::vector<std::uint32_t> corners(outline.size());
+    std::iota(corners.begin(), corners.end(), 0u);
+    mesh::PolygonSplitter().split(corners, mesh);
+    std::vector<mesh::Triangle> fan;
+    for (std::uint32_t n = 1; n + 1 < outline.size(); ++n) fan.push_back({0, n, n + 1});
+    if (mesh.triangles == fan) continue;
+    EXPECT_EQ(mesh.triangles, clipped_slowly(outline));
+    ++clipped;
+  }
+  EXPECT_GT(clipped, 500);
 }
 
 std::vector<std::string> warnings_of(const mesh::Mesh& outline) {

@@ -29,7 +29,7 @@ lattice::LatticePoint random_point(Random& random, const lattice::LatticePoint& 
   return point;
 }
 
-// What the mesh files of the world throw at a scan converter.
+// Kinds of triangles that the world's mesh files throw at a scan converter.
 enum class Shape {
   kPlain,
   kOnGrid,

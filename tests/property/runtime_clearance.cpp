@@ -408,6 +408,49 @@ TEST(ClearanceOfPaths, EveryMomentThatIsTooNearIsFound) {
   EXPECT_GT(found, 10);
 }
 
+PathRow at_x(double time_s, double x_m) { return {time_s, {x_m, 0, 0}, {1, 0, 0, 0}}; }
+
+// A way of 1e13 m has no moments within 2 mm of each other, one of 1e160 m overflows. Near the
+// scene it is as for any other path: what is not proven is found.
+TEST(ClearanceOfPaths, TooFarForDoublePrecisionIsRefused) {
+  const Solids solids{0.005, {{{0, 0, 0}, glm::dvec3(5), true}}};
+  const Voxmap voxmap = baked(solids);
+  Random random(1);
+  const Pshell shell = make_pshell(cloud(random, voxmap.voxel_size_m()));
+  const auto checked = [&](double from_m, double to_m) {
+    const std::vector<PathRow> rows{at_x(0, from_m), at_x(1, to_m)};
+    return check_path(voxmap, shell, CenterPath(rows, shell), {voxmap.voxel_size_m(), 1, {}, {}});
+  };
+  for (const double far_m : {1e9, 1e13, 1e17, 1e160, 1e308}) {
+    const auto through = checked(-far_m, 1.1377 * far_m);
+    ASSERT_FALSE(through) << far_m;
+    EXPECT_EQ(through.error().code, ErrorCode::kUsage);
+    EXPECT_FALSE(checked(far_m, far_m)) << far_m;
+  }
+  for (const double far_m : {1.0, 1e3, 1e6}) {
+    const auto through = checked(-far_m, 1.1377 * far_m);
+    ASSERT_TRUE(through) << to_line(through.error());
+    EXPECT_EQ(through->clearance_m, 0) << far_m;
+    EXPECT_FALSE(through->clear()) << far_m;
+  }
+}
+
+// Each step is shorter than half of the last digit of the way behind it.
+TEST(ClearanceOfPaths, TravelIsNeverLessThanItsSteps) {
+  std::vector<PathRow> rows{at_x(0, -1e6), at_x(1, 0)};
+  for (int n = 2; n < 1000; ++n) rows.push_back(at_x(n, rows.back().position_m[0] + 5e-11));
+  const CenterPath path(rows, glm::dvec3(0), 0.1);
+  EXPECT_GE(path.travel_m({999, 0}) - path.travel_m({1, 0}), 998 * 5e-11);
+  EXPECT_LE(path.travel_m({999, 0}) - path.travel_m({1, 0}), 998 * path.rounding_m());
+}
+
+// A part that stands far from its frame's origin, moved back to the world's.
+TEST(ClearanceOfPaths, RoundingCountsTheArmOfTheCentroid) {
+  const std::vector<PathRow> rows{at_x(0, -1e6), at_x(1, -1e6)};
+  EXPECT_GE(CenterPath(rows, glm::dvec3(1e6, 0, 0), 0.1).rounding_m(), 1e6 * 0x1p-50);
+  EXPECT_LE(CenterPath(rows, glm::dvec3(1e6, 0, 0), 0.1).rounding_m(), 1e6 * 0x1p-46);
+}
+
 TEST(ClearanceOfPaths, NothingOfAStillPartIsLookedAtTwice) {
   Random random(3);
   const Solids solids = random_solids(random);

@@ -426,7 +426,7 @@ long double energy_of(const model::StepSystem& system, const std::vector<model::
     const long double slope = half.damping[0][0] + system.dt_s * half.stiffness;
     long double square = 0;
     for (int i = 0; i < 3; ++i) {
-      // Of the grip: v + w x arm.
+      // The grip's velocity: v + w x arm.
       long double velocity = v[first + i];
       if (first == 0) {
         velocity += v[3 + (i + 1) % 3] * arm[(i + 2) % 3] - v[3 + (i + 2) % 3] * arm[(i + 1) % 3];
@@ -721,7 +721,7 @@ TEST(Passivity, TheControllerTakesBackWhatWasGivenAndNoMore) {
       last = energy.damping_ns_per_m;
       coupling::add_given(energy, power_w * 0.001);
     }
-    // Of four gifts of at most 1 mJ, 50 frames apart; the first 20 frames after each rise to the
+    // Four gifts of at most 1 mJ, 50 frames apart; the first 20 frames after each rise to the
     // need.
     const double speed2 = glm::dot(v.linear_mps, v.linear_mps) +
                           radius_m * radius_m * glm::dot(v.angular_radps, v.angular_radps);

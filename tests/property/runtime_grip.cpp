@@ -64,7 +64,7 @@ Pose moved(const Pose& pose, int motion, double way) {
   return there;
 }
 
-// Of the part's motions and of the handle's: the wrench on the part about its centroid and that on
+// For motions of the part and of the handle: the wrench on the part about its centroid and that on
 // the hand about the handle's origin are the slopes of one energy.
 TEST(Grip, ForceAndTorqueAreTheGradientOfAPotential) {
   constexpr double kWay = 1e-6;
@@ -330,7 +330,7 @@ TEST(Grip, SlidingAlongASeatCostsTheSameBothWaysRound) {
   EXPECT_NEAR(work[0].given_j, work[1].given_j, kFreeJ);
 }
 
-// What the report says was generated is the peak of the work at the port in an episode, through
+// The generated energy in the report is the peak of the work at the port in an episode, through
 // ramp, clamp and slew, whatever the scale.
 TEST(Grip, TheReportedEnergyIsThatOfThePort) {
   for (const double scale : {0.2, 1.0, 5.0}) {

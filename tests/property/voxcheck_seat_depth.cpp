@@ -218,7 +218,7 @@ TEST(SeatDepth, IsThatOfTheDeepestPlaceOfEitherSurface) {
     const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 2);
     const SeatWalk walk(path, of_part, of_object, distance, kWithin);
     const Pose pose = random_pose(random, 1.5);
-    // What matters may lie beside the depth, on either side, or far from it.
+    // The allowed depth may lie beside the true one, on either side, or far from it.
     const auto truth = static_cast<double>(sampled_both(part, object, pose, 12));
     for (const double off : {-0.5, -0.02, 0.02, 0.5}) {
       const double allowed = truth + off;
@@ -391,7 +391,7 @@ TEST(Body, MeetsThePiecesThatCrossItsTrianglesAndNoOthers) {
   }
   EXPECT_GT(met, 500);
   EXPECT_GT(apart, 500);
-  // What touches may meet.
+  // A triangle that touches may meet.
   const auto corner = many.vertices_m[0];
   EXPECT_TRUE(bodies[0]->may_meet({vec3_of(corner), vec3_of(corner * 0.5), vec3_of({0, 0, -0.3})}));
 }

@@ -296,7 +296,7 @@ TEST(Bake, SameBytesWithTrianglesOnDisk) {
     EXPECT_EQ(voxmap_bytes(baked->content("{}")), voxmap_bytes(expected->content("{}")));
     EXPECT_GT(baked->bytes_on_disk, 0u);
     EXPECT_EQ(expected->bytes_on_disk, 0u);
-    // Of the objects that two threads work on.
+    // One object for each of two threads.
     EXPECT_LE(most_alive, 2u);
     EXPECT_EQ(alive, 0u);
   }

@@ -93,7 +93,7 @@ class Layers {
   int n_;
 };
 
-// Of layers, and of every other scene with a standoff in their place.
+// Scenes with layers; every other one has a standoff in their place.
 TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
   for (std::uint64_t seed = 1; seed <= 24; seed += test::seed_step(5)) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

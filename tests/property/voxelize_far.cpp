@@ -59,7 +59,7 @@ TEST(FarScene, BakesToTheSameVoxelsAsNearTheOrigin) {
     ASSERT_EQ(far_bake->values.upper_nodes, near_bake->values.upper_nodes);
     ASSERT_EQ(far_bake->values.lower_nodes, near_bake->values.lower_nodes);
     ASSERT_EQ(far_bake->values.bricks, near_bake->values.bricks);
-    // What far coordinates round off in general stays far below the snap itself, and is counted.
+    // The rounding of far coordinates in general stays far below the snap itself, and is counted.
     EXPECT_GE(far_bake->header.static_deviation_m, near_bake->header.static_deviation_m);
     EXPECT_LT(far_bake->header.static_deviation_m,
               near_bake->header.static_deviation_m + kVoxelM * 1e-4);

@@ -105,7 +105,7 @@ TEST(ObjectBake, EqualsTheReferenceOnRandomScenes) {
     ASSERT_TRUE(audited) << to_line(audited.error());
     ASSERT_EQ(map.header().object_count, scene.meshes.size());
     bricks += map.object_counts().bricks;
-    // Of bricks, the numbers of their measured voxels.
+    // The object numbers of each brick's measured voxels.
     std::map<lattice::VoxelIndex, std::set<std::uint32_t>> numbers;
     const auto brick_of = [](const lattice::VoxelIndex& v) {
       return lattice::VoxelIndex{v[0] >> 3, v[1] >> 3, v[2] >> 3};

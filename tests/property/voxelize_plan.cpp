@@ -1,4 +1,4 @@
-// What --plan promises: figures that follow from the definitions, and estimates against real bakes.
+// Promises of --plan: figures that follow from the definitions, and estimates against real bakes.
 #include <gtest/gtest.h>
 
 #include "formats/mesh/scene.h"

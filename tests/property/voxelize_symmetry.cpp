@@ -118,7 +118,7 @@ TEST(BakeSymmetry, FarFromTheOriginInMillimetres) {
              near.map().value(v[0], v[1], v[2]);
   });
   EXPECT_EQ(wrong, 0u);
-  // What placing it there rounds off is counted into the guarantee.
+  // The rounding of placing it there is counted into the guarantee.
   EXPECT_GT(far.map().header().static_deviation_m, header.static_deviation_m);
 }
 

@@ -1,4 +1,4 @@
-// What finds the nearest triangle, on every width of vectors: the kernels against distances in
+// Finding the nearest triangle, on every width of vectors: the kernels against distances in
 // doubles and against each triangle by itself, and the search from a node down to its cells.
 #include "voxelize/distance/distance_kernel.h"
 
@@ -189,7 +189,7 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
     for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
       ASSERT_EQ(all.least()[n], slow.least[n]) << "point " << n;
       ASSERT_EQ(all.which(n), slow.which[n]) << "point " << n;
-      // Of every sixteenth the true distance too, which is slow.
+      // Every sixteenth is held to the true distance too, which is slow.
       if (n % 16 == seed % 16) {
         const std::array<float, 3> point = point_of(cube, n);
         double truth = 1e30;
@@ -207,7 +207,7 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
   }
 }
 
-// What the search finds in a cell is what the triangles one by one give, within reach.
+// The search finds in a cell what the triangles one by one give, within reach.
 void expect_the_nearest(const std::vector<distance::PreparedTriangle>& near, const Cell& low,
                         distance::TriangleList list, float reach) {
   std::array<float, distance::kEighths> reaches;
@@ -497,7 +497,7 @@ double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offs
     length += way[d] * way[d];
   }
   constexpr double kTouching = distance::kDistanceErrorVoxels;
-  // Of a triangle without area, any plane through it.
+  // A triangle without area has any plane through it.
   const double share =
       square > 0 ? std::min(1.0, 2.1 * kTouching / std::max(std::abs(fall), 1e-9)) : 1;
   return 2 * kTouching + std::sqrt(length) * share;

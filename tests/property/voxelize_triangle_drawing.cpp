@@ -54,7 +54,7 @@ bool is_small(const lattice::LatticeTriangle& corners) {
   return true;
 }
 
-// What of the triangle lies in the node.
+// Draws the voxels of the node that the triangle meets, cell by cell.
 void draw_slowly(const lattice::LatticeTriangle& corners, scan::NodeCanvas& canvas) {
   const lattice::TriangleOverlap triangle(corners);
   lattice::for_each_cell(triangle.cells({0, 0, 0}, 3), [&](unsigned x, unsigned y, unsigned z) {

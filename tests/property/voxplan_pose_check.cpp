@@ -65,6 +65,44 @@ struct Bench {
   }
 };
 
+// A floor, and a post on it with its face at x = 50 mm.
+double above_floor(const glm::dvec3& p) { return p.z; }
+double before_post(const glm::dvec3& p) {
+  const double beside = 0.05 - p.x, over = p.z - 0.06;
+  if (beside <= 0 && over <= 0) return std::max(beside, over);
+  return std::hypot(std::max(beside, 0.0), std::max(over, 0.0));
+}
+
+TEST(PoseCheck, MeetsTheFloorOfItsSeatBeforeWhatIsBesideIt) {
+  const Voxmap scene = make_voxmap_of_objects(
+      distance_scene(
+          kS, {-12, -12, -8}, {32, 24, 28},
+          [](const glm::dvec3& p) { return std::min(above_floor(p), before_post(p)); }, 2,
+          DistanceDefinition(2)),
+      {"floor", "post"}, [](const Voxel& v) {
+        const glm::dvec3 p = kS * (glm::dvec3(v[0], v[1], v[2]) + 0.5);
+        return above_floor(p) <= before_post(p) ? 1u : 2u;
+      });
+  const Pshell part = make_pshell(block());
+  Problem problem{scene, part, 0.004, {{0.0007, 0, kHalf}, {1, 0, 0, 0}}, {}};
+  auto check = PoseCheck::create(problem);
+  ASSERT_TRUE(check) << to_line(check.error());
+  ASSERT_TRUE((*check)->has_seat());
+  // As near to the post as the clearance allows: onward and down, both end the motion at once.
+  Pose from = problem.world_from_start;
+  while ((*check)->holds(Rule::kInSeat, from)) from.position_m.x += 0.01 * kS;
+  from.position_m.x -= 0.01 * kS;
+  const auto met = [&](const glm::dvec3& way_m) {
+    Pose to = from;
+    to.position_m += way_m;
+    return (*check)->met(Rule::kInSeat, from, to);
+  };
+  EXPECT_EQ(met({0.05, 0, 0}), 2u);
+  EXPECT_EQ(met({0, 0, -0.05}), 1u);
+  EXPECT_EQ(met({0.05, 0, -0.05}), 1u);
+  EXPECT_EQ(met({0, 0, 0.05}), 0u);
+}
+
 TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
   Bench bench;
   voxplan::Random random(11);

@@ -7,7 +7,7 @@
 namespace forcelayer::stress {
 namespace {
 
-// Of FCL's distances, in voxels: it rounds to double precision of the scene's size.
+// Rounding of FCL's distances, in voxels: it rounds to double precision of the scene's size.
 constexpr double kRoundingVoxels = 1e-6;
 
 mesh::Mesh united(std::span<const mesh::Mesh> objects) {

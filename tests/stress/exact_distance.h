@@ -29,7 +29,7 @@ class ExactDistance {
 // to the end that is above the minimum by more than kSlackM.
 class PathDistance {
  public:
-  // Of a campaign of several paths only the smallest distance of all is asked for: `below_m` is
+  // A campaign of several paths asks only for the smallest distance of all: `below_m` is
   // that of the paths before, and what is above it is not looked for.
   PathDistance(const ExactDistance& exact, double part_radius_m, double below_m = 1e300)
       : exact_(exact), radius_m_(part_radius_m), smallest_m_(below_m) {}

@@ -154,7 +154,7 @@ Outcome push(const Bake& bake, const std::shared_ptr<const BakedPart>& part, Sha
   return outcome;
 }
 
-// What is promised, of every outcome. 1e-6: FCL's own rounding, of a part's size.
+// Promises that every outcome keeps. 1e-6: FCL's own rounding, of a part's size.
 void expect_promises(const Outcome& outcome) {
   EXPECT_EQ(outcome.penetrating, 0u);
   EXPECT_GT(outcome.nearest, 0);
@@ -257,9 +257,9 @@ TEST(NarrowGaps, ArePassedWithoutComingNearerThanPromised) {
   if (const char* path = std::getenv("FORCELAYER_NARROW_GAPS")) std::ofstream(path) << table;
 }
 
-// What --plan and voxinfo say is passed: anywhere, in any direction. Standoffs of 1.3 and 1.03
-// voxels are what rooms of 2.6 and 2.1 voxels need, by shells of the usual covering radius and of
-// half of it.
+// The room that --plan and voxinfo promise is passed: anywhere, in any direction. Standoffs of 1.3
+// and 1.03 voxels are what rooms of 2.6 and 2.1 voxels need, by shells of the usual covering radius
+// and of half of it.
 TEST(NarrowGaps, OfThePromisedRoomArePassedAnywhere) {
   const int settings = is_long() ? 200 : 20;
   for (const Bake& bake :

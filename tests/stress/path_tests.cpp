@@ -1,4 +1,4 @@
-// What voxcheck proves along paths against the exact distance of the meshes, which FCL measures.
+// The proofs of voxcheck along paths against the exact distance of the meshes, which FCL measures.
 // FORCELAYER_LONG_TESTS=1 multiplies the moments by thirty; path_bench has 100,000.
 #include <gtest/gtest.h>
 

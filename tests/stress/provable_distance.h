@@ -17,7 +17,7 @@ class ProvableDistance {
   // Both must outlive this. The map stores distances.
   ProvableDistance(const Voxmap& voxmap, const Pshell& shell);
 
-  // Of the part's surface at a pose: from the least of_place_m() of all shell points. Deviations of
+  // The part's surface at a pose: from the least of_place_m() of all shell points. Deviations of
   // the meshes are taken off; rounding is not. m.
   double of_part_m(const Pose& world_from_part) const;
   // The same by another distance of a place in world, m, which is at least by_cell_m(): what the

@@ -151,7 +151,7 @@ void expect_steady(Model model) {
   }
   const LongRun second = run(model, frames);
   EXPECT_EQ(first.hash, second.hash);
-  // What is left at home does not grow with the way there: the same bounds after shorter ones.
+  // The error at home does not grow with the way there: the same bounds after shorter ones.
   for (const std::uint64_t share : {1000, 100, 10}) {
     const LongRun shorter = run(model, frames / share);
     std::printf("home after %.3g frames: %.2g m, %.2g rad\n",

@@ -13,7 +13,7 @@ namespace forcelayer::stress {
 // Lengths in voxels.
 struct SeatOutcome {
   std::string refused;  // why the start is, if so; then nothing else is known
-  // Of the deepest place of either surface in the other solid, at the start.
+  // The deepest place of either surface in the other solid, at the start.
   double start_depth = 0;
   double drift = 0;  // the farthest that a shell point went under a hand that holds still
   double still_force_n = 0;

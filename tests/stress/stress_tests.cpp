@@ -23,7 +23,7 @@ bool long_run() { return std::getenv("FORCELAYER_LONG_TESTS") != nullptr; }
 
 std::uint64_t trials(std::uint64_t small) { return long_run() ? 20 * small : small; }
 
-// What no trial may break: never inside, never beyond the limits, never a value that is not finite,
+// Promises that every trial keeps: never inside, never beyond the limits, no value but finite ones,
 // the exact meshes never nearer than the printed guarantee, and nothing that grows while the hand
 // is held still.
 void expect_safe(const Metrics& m, const std::string& what) {
@@ -59,7 +59,7 @@ TEST(ExactDistance, IsThatOfTheMeshesWithAndWithoutABound) {
   }
 }
 
-// What the judge leaves out cannot be the smallest: along random paths, one after the other with
+// The poses that the judge leaves out are not the smallest: along random paths, one by one with
 // the smallest of all before as bound, it finds what measuring every pose to the end finds.
 TEST(PathDistance, FindsTheSmallestOfAllPoses) {
   const mesh::Mesh scene = sphere(0.05, 16), part = box({0.02, 0.012, 0.006});

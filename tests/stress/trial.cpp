@@ -165,7 +165,7 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
       force_n > limits.max_force_n * (1 + 1e-9) || torque_nm > limits.max_torque_nm * (1 + 1e-9);
 }
 
-// What moves the handle: the trial's script, or a hand that wants to follow it and feels the
+// The handle's mover: the trial's script, or a hand that wants to follow it and feels the
 // device's output, itself within the device's limits.
 class Handle {
  public:

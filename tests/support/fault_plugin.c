@@ -2,13 +2,14 @@
  * watchdog of 20 ms, which writes down what its motors do, as an oscilloscope would.
  *
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
- * the handshake no-si, left-handed, no-watchdog, old-abi; silent (no reading ever), no-pose (a
- * quaternion of zeros). KIND: unplug, freeze, blip (three
+ * the handshake no-si, left-handed, no-watchdog, late-watchdog, old-abi, huge-force, slow-motors;
+ * silent (no reading ever), no-pose (a quaternion of zeros). KIND: unplug, freeze, blip (three
  * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
  * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop),
- * wild-index (over the words that say where a value is), shrink (tries to cut that memory short),
- * button (no fault: button 1 is pressed from then on). FORCELAYER_PLUGIN_MODE=push in the
- * environment: push mode. facts=FILE: what the process may do, written when the device is opened.
+ * wild-index (over the words that say where a value is), wild-force (over forces), shrink (tries to
+ * cut that memory short), button (no fault: button 1 is pressed from then on).
+ * FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE: what the process may do,
+ * written when the device is opened.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
@@ -27,6 +28,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -108,7 +110,8 @@ static void stay(struct driver* d, double t_s, double way) {
 }
 
 /* Descriptors, rights and environment of this process, a line each; and what it may do: write
- * beside the library (`home` is a file there), start a program, look into its parent, signal it. */
+ * beside the library (`home` is a file there), start a program, look into its parent, signal it,
+ * have the kernel signal it, limit its time. */
 static void write_rights(FILE* facts, const char* home) {
   const int file = home[0] == 0 ? -1 : open(home, O_WRONLY | O_CREAT, 0600);
   if (file >= 0) fputs("may write\n", facts);
@@ -126,6 +129,17 @@ static void write_rights(FILE* facts, const char* home) {
     fputs("may read its parent\n", facts);
   }
   if (kill(getppid(), 0) == 0) fputs("may signal its parent\n", facts);
+  int ends[2]; /* of a pipe: what is written there would signal its parent */
+  if (pipe(ends) == 0) {
+    if (fcntl(ends[0], F_SETOWN, getppid()) == 0) fputs("may have its parent signaled\n", facts);
+    struct f_owner_ex owner = {F_OWNER_PID, getppid()};
+    if (fcntl(ends[0], F_SETOWN_EX, &owner) == 0) fputs("may have it signaled\n", facts);
+    close(ends[0]);
+    close(ends[1]);
+  }
+  struct rlimit limit;
+  if (prlimit(getppid(), RLIMIT_CPU, NULL, &limit) == 0) fputs("may limit its parent\n", facts);
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) fputs("may not see its own limits\n", facts);
   close(file);
 }
 
@@ -189,14 +203,16 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
       strstr(arguments, "left-handed") != NULL ? 0 : FORCELAYER_PLUGIN_RIGHT_HANDED;
   info->sensed_axes = info->actuated_axes = 63;
   snprintf(info->name, sizeof info->name, "fault plugin");
-  info->rate_hz = 1000;
-  info->max_force_n = 8;
+  info->rate_hz = strstr(arguments, "slow-motors") != NULL ? 49 : 1000;
+  info->max_force_n = strstr(arguments, "huge-force") != NULL ? 1e308 : 8;
   info->max_torque_nm = 0.1;
   info->damping_ns_per_m = 2;
   info->damping_nms_per_rad = 0.005;
   info->delay_s = 0.001;
   info->workspace_radius_m = 0.2;
-  info->watchdog_s = strstr(arguments, "no-watchdog") != NULL ? 0 : 0.02;
+  info->watchdog_s = strstr(arguments, "no-watchdog") != NULL     ? 0
+                     : strstr(arguments, "late-watchdog") != NULL ? 0.2
+                                                                  : 0.02;
   *out = &driver;
   return 0;
 }
@@ -236,8 +252,9 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   if (is(d, "absurd")) reading->position_m[2] *= 1000;
   if (is(d, "uncalibrated")) reading->status = 0;
   if (is(d, "crash")) abort();
-  if (is(d, "wild")) write_wildly(0);
-  if (is(d, "wild-index")) write_wildly(1);
+  if (is(d, "wild")) write_wildly(WILD_ALL);
+  if (is(d, "wild-index")) write_wildly(WILD_INDICES);
+  if (is(d, "wild-force")) write_wildly(WILD_FORCES);
   if (is(d, "shrink") && ftruncate(3, 0) == 0) abort();
   while (is(d, "hang")) sleep_ms(1000);
   while (is(d, "spin")) {

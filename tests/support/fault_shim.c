@@ -27,10 +27,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -54,7 +56,8 @@ static void wait_for_ever(void) {
 }
 
 /* 1: to read secret.txt beside the file's folder; 2: to write into it; 4: to start a program; 8:
- * the network; 16: to signal its parent. */
+ * the network; 16: to signal its parent; 64: to change the file's mode, times or attributes; 128:
+ * to see its parent's limits. */
 static int allowed_of(const char* path) {
   char other[4096];
   const char* const slash = strrchr(path, '/');
@@ -66,6 +69,17 @@ static int allowed_of(const char* path) {
   allowed |= syscall(SYS_openat, AT_FDCWD, other, O_WRONLY | O_CREAT, 0600) >= 0 ? 2 : 0;
   allowed |= socket(AF_INET, SOCK_DGRAM, 0) >= 0 ? 8 : 0;
   allowed |= kill(getppid(), 0) == 0 ? 16 : 0;
+  allowed |= syscall(452 /* fchmodat2 */, AT_FDCWD, path, 0640, 0) == 0 ? 64 : 0;
+  allowed |= chmod(path, 0640) == 0 ? 64 : 0;
+  allowed |= setxattr(path, "user.x", "", 0, 0) == 0 ? 64 : 0;
+  allowed |= lsetxattr(path, "user.x", "", 0, 0) == 0 ? 64 : 0;
+#if defined(__x86_64__)
+  allowed |= syscall(SYS_utime, path, NULL) == 0 ? 64 : 0;
+  allowed |= syscall(SYS_utimes, path, NULL) == 0 ? 64 : 0;
+  allowed |= syscall(SYS_futimesat, AT_FDCWD, path, NULL) == 0 ? 64 : 0;
+#endif
+  struct rlimit limit;
+  allowed |= prlimit(getppid(), RLIMIT_CPU, NULL, &limit) == 0 ? 128 : 0;
   const pid_t child = fork();
   if (child == 0) {
     execl("/bin/true", "true", (char*)NULL);

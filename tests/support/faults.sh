@@ -1,4 +1,4 @@
-# What the scripts of faults share; to be sourced. Each fault is a function; `run_faults` runs them
+# Shared by the scripts of faults; to be sourced. Each fault is a function; `run_faults` runs them
 # all (or those that FORCELAYER_FAULT names), each in a folder of its own, and says which failed and
 # which could not be injected here.
 bin=$FORCELAYER_BIN_DIR

@@ -59,7 +59,7 @@ class HandleDevice final : public devices::Device {
     hand_.emplace(parameters_, hand_->pose());
   }
 
-  // Of the handle itself, between the encoder's steps.
+  // The pose of the handle itself, between the encoder's steps.
   const Pose& pose() const { return hand_ ? hand_->pose() : pose_; }
 
   Pose wanted;    // device axes

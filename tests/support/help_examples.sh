@@ -14,7 +14,7 @@ examples_of() {  # COMMAND [SUBCOMMAND]: without the words beside them
   "$@" --help | sed '1,/^Examples:/d; s/^  //; s/   *.*//'
 }
 
-# What the examples of later commands read: the scene and part of those before, and the pin's.
+# Makes the files that an example reads: the scene and part of the commands before, and the pin's.
 before() {
   case $1 in
     voxinfo) [ -e run.csv ] || run ;;

@@ -5,7 +5,7 @@ skip() {  # REASON...
   exit 77
 }
 
-# What scripts/packages.txt installs: scripts/test.sh fails in CI=true where it is missing.
+# For programs that scripts/packages.txt installs: scripts/test.sh fails in CI=true where one is missing.
 skip_without() {  # PACKAGE COMMAND...: skips unless COMMAND works
   local package=$1
   shift

@@ -112,7 +112,7 @@ class VirtualHapticDevice {
     return true;
   }
 
-  // What is on the motors now.
+  // The wrench on the motors now.
   HapticWrench motors() {
     const std::lock_guard lock(mutex_);
     return haptic_motors(&firmware_, fault_ == Fault::kReported, now_us());

@@ -85,7 +85,7 @@ TEST(RunCommand, TurnsOutcomesIntoStatusAndOneLine) {
   EXPECT_EQ(text.rfind("tool: out of memory", 0), 0u);
 }
 
-// What a terminal would do with a text is not left to who wrote the text.
+// A text's author does not decide what a terminal does with it.
 TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
   const std::pair<const char*, const char*> cases[] = {
       {"plain, \xc3\xa4 \xe6\xbc\xa2 \xf0\x9f\x98\x80",
@@ -102,6 +102,10 @@ TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
        "\\xe2\\x80\\xae"
        "gpj.exe"},  // U+202E
       {"\xe2\x81\xa6\xe2\x80\x8f\xd8\x9c", "\\xe2\\x81\\xa6\\xe2\\x80\\x8f\\xd8\\x9c"},
+      {"a\xc2\xad\xe2\x80\x8b\xe2\x81\xa0\xef\xbb\xbf\xef\xbf\xb9\xf3\xa0\x81\x81",
+       "a\\xc2\\xad\\xe2\\x80\\x8b\\xe2\\x81\\xa0\\xef\\xbb\\xbf\\xef\\xbf\\xb9\\xf3\\xa0\\x81\\x8"
+       "1"},                                                     // unseen
+      {"\xe2\x80\x8c\xe2\x80\x8d", "\xe2\x80\x8c\xe2\x80\x8d"},  // joiners
       {"\x9b"
        "31m \xff",
        "\\x9b"

@@ -55,11 +55,11 @@ TEST(Quantity, Lengths) {
   const struct {
     const char* text;
     double meters;
-  } cases[] = {{"5mm", 0.005},    {"0.2in", 0.2 * 0.0254}, {"0.005m", 0.005}, {"0", 0},
-               {"-3cm", -0.03},   {"+2um", 2e-6},          {"1e3mm", 1.0},    {"1.5e-3km", 1.5},
-               {"  7 dm  ", 0.7}, {"250nm", 250e-9},       {"1ft", 0.3048},   {"2yd", 1.8288},
-               {".5mm", 0.0005},  {"5.mm", 0.005},         {"1E+2mm", 0.1},   {"0mm", 0},
-               {"-0", 0}};
+  } cases[] = {{"5mm", 0.005},    {"0.2in", 0.2 * 0.0254}, {"0.005m", 0.005},    {"0", 0},
+               {"-3cm", -0.03},   {"+2um", 2e-6},          {"1e3mm", 1.0},       {"1.5e-3km", 1.5},
+               {"  7 dm  ", 0.7}, {"250nm", 250e-9},       {"1ft", 0.3048},      {"2yd", 1.8288},
+               {".5mm", 0.0005},  {"5.mm", 0.005},         {"1E+2mm", 0.1},      {"0mm", 0},
+               {"-0", 0},         {"0e-2147483648nm", 0},  {"0e2147483647km", 0}};
   for (const auto& [text, meters] : cases) {
     const auto length = command::parse_length(text);
     ASSERT_TRUE(length) << text;
@@ -86,6 +86,9 @@ TEST(Quantity, SpellingsOfUnits) {
   }
   for (const char* text : {"5um", "5\xC2\xB5m", "5\xCE\xBCm"}) {  // U+00B5, U+03BC
     EXPECT_EQ(*command::parse_length(text), 5e-6) << text;
+  }
+  for (const char* text : {"0e2147483647km", "-0e-2147483648nm", "0e9999999999mm"}) {
+    EXPECT_EQ(*command::parse_length(text), 0) << text;
   }
   EXPECT_EQ(*command::parse_unit("MM"), 0.001);
   EXPECT_EQ(*command::parse_unit("inch"), 0.0254);

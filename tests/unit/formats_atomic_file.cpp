@@ -1,8 +1,10 @@
 // AtomicFile leaves all of the old bytes or all of the new ones.
 #include "formats/file/atomic_file.h"
 
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -126,6 +128,33 @@ TEST(AtomicFile, KeepsOwnerAndModeOfTheOldFile) {
   if (is_root) {
     EXPECT_EQ(status.st_gid, kOther + 1);
   }
+}
+
+// A user who cannot keep the owner does not let others read what they could not.
+TEST(AtomicFile, IsNoMoreOpenThanTheOldFileOfAnotherOwner) {
+  if (::geteuid() != 0) GTEST_SKIP() << "takes root, to become another user";
+  const ScratchFolder folder;
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0777), 0);
+  const std::string path = (folder.path() / "scene.vox").string();
+  write_text(path, "first");
+  ASSERT_EQ(::chmod(path.c_str(), 0600), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    constexpr uid_t kOther = 12345;
+    if (::setgroups(0, nullptr) != 0 || ::setresgid(kOther, kOther, kOther) != 0 ||
+        ::setresuid(kOther, kOther, kOther) != 0) {
+      ::_exit(1);
+    }
+    write_text(path, "second");
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  struct stat facts {};
+  ASSERT_EQ(::stat(path.c_str(), &facts), 0);
+  EXPECT_EQ(content_of(path), "second");
+  EXPECT_EQ(facts.st_mode & 0777, 0600u);
 }
 
 TEST(AtomicFile, TakesLongNames) {

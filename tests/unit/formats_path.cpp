@@ -70,6 +70,9 @@ TEST(Path, WhatIsNoneSaysWhy) {
       {"t_s;x_m;y_m;z_m\n0;0;1,2,3;0\n", "line 2", "numbers"},
       {"t_s,x_m,y_m,z_m\n0,0,0,0\n# c\n0,1,1,1\n", "line 4", "later"},
       {"t_s,x_m,y_m,z_m\n0,1e400,0,0\n", "line 2", "finite"},
+      {"t_s,x_mm,y_m,z_m\n0,1e12,0,0\n1,-1.001e12,0,0\n", "line 3", "1e9 m"},
+      {"t_s,x_m,y_m,z_m\n0,0,0,1e308\n", "line 2", "1e9 m"},
+      {"t_min,x_m,y_m,z_m\n-1e12,0,0,0\n", "line 2", "1e12 s"},
   };
   for (const auto& c : cases) {
     const auto rows = read_text(c.text);
@@ -111,7 +114,7 @@ TEST(Path, LinesLieAnywhereInAFile) {
       const std::string end = ends[random() % 2];
       text += '#' + std::string(random() % (kLongest - end.size()), 'x') + end;
       for (std::size_t i = random() % 20; i > 0; --i) {
-        written_m.push_back(static_cast<double>(random() >> 12));
+        written_m.push_back(static_cast<double>(random() >> 36));
         text += std::to_string(written_m.size()) + ',' + std::to_string(written_m.back()) + ",0,0" +
                 ends[random() % 2];
       }
@@ -145,9 +148,11 @@ TEST(Path, WhatItsReaderWouldRefuseIsNotWritten) {
   const PathRow good{1, {0, 0, 0}, {1, 0, 0, 0}};
   const PathRow late{1, {1, 0, 0}, {1, 0, 0, 0}};
   const PathRow none{2, {0, std::nan(""), 0}, {1, 0, 0, 0}};
-  const PathRow far{2, {0, 0, 0}, {1, 0, std::numeric_limits<double>::infinity(), 0}};
-  for (const auto& rows :
-       std::vector<std::vector<PathRow>>{{}, {good, late}, {none}, {good, far}}) {
+  const PathRow turned{2, {0, 0, 0}, {1, 0, std::numeric_limits<double>::infinity(), 0}};
+  const PathRow far{2, {0, 0, 1.001e9}, {1, 0, 0, 0}};
+  const PathRow much_later{1.001e12, {0, 0, 0}, {1, 0, 0, 0}};
+  for (const auto& rows : std::vector<std::vector<PathRow>>{
+           {}, {good, late}, {none}, {good, turned}, {good, far}, {good, much_later}}) {
     const ScratchFolder folder;
     auto writer = PathWriter::create(folder / "path.csv");
     ASSERT_TRUE(writer);
@@ -184,6 +189,23 @@ TEST(Path, IsResampledAboutACenterAndReversed) {
   EXPECT_EQ(back[0].time_s, 0);
   EXPECT_NEAR(back[1].time_s, 0.1, 1e-15);
   EXPECT_EQ(back[4].position_m, samples[0].position_m);
+}
+
+// Seconds since 1970 are doubles 2.4e-7 s apart: a sample at 1.0000002 s is one at the end. Those
+// at 1e11 s are 1.5e-5 s apart.
+TEST(Path, IsResampledAtLateTimes) {
+  const std::pair<double, double> cases[] = {{1.7e9, 0.0010000002}, {1.7e9, 1e-3}, {1e11, 1e-6}};
+  for (const auto& [begin_s, period_s] : cases) {
+    const double end_s = begin_s + 1 + std::ldexp(1.0, -22);
+    const std::vector<PathRow> rows = {{begin_s, {0, 0, 0}, {1, 0, 0, 0}},
+                                       {end_s, {2, 0, 0}, {1, 0, 0, 0}}};
+    const auto samples = resampled(rows, period_s, {});
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      ASSERT_LT(samples[i - 1].time_s, samples[i].time_s) << period_s << " row " << i;
+    }
+    EXPECT_EQ(samples.back().position_m[0], 2);
+    EXPECT_GE(samples.size(), 1001u);
+  }
 }
 
 }  // namespace

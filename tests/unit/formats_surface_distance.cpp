@@ -48,7 +48,7 @@ Surface random_surface(std::mt19937_64& random) {
   return surface;
 }
 
-// What a shell of this surface may claim: one pair for all places, and the loss at some distances.
+// The claims of a shell of this surface: one pair for all places, and the loss at some distances.
 struct Claim {
   SurfaceDistanceTerms terms;
   std::vector<DistanceLoss> losses;

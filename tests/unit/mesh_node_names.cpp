@@ -17,7 +17,7 @@ std::vector<AssemblyNode> gearbox() {
       {0, "Gearbox"}, {1, "Lid"},  {2, "Cover"}, {2, "Bolt"},  {2, "Bolt"},   {2, "Bolt"},
       {1, "Clip"},    {2, "Half"}, {2, "Half"},  {1, "Cover"}, {2, "M6 1/2*"}};
   std::vector<AssemblyNode> nodes;
-  std::vector<std::pair<AssemblyNode, std::set<std::string>>> open = {{}};
+  std::vector<std::pair<AssemblyNode, mesh::UsedLabels>> open = {{}};
   for (const auto& [depth, name] : names) {
     open.resize(static_cast<std::size_t>(depth) + 1);
     const AssemblyNode* const parent = depth == 0 ? nullptr : &open.back().first;
@@ -59,6 +59,20 @@ TEST(NodeNames, NumberSiblingsOfOneName) {
   EXPECT_EQ(chosen({"Bolt[2]"}), "Gearbox/Lid/Bolt[2]");
   EXPECT_EQ(chosen({"Lid/Bolt[3]"}), "Gearbox/Lid/Bolt[3]");
   EXPECT_EQ(chosen({"Half"}), "Gearbox/Clip/Half");
+}
+
+// A name may be the label that another one has.
+TEST(NodeNames, AreNumberedByTheFirstNumberThatIsFree) {
+  const char* const names[] = {"a", "a[2]", "a", "a", "a[2]", "a[3]", "a[2][2]", "a"};
+  const char* const labels[] = {"a",       "a[2]",    "a[3]",       "a[4]",
+                                "a[2][2]", "a[3][2]", "a[2][2][2]", "a[5]"};
+  mesh::UsedLabels used;
+  for (std::size_t i = 0; i < std::size(names); ++i) {
+    EXPECT_EQ(mesh::name_node(names[i], nullptr, used).label, labels[i]) << i;
+  }
+  // Each number up to the last was tried for each node once: 5 * 10^9 for these.
+  for (int n = 0; n < 100'000; ++n) mesh::name_node("bolt", nullptr, used);
+  EXPECT_EQ(mesh::name_node("bolt", nullptr, used).label, "bolt[100001]");
 }
 
 TEST(NodeNames, HaveWildcardsWithinALabel) {

@@ -83,6 +83,45 @@ TEST(Part, WithoutAreaIsAnError) {
   EXPECT_EQ(part.error().code, ErrorCode::kMeshEmpty);
 }
 
+// Coordinates that overflow where the transform takes them are NaN or infinite, and have no order.
+TEST(Part, BeyondTheRangeOfDoublesIsAnError) {
+  mesh::Assembly assembly = assembly_of({box_mesh(1, 1, 1)});
+  assembly.instances[0].assembly_from_mesh.linear = {1e308, 1e308, -1e308, 0, 1, 0, 0, 0, 1};
+  const part::PartInput input{&assembly, 1e3};
+  const auto part = part::assemble_part({&input, 1});
+  ASSERT_FALSE(part.ok());
+  EXPECT_EQ(part.error().code, ErrorCode::kMeshUnsupported);
+}
+
+// The proof of the covering loses 2^-44 of the largest coordinate: at 1e11 m more than the radius
+// of 4.3 mm, which no number of points makes up for.
+TEST(Part, TooFarForItsProofIsAnErrorOfTheBake) {
+  for (const double far_m : {1e6, 1e9, 1e11, 1e200}) {
+    mesh::Assembly assembly = assembly_of({box_mesh(0.1, 0.1, 0.1)});
+    assembly.instances[0].assembly_from_mesh.translation = {far_m, 0, 0};
+    const part::PartInput input{&assembly, 1};
+    pointshell::ShellOptions options;
+    options.voxel_size_m = 0.005;
+    options.effort = sample::Effort::kFast;
+    const auto shell = pointshell::bake_shell(part::assemble_part({&input, 1}).value(), options,
+                                              [](const std::string&, double) {});
+    EXPECT_EQ(shell.ok(), far_m < 1e10) << far_m;
+    if (shell.ok()) continue;
+    EXPECT_EQ(shell.error().code, ErrorCode::kBakeTooLarge) << far_m;
+  }
+}
+
+// A mesh far from the origin that its transform brings back has rounded as if it were there.
+TEST(Part, RoundingOfMeshBroughtBackCounts) {
+  mesh::Assembly assembly = assembly_of({box_mesh(0.1, 0.1, 0.1)});
+  for (mesh::Vec3d& vertex : assembly.meshes[0].vertices) vertex[0] += 1e7;
+  assembly.instances[0].assembly_from_mesh.translation = {-1e7, 0, 0};
+  const part::PartInput input{&assembly, 1};
+  const part::Part part = part::assemble_part({&input, 1}).value();
+  EXPECT_GE(part.largest_coordinate, 2e7);
+  EXPECT_LT(part.largest_coordinate, 2.1e7);
+}
+
 // gcc 12 drops this rounding unless it is kept from vectorizing straight-line code.
 TEST(StoredPosition, HasFloatsAsCoordinates) {
   std::mt19937_64 random(5);

@@ -238,6 +238,9 @@ TEST(HidDeviceStart, RefusesWhatIsNoSoundHapticDevice) {
   ratings.sensed_axes = 7;
   expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "six axes");
   ratings = sound;
+  ratings.rate_mhz = 49'000;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
+  ratings = sound;
   ratings.max_force_un = 0;
   expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
   expect(start(sound, Fault::kSilent, as_it_is), ErrorCode::kDeviceFailed, "what it can do");

@@ -331,7 +331,7 @@ void check_return(Chain chain) {
   EXPECT_NEAR(chain.force_n(), 10, 1e-9);
 }
 
-// What the walk over all chains counts.
+// Counts of the walk over all chains.
 struct ChainCount {
   int chains = 0, tripped = 0;
 };

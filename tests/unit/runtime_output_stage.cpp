@@ -205,7 +205,7 @@ struct BadFrame {
   TripCause cause;
 };
 
-// Of the device or the map.
+// Frames in which device or map is lost, each with the cause of its trip.
 std::vector<BadFrame> lost_frames() {
   loop::OutputFrame map_lost = frame(1);
   map_lost.map_lost = map_lost.faulty = true;
@@ -215,7 +215,7 @@ std::vector<BadFrame> lost_frames() {
           {map_lost, TripCause::kMapLost}};
 }
 
-// Of the loop, the hand or the wrench.
+// Frames with a fault that passes, of the loop, the hand or the wrench.
 std::vector<BadFrame> passing_frames() {
   loop::OutputFrame late = frame(1), held = frame(1), fast = frame(1);
   late.health.loop_late = true;
@@ -295,7 +295,7 @@ TEST(OutputStage, NonsenseTripsAfterTheStaleLimit) {
   }
 }
 
-// What is gone is named, and not the nonsense before it.
+// The trip names the lost device, and not the nonsense before it.
 TEST(OutputStage, ALostDeviceIsNamedAfterNonsense) {
   loop::OutputStage stage = armed(1);
   expect_zero(stage, with_trouble(InputTrouble::kNotFinite), 5);

@@ -1,4 +1,4 @@
-// What a device's I/O side makes of a loop that is late.
+// The output of a device's I/O side while the loop is late.
 #include "runtime/devices/output_watch.h"
 
 #include <gtest/gtest.h>

@@ -159,7 +159,7 @@ bool ensured(const VoxmapHeader& map, const PshellHeader& shell) {
   return bool(require_guarantee(map, shell, 0, {}, "part.pshell"));
 }
 
-// What the advice names is enough, and a layer fewer is not.
+// The layers that the advice names are enough, and one fewer is not.
 TEST(Separation, AdvisesLayersThatAreEnough) {
   for (const double deviation_m : {0.0, 0.002, 0.006, 0.02}) {
     VoxmapHeader map = scene(1);

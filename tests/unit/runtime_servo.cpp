@@ -318,6 +318,66 @@ TEST(DeviceInput, TheHandIsAsFastAsItIsForASlowDeviceAndALargeScale) {
   }
 }
 
+// Nothing shows the velocity of a first reading, so it is not believed, whatever it is.
+TEST(DeviceInput, TheFirstClaimOfAVelocityIsNotUsed) {
+  for (const double claim : {1.0, 1000.0, 1e300}) {
+    PuppetDevice device;
+    device.senses_velocity(true);
+    device.sample.present = device.sample.calibrated = device.sample.fresh = true;
+    device.sample.velocity = {{claim, 0, 0}, {0, claim, 0}};
+    loop::DeviceInput input(device, {});
+    StepInput step;
+    ASSERT_TRUE(input.next(0, kDt, step));
+    EXPECT_EQ(step.valid, kInputValid);
+    EXPECT_EQ(step.handle_velocity.linear_mps, glm::dvec3(0));
+    EXPECT_EQ(step.handle_velocity.angular_radps, glm::dvec3(0));
+  }
+}
+
+// A jump is counted from the last reading, however long ago; one that was lost may return anywhere.
+TEST(DeviceInput, AHandMovesOnWhileTheDeviceIsSilentOrLost) {
+  PuppetDevice device;
+  device.senses_velocity(true);
+  device.sample.present = device.sample.calibrated = true;
+  loop::DeviceInput input(device, {});
+  StepInput step;
+  for (int i = 0; i < 50; ++i) {
+    device.sample.fresh = i % 4 == 0;
+    device.sample.velocity.linear_mps.y = 6;
+    if (device.sample.fresh) device.sample.device_from_handle.position_m.y = 6 * kDt * (i - 25);
+    ASSERT_TRUE(input.next(i * kDt, kDt, step));
+    ASSERT_EQ(step.valid, kInputValid) << i;
+  }
+  device.sample.present = false;
+  input.next(0.05, kDt, step);
+  ASSERT_EQ(step.valid, kInputInvalid);
+  device.sample.present = device.sample.fresh = true;
+  device.sample.device_from_handle.position_m = {0.3, 0, 0};
+  device.sample.velocity.linear_mps = {0, 100, 0};
+  input.next(0.051, kDt, step);
+  EXPECT_EQ(step.valid, kInputValid);
+  EXPECT_EQ(step.handle_velocity.linear_mps, glm::dvec3(0));
+}
+
+// Whatever rate it declares: a force does not outlive its reading by more than the ceiling.
+TEST(DeviceInput, NoSlownessOfADeviceRaisesTheStaleLimitBeyondItsCeiling) {
+  for (const double rate_hz : {1e-3, 1.0, 20.0, 49.0}) {
+    SCOPED_TRACE(rate_hz);
+    PuppetDevice device;
+    device.rate(rate_hz);
+    device.sample.present = device.sample.calibrated = device.sample.fresh = true;
+    loop::DeviceInput input(device, {});
+    StepInput step;
+    ASSERT_TRUE(input.next(0, kDt, step));
+    ASSERT_EQ(step.valid, kInputValid);
+    device.sample.fresh = false;
+    for (int i = 1; i * kDt <= kStaleCeilingS + kDt; ++i) input.next(i * kDt, kDt, step);
+    EXPECT_EQ(step.valid, kInputInvalid);
+    EXPECT_EQ(input.health().trouble, InputTrouble::kFrozen);
+    EXPECT_EQ(input.health().age_share, 1);
+  }
+}
+
 TEST_P(ServoTest, ALateLoopTrips) {
   Bench bench(GetParam());
   bench.go_to(0.03);

@@ -86,7 +86,7 @@ TEST(SimHand, FeelsTheLoopOneDelayLate) {
   }
 }
 
-// What the encoders say is a whole number of steps, at most half a step an axis from the truth, on
+// Encoder readings are whole numbers of steps, at most half a step an axis from the truth, on
 // any axis and past half a turn.
 TEST(SimHand, ReportsEncoderSteps) {
   devices::SimHandParameters p;

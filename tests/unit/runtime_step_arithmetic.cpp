@@ -27,7 +27,7 @@ struct HostState {
   std::function<void()> set;
 };
 
-// What a program's own threads may compute with. feenableexcept() of FE_INEXACT would end every
+// Floating-point states of a program's own threads. feenableexcept() of FE_INEXACT would end every
 // step at once.
 std::vector<HostState> host_states() {
   std::vector<HostState> states = {

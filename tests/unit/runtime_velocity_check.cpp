@@ -1,4 +1,4 @@
-// What a device may claim of its velocity, and what its poses must show.
+// The velocity that a device may claim, and the poses that must bear it out.
 #include "runtime/loop/velocity_check.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a picture of a moment shows, on a scene that can be checked by hand.
+// The picture of a moment, on a scene that can be checked by hand.
 #include <gtest/gtest.h>
 
 #include "runtime/viewer/plan/camera.h"

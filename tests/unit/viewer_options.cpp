@@ -1,4 +1,4 @@
-// What voxview reads from its command line, and the lists and cuts in it.
+// The command line of voxview, and the lists and cuts in it.
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>

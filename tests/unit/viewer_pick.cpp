@@ -1,4 +1,4 @@
-// What a ray through a voxmap meets first.
+// The voxel that a ray through a voxmap meets first.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -43,7 +43,42 @@ TEST(Trace, ReadsEveryColumnByName) {
   EXPECT_EQ(first.contacts, 10u);
   EXPECT_EQ(first.guard_cuts, 11u);
   EXPECT_EQ(first.step_ns, 1200.5);
-  EXPECT_EQ(viewer::strongest_row(*rows), 1u);
+}
+
+// A row of a run: its force, its contacts, and its clearance where one is proven.
+viewer::TraceRow moment(double force_n, std::uint32_t contacts,
+                        std::optional<viewer::RowClearance> clearance = std::nullopt) {
+  viewer::TraceRow row;
+  row.on_hand.force_n = {0, force_n, 0};
+  row.contacts = contacts;
+  row.clearance = std::move(clearance);
+  return row;
+}
+
+TEST(Trace, ShowsTheLeastClearanceElseTheStrongestForce) {
+  // In its seat, held; out of it, past something near; pressed against something behind that.
+  const std::vector<viewer::TraceRow> out = {moment(2, 9),
+                                             moment(15, 9),
+                                             moment(0, 0, {{0.003, false, "a"}}),
+                                             moment(1, 0, {{0.001, false, "b"}}),
+                                             moment(1, 2, {{0.001, false, "c"}}),
+                                             moment(0, 0, {{0.02, true, ""}})};
+  const viewer::NotableRows notable = viewer::notable_rows(out);
+  EXPECT_EQ(notable.usual(), 3u);  // the first, as voxrun reports it
+  EXPECT_EQ(notable.name_of(3), "the least proven clearance");
+  EXPECT_EQ(notable.name_of(1), "the strongest force");
+  EXPECT_EQ(notable.name_of(4), "");
+
+  // Nothing was proven: the strongest force, of rows with a contact; braking is felt without one.
+  const std::vector<viewer::TraceRow> held = {moment(0, 0), moment(3, 1), moment(-5, 1),
+                                              moment(9, 0)};
+  EXPECT_EQ(viewer::notable_rows(held).usual(), 2u);
+  EXPECT_EQ(viewer::notable_rows(held).name_of(2), "the strongest force");
+
+  // Nothing was measured and nothing felt: the start, which is not called anything.
+  const std::vector<viewer::TraceRow> far(3, moment(0, 0, {{0.02, true, ""}}));
+  EXPECT_EQ(viewer::notable_rows(far).usual(), 0u);
+  EXPECT_EQ(viewer::notable_rows(far).name_of(0), "");
 }
 
 TEST(Trace, ReadsTheClearanceWhereItIsTold) {
@@ -80,6 +115,13 @@ TEST(Trace, RefusesWhatItCannotRead) {
   EXPECT_EQ(cut.error().where, "line 3");
   EXPECT_EQ(read_text(kHeader + "\nnan" + row(1, 0).substr(8)).error().code,
             ErrorCode::kFieldInvalid);
+  for (const char* const count : {",-1,", ",5e9,", ",1e300,"}) {
+    std::string line = row(1, 0);
+    line.replace(line.find(",10,"), 4, count);
+    const auto counted = read_text(kHeader + "\n" + line);
+    ASSERT_FALSE(counted) << count;
+    EXPECT_EQ(counted.error().what, "contacts is no count");
+  }
 }
 
 }  // namespace

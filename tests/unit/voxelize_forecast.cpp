@@ -1,4 +1,4 @@
-// What is said of a bake before it begins.
+// The forecast of a bake before it begins.
 #include <gtest/gtest.h>
 
 #include "tests/support/mesh_files.h"

@@ -63,7 +63,7 @@ TEST(MemoryLimit, CountsTheLongestSliver) {
   EXPECT_NE(refused.error().mend.find("stray vertex"), std::string::npos);
 }
 
-// What is refused could not have been held: the voxels that the surface passes through, alone, take
+// A refused bake could not have been held: the voxels that the surface passes through, alone, take
 // more than is said.
 TEST(MemoryLimit, SaysLessThanTheVoxelsTake) {
   for (const double away_m : {1.0, 10.0, 100.0}) {

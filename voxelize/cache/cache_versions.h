@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kFactsCacheVersion = 1;
 // ... snap, scan conversion, flood or the search for cavities give something else for the same
 // input, or the record changes.
 // 2: the record holds the grown surface beside G.
-inline constexpr std::uint32_t kObjectCacheVersion = 2;
+inline constexpr std::uint32_t kObjectCacheVersion = 3;
 
 // ... grow_surface() finds other voxels. Counts beside the version above.
 // 2: needles are not near beyond their tips.

@@ -26,12 +26,23 @@ double largest_coordinate(const masks::VoxelBox& box, double voxel_size_m) {
 }
 
 // Half a lattice step per axis, and the rounding of placing and dividing: at most eight roundings
-// of the largest coordinate per axis.
-double snap_error(const masks::VoxelBox& box, double voxel_size_m) {
+// of the largest number on the way per axis.
+double snap_error(double largest_m, double voxel_size_m) {
   const double step_m = voxel_size_m / static_cast<double>(lattice::kSnapUnits);
-  const double rounding_m =
-      8 * std::numeric_limits<double>::epsilon() * largest_coordinate(box, voxel_size_m);
+  const double rounding_m = 8 * std::numeric_limits<double>::epsilon() * largest_m;
   return std::sqrt(3.0) * (step_m / 2 + rounding_m);
+}
+
+// Facts of the vertices of a mesh.
+struct Extent {
+  bool inside = true;         // placed, all are within the lattice
+  mesh::Vec3d most{0, 0, 0};  // largest |coordinate| in each axis, not placed
+};
+
+Extent both(Extent a, const Extent& b) {
+  a.inside &= b.inside;
+  for (std::size_t d = 0; d < 3; ++d) a.most[d] = std::max(a.most[d], b.most[d]);
+  return a;
 }
 
 __extension__ typedef __int128 Int128;
@@ -91,26 +102,34 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
   object.vertices = vertices;
   if (spill != nullptr) spill->touched(object.bytes());
   const double limit_m = static_cast<double>(kMaxVoxelIndex) * voxel_size_m;
-  const bool inside = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), true,
-      [&](const tbb::blocked_range<std::size_t>& range, bool all_inside) {
+  const Extent extent = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), kGrain), Extent{},
+      [&](const tbb::blocked_range<std::size_t>& range, Extent seen) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const mesh::Vec3d world = mesh::apply(world_from_mesh, mesh.vertices[i]);
+          const mesh::Vec3d vertex = mesh.vertices[i];
+          const mesh::Vec3d world = mesh::apply(world_from_mesh, vertex);
+          for (std::size_t d = 0; d < 3; ++d) {
+            seen.most[d] = std::max(seen.most[d], std::abs(vertex[d]));
+          }
           const bool fits = std::abs(world[0]) < limit_m && std::abs(world[1]) < limit_m &&
                             std::abs(world[2]) < limit_m;  // false for NaN too
-          all_inside &= fits;
+          seen.inside &= fits;
           if (fits) vertices[i] = lattice::snap(world, voxel_size_m);
         }
-        return all_inside;
+        return seen;
       },
-      [](bool a, bool b) { return a && b; });
-  if (!inside) {
+      both);
+  if (!extent.inside) {
     return Error{ErrorCode::kSceneInvalid, "", name,
                  "a vertex lies more than 2^52 voxels from the origin, or its transform overflows",
                  "check units and transforms, or use a larger voxel size"};
   }
   object.box = corner_box(object);
-  object.snap_error_m = object.box.empty() ? 0 : snap_error(object.box, voxel_size_m);
+  if (!object.box.empty()) {
+    const double largest_m = std::max(largest_coordinate(object.box, voxel_size_m),
+                                      mesh::largest_sum(world_from_mesh, extent.most));
+    object.snap_error_m = snap_error(largest_m, voxel_size_m);
+  }
   return object;
 }
 

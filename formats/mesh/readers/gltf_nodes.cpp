@@ -55,6 +55,15 @@ bool is_flat(const Affine& a) {
          0;
 }
 
+// A transform of a node, which is finite.
+Affine checked(const GltfDocument& document, std::uint64_t index, const Affine& affine) {
+  if (!is_finite(affine)) {
+    document.fail(ErrorCode::kMeshUnreadable, in_nodes(index),
+                  "has a transform that is not finite");
+  }
+  return affine;
+}
+
 Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
   const nlohmann::json& node = document.element("nodes", index);
   std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -67,13 +76,9 @@ Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
   if (matrix[3] != 0 || matrix[7] != 0 || matrix[11] != 0 || matrix[15] != 1) {
     document.fail(ErrorCode::kMeshUnreadable, in_nodes(index), "has a matrix that is not affine");
   }
-  const Affine affine =
-      node.contains("matrix") ? from_matrix(matrix) : from_parts(translation, rotation, scale);
-  if (!is_finite(affine)) {
-    document.fail(ErrorCode::kMeshUnreadable, in_nodes(index),
-                  "has a transform that is not finite");
-  }
-  return affine;
+  return checked(
+      document, index,
+      node.contains("matrix") ? from_matrix(matrix) : from_parts(translation, rotation, scale));
 }
 
 }  // namespace
@@ -143,12 +148,14 @@ std::string GltfNodes::name_of(std::uint64_t index) const {
 std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t>& indices,
                                                  const Node* parent) const {
   std::vector<Node> level;
-  std::set<std::string> used;
+  UsedLabels used;
   for (const std::uint64_t index : indices) {
     const Affine from_node = parent_from_node(document_, index);
     level.push_back(
         {index, name_node(name_of(index), parent == nullptr ? nullptr : &parent->name, used),
-         parent == nullptr ? from_node : compose(parent->assembly_from_node, from_node)});
+         parent == nullptr
+             ? from_node
+             : checked(document_, index, compose(parent->assembly_from_node, from_node))});
   }
   return level;
 }
@@ -241,7 +248,8 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
           instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
-      placings.push_back({mesh, path, n, compose(node.assembly_from_node, instances[i]), weights});
+      const Affine placing = compose(node.assembly_from_node, instances[i]);
+      placings.push_back({mesh, path, n, checked(document_, node.index, placing), weights});
     }
   }
   return placings;

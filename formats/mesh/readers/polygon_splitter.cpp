@@ -123,8 +123,10 @@ bool PolygonSplitter::is_convex() const {
   return x_steps.around() <= 2 && y_steps.around() <= 2;  // else it winds more than once
 }
 
-bool PolygonSplitter::is_ear(std::size_t tip) const {
+bool PolygonSplitter::is_ear(std::size_t tip) {
   const std::size_t a = previous_[tip], c = next_[tip];
+  Blocker& known = blockers_[tip];
+  if (known.previous == a && known.next == c && previous_[known.corner] != kClipped) return false;
   const double area = turn(a, tip, c);
   if (area <= 0) return area == 0;  // a straight corner covers nothing and can go
   const auto same = [&](std::size_t i, std::size_t j) {
@@ -133,13 +135,16 @@ bool PolygonSplitter::is_ear(std::size_t tip) const {
   for (std::size_t p = next_[c]; p != a; p = next_[p]) {
     // A corner that two parts of the outline share (a bridge to a hole) does not block.
     if (same(p, a) || same(p, tip) || same(p, c)) continue;
-    if (turn(a, tip, p) >= 0 && turn(tip, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+    if (turn(a, tip, p) >= 0 && turn(tip, c, p) >= 0 && turn(c, a, p) >= 0) {
+      known = {a, c, p};
+      return false;
+    }
   }
   return true;
 }
 
 // The next ear from `from` on; where there is none (the outline crosses itself), the widest corner.
-std::size_t PolygonSplitter::find_ear(std::size_t from, std::size_t left) const {
+std::size_t PolygonSplitter::find_ear(std::size_t from, std::size_t left) {
   std::size_t widest = from;
   for (std::size_t i = 0, tip = from; i < left; ++i, tip = next_[tip]) {
     if (is_ear(tip)) return tip;
@@ -154,6 +159,7 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
   const std::size_t count = corners.size();
   next_.resize(count);
   previous_.resize(count);
+  blockers_.assign(count, {});
   for (std::size_t i = 0; i < count; ++i) {
     next_[i] = (i + 1) % count;
     previous_[i] = (i + count - 1) % count;
@@ -167,6 +173,7 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
     area_without_sign += std::abs(turn(a, tip, c));
     next_[a] = c;
     previous_[c] = a;
+    previous_[tip] = kClipped;
     tip = next_[c];  // not its neighbor: cutting alternate ears makes fewer slivers
   }
   // The triangles' signed areas always sum to the polygon's; they cover it once only where none

@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
@@ -295,14 +296,14 @@ class StepReader {
 
   void add_level(const OpenFile& file, const TDF_LabelSequence& labels, const AssemblyNode* parent,
                  const Affine& assembly_from_parent) {
-    std::set<std::string> used;
+    UsedLabels used;
     for (TDF_LabelSequence::Iterator label(labels); label.More(); label.Next()) {
       add_node({&file, label.Value()}, parent, used, assembly_from_parent);
     }
   }
 
   // An instance bears the name that its designer gave it, else its product's.
-  void add_node(Product product, const AssemblyNode* parent, std::set<std::string>& used,
+  void add_node(Product product, const AssemblyNode* parent, UsedLabels& used,
                 const Affine& assembly_from_parent) {
     const TDF_Label label = product.label;
     const bool refers = XCAFDoc_ShapeTool::GetReferredShape(label, product.label);

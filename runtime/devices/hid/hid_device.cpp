@@ -159,7 +159,8 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
   }
   if (device.sensed_axes != kAllAxes) return refused(info, "it does not sense all six axes", mend);
   if (!(device.max_force_n > 0 && device.max_force_n <= kMaxForceN &&
-        device.max_torque_nm <= kMaxTorqueNm)) {
+        device.max_torque_nm <= kMaxTorqueNm &&
+        (device.rate_hz == 0 || device.rate_hz >= kLeastMotorsHz))) {
     return refused(info, "its ratings are not those of a hand-held device", mend);
   }
   const bool same = device.max_force_n == capabilities_.max_force_n &&

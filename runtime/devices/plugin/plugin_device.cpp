@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <new>
 #include <string_view>
@@ -83,8 +82,6 @@ std::vector<char*> passed_environment() {
   return passed;
 }
 
-bool sound(double value) { return std::isfinite(value) && value >= 0; }
-
 // The first flaw of a handshake; null where it has none.
 const char* flaw(const forcelayer_plugin_info& info) {
   if (info.abi != FORCELAYER_PLUGIN_ABI) return "was built for another version of the interface";
@@ -92,13 +89,27 @@ const char* flaw(const forcelayer_plugin_info& info) {
   if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
     return "does not promise right-handed frames";
   }
-  for (const double value :
-       {info.rate_hz, info.max_force_n, info.max_torque_nm, info.max_stiffness_n_per_m,
-        info.max_stiffness_nm_per_rad, info.damping_ns_per_m, info.damping_nms_per_rad,
-        info.delay_s, info.workspace_radius_m, info.watchdog_s}) {
-    if (!sound(value)) return "declares a rating that is negative or not finite";
+  const struct {
+    double value, most;
+  } ratings[] = {{info.max_force_n, 1000},
+                 {info.max_torque_nm, 100},
+                 {info.max_stiffness_n_per_m, 1e7},
+                 {info.max_stiffness_nm_per_rad, 1e5},
+                 {info.damping_ns_per_m, 1e5},
+                 {info.damping_nms_per_rad, 1e4},
+                 {info.delay_s, 1},
+                 {info.workspace_radius_m, 1000},
+                 {info.watchdog_s, 1}};
+  for (const auto& rating : ratings) {  // !(a && b): not for NaN
+    if (!(rating.value >= 0 && rating.value <= rating.most)) {
+      return "declares a rating that no device in a hand has";
+    }
   }
-  if (!(info.rate_hz >= 1 && info.rate_hz <= 100'000)) return "declares no rate of 1 to 100000 Hz";
+  // A slower one would hold a force for longer than the longest stale limit.
+  const double least_hz = info.actuated_axes == 0 ? 1 : kLeastMotorsHz;
+  if (!(info.rate_hz >= least_hz && info.rate_hz <= 100'000)) {
+    return "declares no rate of 1 to 100000 Hz, with motors of at least 50 Hz";
+  }
   if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "rates no force";
   if ((info.actuated_axes & 56u) != 0 && info.max_torque_nm == 0) return "rates no torque";
   return nullptr;

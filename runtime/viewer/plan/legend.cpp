@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/viewer/plan/arrows.h"
+
 namespace forcelayer::viewer {
 namespace {
 
@@ -89,9 +91,13 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
   }
   if (!plan.shown[Item::kContacts]) return;
   if (scene.voxmap && scene.shell) {
-    legend.push_back(
-        {Swatch::kArrow, kContactColor, 1,
-         text_of("contact: force on the part, %g times the depth", arrow_scale(scene))});
+    const Arrows arrows = arrows_of(scene, plan.moment->contacts);
+    legend.push_back({Swatch::kArrow, kContactColor, 1,
+                      text_of("contact: force on the part, %g times the depth", arrows.per_depth)});
+    if (arrows.left_out > 0) {
+      legend.push_back({Swatch::kDot, kContactColor, 1,
+                        text_of("%zu contacts less deep, without arrow", arrows.left_out)});
+    }
     legend.push_back({Swatch::kDot, kForceLayerColor, 1, "point in the force layer, depth 0"});
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});
     legend.push_back({Swatch::kDiamond, kPenetrationColor, 1, "point in interior"});

@@ -72,7 +72,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                       {0.5, 8});
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
-  app.add_option("--at", texts_.at, "time in the run (2.5s); default: the strongest force")
+  app.add_option(
+         "--at", texts_.at,
+         "time in the run (2.5s); default: the least proven clearance, else the strongest force")
       ->needs(run);
   app.add_option("--listen", options_.listen,
                  "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
@@ -83,7 +85,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
       "--duration", texts_.duration,
       "close the window, or take the picture, after this; default: a window stays, a picture of a "
       "stream is taken after 3s");
-  app.add_option("--part-pose", texts_.part_pose, "world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
+  app.add_option("--part-pose", texts_.part_pose,
+                 "world_from_part, as of a start: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
   app.add_option("--model", texts_.model,

@@ -56,8 +56,10 @@ Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
                    text_of("the run has no %g s", *options.at_s),
                    text_of("give a time from %g s to %g s", first_s, last_s)};
     }
-    const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : strongest_row(rows);
+    const NotableRows notable = notable_rows(rows);
+    const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : notable.usual();
     moment = moment_of(rows[at], options.handle_from_part.value_or(grip_of(rows.front())));
+    moment->name = notable.name_of(at);
   }
   return moment;
 }
@@ -77,7 +79,10 @@ std::vector<glm::dvec3> points_to_see(const ViewScene& scene, const Moment& mome
   return points;
 }
 
-glm::dvec3 sum_of_forces(const ContactView& contacts) {
+// Best seen from the side: what is measured, else the contacts' force, else the clearance.
+glm::dvec3 seen_across(const ViewOptions& options, const ContactView& contacts) {
+  if (options.measure) return options.measure->object_m - options.measure->part_m;
+  if (contacts.contacts == 0) return contacts.nearest_scene_m - contacts.nearest_m;
   glm::dvec3 sum(0);
   for (const ViewPoint& point : contacts.points) sum += point.depth_m * point.direction;
   return sum;
@@ -96,9 +101,8 @@ glm::dvec3 usual_direction(const ViewOptions& options) {
 CameraView part_camera(const ViewOptions& options, const ViewScene& scene, const Moment& moment) {
   glm::dvec3 direction = options.to_eye.value_or(usual_direction(options));
   if (!options.to_eye && !options.cut && scene.voxmap) {
-    const glm::dvec3 across = options.measure ? options.measure->object_m - options.measure->part_m
-                                              : sum_of_forces(moment.contacts);
-    direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment), across,
+    direction = clearest_direction(*scene.voxmap, points_to_see(scene, moment),
+                                   seen_across(options, moment.contacts),
                                    glm::length(scene.bounds.high_m - scene.bounds.low_m));
   }
   CameraView view = camera_along(direction);
@@ -198,15 +202,6 @@ WorldBox box_of(const ViewScene& scene) {
   return box;
 }
 
-double arrow_scale(const ViewScene& scene) {
-  if (!scene.voxmap || !scene.shell) return 1;
-  const VoxmapHeader& header = scene.voxmap->header();
-  const double depth_m = header.force_depth_m > 0 ? header.force_depth_m : header.voxel_size_m;
-  const double most = 0.5 * scene.shell->header().bounding_radius_m / (0.1 * depth_m);
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
-}
-
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene,
                                                                const std::vector<TraceRow>& rows) {
@@ -215,7 +210,11 @@ Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions
   if (!field) return field.error();
   auto source = std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
                                                     std::move(*field));
-  if (!rows.empty()) source->find_seat(rows.front().world_from_part);
+  if (!rows.empty()) {
+    source->find_seat(rows.front().world_from_part);
+  } else if (options.world_from_part) {
+    source->find_seat(*options.world_from_part);
+  }
   return source;
 }
 
@@ -333,6 +332,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
     const Moment& moment = *plan.moment;
     auto& json = report["moment"];
     if (moment.time_s) json["t_s"] = *moment.time_s;
+    if (!moment.name.empty()) json["name"] = moment.name;
     json["kind"] = frame_kind_name(moment.kind());
     json["points_proximity"] = moment.contacts.proximity;
     json["points_surface"] = moment.contacts.surface;
@@ -344,6 +344,7 @@ nlohmann::ordered_json report_of(const PicturePlan& plan, const ViewScene& scene
                            {"at_least", moment.clearance->at_least},
                            {"object", moment.clearance->object}};
     }
+    if (!moment.contacts.seated_on.empty()) json["seated_on"] = moment.contacts.seated_on;
     if (moment.on_hand) json["force_n"] = numbers(moment.on_hand->force_n);
     if (const auto& clearance_m = moment.contacts.clearance_m) {
       json["clearance_m"] = *clearance_m;

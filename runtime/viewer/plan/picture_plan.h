@@ -52,13 +52,8 @@ Status add_moment(const ViewOptions& options, const ViewScene& scene,
 // whole.
 std::vector<CameraView> turntable_of(const PicturePlan& plan, const ViewScene& scene, int cameras);
 
-// How many times as long as its point is deep the arrow of a contact is: 1, 2 or 5 times a power of
-// ten, the same in all pictures of a scene and a part. A point a tenth of the force layer deep, or
-// of a voxel, has an arrow of at most half the part's radius. 1 without a scene and a part.
-double arrow_scale(const ViewScene& scene);
-
-// The contacts of `scene`, which must have both a voxmap and a shell, in a run of these rows; there
-// may be none.
+// The contacts of `scene`, which must have both a voxmap and a shell, in a run of these rows, or at
+// the pose that `options` give: with the seat that voxrun would find at its start.
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene,
                                                                const std::vector<TraceRow>& rows);

@@ -80,7 +80,16 @@ void ContactViewSource::find_seat(const Pose& world_from_part) {
 }
 
 ContactView ContactViewSource::at(const Pose& world_from_part) {
-  return look_up(world_from_part, false);
+  ContactView view = look_up(world_from_part, true);
+  if (view.seated_on.empty()) return view;
+  // It may be as near as a force begins, and clear all the same.
+  ContactView closed = look_up(world_from_part, false);
+  view.clearance_m = closed.clearance_m;
+  view.at_least = closed.at_least;
+  view.nearest_object = std::move(closed.nearest_object);
+  view.nearest_m = closed.nearest_m;
+  view.nearest_scene_m = closed.nearest_scene_m;
+  return view;
 }
 
 ContactView ContactViewSource::as_counted(const Pose& world_from_part, const ContactView& counted) {
@@ -126,6 +135,12 @@ ContactView ContactViewSource::look_up(const Pose& world_from_part, bool seat_op
     view.deepest_m = std::max(view.deepest_m, point.depth_m);
   }
   prove_clearance(pose, view);
+  if (contacts_.seat_open && contacts_.seated > 0) {
+    for (const field::SeatObject& object : probe_.seat().objects()) {
+      const std::string_view name = voxmap_.object_name(object.object);
+      view.seated_on.emplace_back(name.empty() ? "the scene" : name);
+    }
+  }
   return view;
 }
 

@@ -43,6 +43,9 @@ struct ContactView {
   glm::dvec3 nearest_m{0};        // the shell point that is nearest, world
   glm::dvec3 nearest_scene_m{0};  // the scene's place nearest to it, by the stored distances
 
+  // The objects of the seat, by name, where the part is in it.
+  std::vector<std::string> seated_on;
+
   FrameKind kind() const;  // never kGuardCut: that is known to the run alone
 };
 
@@ -57,7 +60,7 @@ class ContactViewSource {
   // without a seat of its own. There is none where the part touches nothing there.
   void find_seat(const Pose& world_from_part);
 
-  // The contacts at a pose, the seat closed.
+  // The contacts at a pose, the seat open where one was found; its clearance as without a seat.
   ContactView at(const Pose& world_from_part);
 
   // The contacts at a pose of a run that counted `counted` there: with the seat open where that is

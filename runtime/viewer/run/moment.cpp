@@ -64,6 +64,16 @@ Pose grip_of(const TraceRow& first) {
 
 namespace {
 
+std::string describe_seat(const std::vector<std::string>& objects) {
+  constexpr std::size_t kNamed = 4;
+  std::string line;
+  for (std::size_t n = 0; n < objects.size() && n < kNamed; ++n) {
+    line += (n == 0 ? "seated on " : ", ") + escaped(objects[n]);
+  }
+  if (objects.size() > kNamed) line += text_of(" and %zu more", objects.size() - kNamed);
+  return line;
+}
+
 std::string describe_clearance(const std::optional<RowClearance>& clearance) {
   if (!clearance) return "no clearance is known";
   const double mm = std::floor(clearance->clearance_m * 1e6) / 1e3;  // never more than proven
@@ -77,11 +87,13 @@ std::string describe_clearance(const std::optional<RowClearance>& clearance) {
 std::vector<std::string> describe(const Moment& moment) {
   std::vector<std::string> lines;
   if (moment.time_s && moment.on_hand) {
-    lines.push_back(text_of("t = %.3f s    on the hand: %.2f N, %.4f N m", *moment.time_s,
-                            glm::length(moment.on_hand->force_n),
+    const std::string at = moment.name.empty() ? "" : "at " + std::string(moment.name) + ": ";
+    lines.push_back(text_of("%st = %.3f s    on the hand: %.2f N, %.4f N m", at.c_str(),
+                            *moment.time_s, glm::length(moment.on_hand->force_n),
                             glm::length(moment.on_hand->torque_nm)));
     // With both files it is proven again at the pose, and told below.
-    if (!moment.contacts.clearance_m) lines.push_back(describe_clearance(moment.clearance));
+    const bool told = moment.contacts.clearance_m || !moment.contacts.seated_on.empty();
+    if (!told) lines.push_back(describe_clearance(moment.clearance));
   }
   const ContactView& view = moment.contacts;
   const std::string deepest =
@@ -96,6 +108,10 @@ std::vector<std::string> describe(const Moment& moment) {
                                   : text_of("clearance: %.3f mm%s%s, proven", mm,
                                             view.nearest_object.empty() ? "" : " to ",
                                             escaped(view.nearest_object).c_str()));
+  }
+  if (!view.seated_on.empty()) {
+    lines.push_back(describe_seat(view.seated_on) +
+                    (view.clearance_m ? "" : ": no clearance is proven there"));
   }
   if (moment.other_files) {
     lines.push_back("the run counted other points here: it ran with other files, or with --seat");

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -15,6 +16,7 @@ namespace forcelayer::viewer {
 struct Moment {
   Pose world_from_part;
   std::optional<double> time_s;
+  std::string_view name;                  // of NotableRows::name_of()
   std::optional<Pose> world_from_target;  // where the hand wants the part
   std::optional<Wrench> on_hand;          // about the part's centroid, world axes
   std::uint32_t guard_cuts = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <string>
@@ -38,6 +39,9 @@ constexpr std::array<std::string_view, 27> kColumns = {"t_s",
                                                        "points_proximity",
                                                        "points_surface",
                                                        "points_interior"};
+
+// Columns that hold counts, by their place in kColumns.
+constexpr std::size_t kCounts[] = {21, 22, 24, 25, 26};
 
 // Columns that a trace need not have. The name of an object may be quoted, and comes last.
 constexpr std::string_view kClearance = "clearance_m", kAtLeast = "clearance_at_least",
@@ -131,6 +135,8 @@ Pose pose_of(const double* v) {
   return {{v[0], v[1], v[2]}, glm::normalize(glm::dquat(v[3], v[4], v[5], v[6]))};
 }
 
+bool is_count(double number) { return number >= 0 && number <= double{UINT32_MAX}; }
+
 TraceRow row_of(const std::array<double, kColumns.size()>& v) {
   TraceRow row;
   row.time_s = v[0];
@@ -174,6 +180,10 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
         return bad_line(path, number, "'" + std::string(cell) + "' is no number");
       }
     }
+    for (const std::size_t n : kCounts) {
+      if (is_count(values[n])) continue;
+      return bad_line(path, number, std::string(kColumns[n]) + " is no count");
+    }
     rows.push_back(row_of(values));
     rows.back().clearance = clearance.of(cells);
   }
@@ -190,13 +200,30 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s) {
   return after == rows.begin() ? 0 : static_cast<std::size_t>(after - rows.begin()) - 1;
 }
 
-std::size_t strongest_row(const std::vector<TraceRow>& rows) {
-  const auto less = [](const TraceRow& a, const TraceRow& b) {
-    if ((a.contacts > 0) != (b.contacts > 0)) return b.contacts > 0;
-    return glm::length(a.on_hand.force_n) < glm::length(b.on_hand.force_n);
+std::string_view NotableRows::name_of(std::size_t row) const {
+  if (row == least_clearance) return "the least proven clearance";
+  return row == strongest ? "the strongest force" : "";
+}
+
+NotableRows notable_rows(const std::vector<TraceRow>& rows) {
+  NotableRows notable;
+  const auto force_n = [](const TraceRow& row) { return glm::length(row.on_hand.force_n); };
+  const auto stronger = [&](const TraceRow& a, const TraceRow& b) {
+    if ((a.contacts > 0) != (b.contacts > 0)) return a.contacts > 0;
+    return force_n(a) > force_n(b);
   };
-  const auto strongest = std::max_element(rows.begin(), rows.end(), less);
-  return static_cast<std::size_t>(strongest - rows.begin());
+  std::optional<std::size_t> nearest;
+  std::size_t strongest = 0;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const auto& clearance = rows[n].clearance;
+    if (clearance && (!nearest || clearance->clearance_m < rows[*nearest].clearance->clearance_m)) {
+      nearest = n;
+    }
+    if (stronger(rows[n], rows[strongest])) strongest = n;
+  }
+  if (nearest && !rows[*nearest].clearance->at_least) notable.least_clearance = nearest;
+  if (force_n(rows[strongest]) > 0) notable.strongest = strongest;
+  return notable;
 }
 
 }  // namespace forcelayer::viewer

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -40,8 +41,21 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path);
 // The row at or just before `time_s`; the first where all are later. `rows` must not be empty.
 std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
 
-// The row of the greatest force on the hand, of those with a contact where there are any: braking
-// and the part's mass are felt without one.
-std::size_t strongest_row(const std::vector<TraceRow>& rows);
+// The rows that answer a run's questions: how near did the part come, and how hard was it pressed?
+struct NotableRows {
+  // Of the least clearance that is proven in any frame, as voxrun reports it: after the seat, where
+  // the part starts in one. None where nothing was near enough to be measured.
+  std::optional<std::size_t> least_clearance;
+  // Of the greatest force on the hand, of rows with a contact where there are any: braking and the
+  // part's mass are felt without one. None where nothing was felt.
+  std::optional<std::size_t> strongest;
+
+  // The one that is shown unless another is asked for; the first row where there is neither.
+  std::size_t usual() const { return least_clearance.value_or(strongest.value_or(0)); }
+  // "the least proven clearance" or "the strongest force"; empty for any other row.
+  std::string_view name_of(std::size_t row) const;
+};
+
+NotableRows notable_rows(const std::vector<TraceRow>& rows);
 
 }  // namespace forcelayer::viewer

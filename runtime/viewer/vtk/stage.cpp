@@ -161,6 +161,7 @@ struct Stage::Actors {
   VoxelFaces cut_force_layer, cut_proximity, force_layer, proximity;
   VoxelFaces quick_force_layer, quick_proximity;
   std::vector<PolyData> mesh_data, mesh_edge_data;  // [meshes of the scene]
+  PolyData target_data;
   Actor meshes, mesh_edges, missing_faces, measured, measured_edges;
   Actor sections, section_edges;
   Actor part, part_edges, part_missing_faces, target, shell, spring, clearance, measurement;
@@ -414,7 +415,8 @@ void Stage::build_part() {
     const PolyData edges = feature_edges_of(data);
     a.part = surface_actor(data, kPartColor);
     a.part_edges = line_actor(edges, kInk, 1.5 * scale_);
-    a.target = line_actor(edges, kGhostColor, 2 * scale_);
+    a.target_data = edges;
+    a.target = line_actor(PolyData::New(), kGhostColor, 2 * scale_);
   }
   if (scene_.shell) {
     a.shell = surface_actor(discs_of(*scene_.shell), kPartColor);
@@ -540,21 +542,30 @@ void Stage::place_part(const Pose& world_from_part) {
   }
 }
 
-void Stage::place_target(const Pose& world_from_part, const Pose& world_from_target) {
-  const auto matrix = matrix_of(world_from_target, scene_.origin_m);
-  if (actors_->target != nullptr) actors_->target->SetUserMatrix(matrix);
+void Stage::place_target(const Pose& world_from_part,
+                         const std::optional<Pose>& world_from_target) {
+  if (actors_->target != nullptr) {
+    replace_data(actors_->target, world_from_target ? actors_->target_data : PolyData::New());
+  }
+  if (!world_from_target) {
+    replace_data(actors_->spring, PolyData::New());
+    return;
+  }
+  if (actors_->target != nullptr) {
+    actors_->target->SetUserMatrix(matrix_of(*world_from_target, scene_.origin_m));
+  }
   if (!scene_.shell) return;
   const double width_m = 0.25 * scene_.shell->header().bounding_radius_m;
   replace_data(actors_->spring,
                spring_between(world_from_center(world_from_part, *scene_.shell).position_m,
-                              world_from_center(world_from_target, *scene_.shell).position_m,
+                              world_from_center(*world_from_target, *scene_.shell).position_m,
                               width_m, scene_.origin_m));
 }
 
-void Stage::place_contacts(const ContactView& contacts, double dot_m, double per_depth) {
+void Stage::place_contacts(const ContactView& contacts, const Arrows& arrows, double dot_m) {
   struct Places {
     std::vector<glm::dvec3> at, vector;
-  } contact, layer, proximity, interior;
+  } contact, layer, proximity, interior, force;
   for (const ViewPoint& point : contacts.points) {
     Places* kind = point.value == VoxelValue::kSurface ? &layer : &proximity;
     if (point.depth_m > 0) kind = &contact;
@@ -562,9 +573,14 @@ void Stage::place_contacts(const ContactView& contacts, double dot_m, double per
     kind->at.push_back(point.position_m);
     kind->vector.push_back(point.depth_m * point.direction);
   }
+  for (const std::size_t n : arrows.points) {
+    const ViewPoint& point = contacts.points[n];
+    force.at.push_back(point.position_m);
+    force.vector.push_back(point.depth_m * point.direction);
+  }
   Actors& a = *actors_;
   a.contact_points.set(contact.at, contact.vector, scene_.origin_m, dot_m);
-  a.contact_forces.set(contact.at, contact.vector, scene_.origin_m, per_depth);
+  a.contact_forces.set(force.at, force.vector, scene_.origin_m, arrows.per_depth);
   a.layer_points.set(layer.at, layer.vector, scene_.origin_m, 0.7 * dot_m);
   a.proximity_points.set(proximity.at, proximity.vector, scene_.origin_m, 0.6 * dot_m);
   a.interior_points.set(interior.at, interior.vector, scene_.origin_m, 1.2 * dot_m);
@@ -588,13 +604,11 @@ void Stage::place_measurement(const std::vector<glm::dvec3>& places_m) {
 
 void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   stage.place_part(moment.world_from_part);
-  if (moment.world_from_target) {
-    stage.place_target(moment.world_from_part, *moment.world_from_target);
-  }
+  stage.place_target(moment.world_from_part, moment.world_from_target);
   if (!scene.shell) return;
   const double radius_m = scene.shell->header().bounding_radius_m;
   const ContactView& contacts = moment.contacts;
-  stage.place_contacts(contacts, 0.03 * radius_m, arrow_scale(scene));
+  stage.place_contacts(contacts, arrows_of(scene, contacts), 0.03 * radius_m);
   const bool measured = contacts.clearance_m && !contacts.at_least;
   stage.place_clearance(measured ? std::vector{contacts.nearest_m, contacts.nearest_scene_m}
                                  : std::vector<glm::dvec3>());

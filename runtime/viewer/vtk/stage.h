@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/viewer/plan/arrows.h"
 #include "runtime/viewer/plan/camera.h"
 #include "runtime/viewer/plan/items.h"
 #include "runtime/viewer/plan/picture_plan.h"
@@ -50,10 +51,11 @@ class Stage {
   void cut(const std::optional<Cut>& cut);
   void make_plain();  // flat opaque colors without light or edges: a pixel's color names its item
   void place_part(const Pose& world_from_part);
-  // Draws the part at the coupling's target as an outline, with a spring from there to the part.
-  void place_target(const Pose& world_from_part, const Pose& world_from_target);
-  // Points, and forces as arrows, which are `per_depth` times as long as their points are deep.
-  void place_contacts(const ContactView& contacts, double dot_m, double per_depth);
+  // Draws the part at the coupling's target as an outline, with a spring from there to the part;
+  // nothing where no hand holds it.
+  void place_target(const Pose& world_from_part, const std::optional<Pose>& world_from_target);
+  // Points, and those forces that `arrows` names.
+  void place_contacts(const ContactView& contacts, const Arrows& arrows, double dot_m);
   // The force on the hand as one arrow of `length_m` at the part's centroid; zero hides it.
   void place_net_force(const glm::dvec3& at_m, const glm::dvec3& direction, double length_m);
   // The line of a clearance: its two places in the world; none hides it.

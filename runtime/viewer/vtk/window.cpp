@@ -72,6 +72,7 @@ class Window {
     for (const TraceRow& row : feed_.rows) strip_points_.push_back(strip_point(row));
     if (!feed_.rows.empty()) {
       playback_.emplace(feed_.rows);
+      notable_ = notable_rows(feed_.rows);
       if (plan.moment && plan.moment->time_s) playback_->seek(*plan.moment->time_s);
       grip_ = options.handle_from_part.value_or(grip_of(feed_.rows.front()));
     }
@@ -245,7 +246,10 @@ class Window {
 
   void refresh() {
     changed_ = false;
-    if (playback_) set_row(playback_->row());
+    if (playback_) {
+      set_row(playback_->row());
+      moment_->name = notable_.name_of(playback_->index());
+    }
     if (moment_) {
       place_moment(*stage_, scene_, *moment_);
       if (followed_m_) follow_part();
@@ -611,6 +615,7 @@ class Window {
   ItemSet shown_;
   RunFeed feed_;
   std::optional<Playback> playback_;
+  NotableRows notable_;
   std::unique_ptr<ContactViewSource> contact_source_;
   std::optional<Moment> moment_;
   std::optional<Cut> cut_;

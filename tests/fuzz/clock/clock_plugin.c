@@ -142,7 +142,7 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
       abort();
     case FAULT_WILD:
     case FAULT_WILD_INDEX:
-      write_wildly(d->fault == FAULT_WILD_INDEX);
+      write_wildly(d->fault == FAULT_WILD_INDEX ? WILD_INDICES : WILD_ALL);
       break;
     default:
       break;

@@ -107,7 +107,7 @@ class FrameJudge final : public loop::InputSource {
                           frame.health.loop_late || lost || frame.output == OutputState::kTripped;
     if (detected && !zero) breaks("a force in the frame of a detection");
     since_detected_ = detected ? 0 : since_detected_ + 1;
-    // What may have come back by now: nothing for zero_s, then a ramp.
+    // The share of the wrench that may be back by now: nothing for zero_s, then a ramp.
     const double gain =
         (static_cast<double>(since_detected_) * kDt - limits_.zero_s) / limits_.ramp_s + 0.006;
     if (since_detected_ < 300 && (force_n > limits_.max_force_n * std::max(gain, 0.0) ||

@@ -1,4 +1,4 @@
-/* What the two processes of fault_clock tell each other, beside the interface that is tested: the
+/* Told by the two processes of fault_clock to each other, beside the interface that is tested: the
  * plugin obeys orders and judges its motors; the loop judges its frames. One structure in a file
  * that both map. Every word is written by one side, with the builtins for atomics. */
 #ifndef FORCELAYER_TESTS_FUZZ_CLOCK_TRUTH_H
@@ -8,7 +8,7 @@
 
 enum { TRUTH_WRITES = 1024 };
 
-/* Of the plugin. Those up to FAULT_BAD_READINGS give readings that the loop must refuse. */
+/* The plugin's faults. Those up to FAULT_BAD_READINGS give readings that the loop must refuse. */
 enum truth_fault {
   FAULT_NONE,
   FAULT_NAN,
