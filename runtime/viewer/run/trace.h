@@ -43,11 +43,11 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
 
 // The rows that answer a run's questions: how near did the part come, and how hard was it pressed?
 struct NotableRows {
-  // Of the least clearance that is proven in any frame, as voxrun reports it: after the seat, where
-  // the part starts in one. None where nothing was near enough to be measured.
+  // The moment of the least clearance that is proven in any frame, as voxrun reports it: after the
+  // seat, where the part starts in one. None where nothing was near enough to be measured.
   std::optional<std::size_t> least_clearance;
-  // Of the greatest force on the hand, of rows with a contact where there are any: braking and the
-  // part's mass are felt without one. None where nothing was felt.
+  // The moment of the greatest force on the hand, of rows with a contact where there are any:
+  // braking and the part's mass are felt without one. None where nothing was felt.
   std::optional<std::size_t> strongest;
 
   // The one that is shown unless another is asked for; the first row where there is neither.
