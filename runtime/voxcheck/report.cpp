@@ -176,8 +176,8 @@ std::string seat_way_text(const Report& report) {
     const clearance::SeatedStretch& seated = report.result.seated[n];
     const ExactMoment* exact = exact_in_seat(report, n);
     lines +=
-        text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ", 1e3 * seated.way_m,
-             1e3 * report.result.way_m) +
+        text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ",
+             1e3 * seated.way_m, 1e3 * report.result.way_m) +
         (exact != nullptr
              ? text("%.3f mm exact", 1e3 * exact->exact_m)
              : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
