@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <span>
 
 #include "runtime/clearance/path_walk.h"
 #include "runtime/clearance/required_distance.h"
@@ -108,6 +109,9 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
   share_out(threads, shares, [&](std::size_t thread, std::size_t n) {
     walks[n] = std::make_unique<PathWalk>(path_, *parts[thread], voxmap_.voxel_size_m(), limits);
     walks[n]->walk(ends[n], ends[n + 1]);
+    if (thread == 0 && request_.progress) {
+      request_.progress(static_cast<double>(n + 1) / static_cast<double>(shares));
+    }
   });
   for (const auto& walk : walks) {
     walked.pieces.insert(walked.pieces.end(), walk->pieces().begin(), walk->pieces().end());
@@ -227,6 +231,7 @@ class PathParts {
       const auto first = std::find_if(middle_.pieces.begin(), middle_.pieces.end(), far);
       const auto last = std::find_if(middle_.pieces.rbegin(), middle_.pieces.rend(), far);
       if (first == middle_.pieces.end()) {
+        before_.take(middle_.pieces);
         from_ = to_;
         middle_ = {};
         return;
@@ -234,8 +239,14 @@ class PathParts {
       const bool leaves = begins && first != middle_.pieces.begin();
       const bool returns = ends && last != middle_.pieces.rbegin();
       if (!leaves && !returns) return;
-      if (leaves) from_ = first->from;
-      if (returns) to_ = last->to;
+      if (leaves) {
+        from_ = first->from;
+        before_.take({middle_.pieces.begin(), first});
+      }
+      if (returns) {
+        to_ = last->to;
+        behind_.take({last.base(), middle_.pieces.end()});
+      }
       middle_ = check_.walk(request_.allowed, from_, to_);
     }
   }
@@ -244,16 +255,33 @@ class PathParts {
   void add_to(CheckResult& result, SeatStretch* seat) {
     const Moment begin{0, 0}, end{path_.poses() - 1, 0};
     if (seat != nullptr && (!is_same(begin, from_) || middle_.pieces.empty())) {
-      add_seated(result, *seat, begin, from_);
+      add_seated(result, *seat, begin, from_, before_);
     }
     add(result, request_.allowed, middle_);
-    if (seat != nullptr && !is_same(to_, end)) add_seated(result, *seat, to_, end);
+    if (seat != nullptr && !is_same(to_, end)) add_seated(result, *seat, to_, end, behind_);
   }
 
  private:
-  void add_seated(CheckResult& result, SeatStretch& seat, const Moment& from, const Moment& to) {
+  // Pieces in the seat that were taken off the path.
+  struct Taken {
+    void take(std::span<const Piece> pieces) {
+      for (const Piece& piece : pieces) {
+        if (!any || piece.worst.least.voxels < nearest.least.voxels) nearest = piece.worst;
+        least_voxels = any ? std::min(least_voxels, piece.least_voxels) : piece.least_voxels;
+        any = true;
+      }
+    }
+    bool any = false;
+    double least_voxels = 0;
+    Sample nearest;
+  };
+
+  void add_seated(CheckResult& result, SeatStretch& seat, const Moment& from, const Moment& to,
+                  const Taken& taken) {
     const LeftOut left_out = with_seat(request_.allowed, seat);
-    result.seated.push_back({path_.time_s(from), path_.time_s(to)});
+    result.seated.push_back(
+        {path_.time_s(from), path_.time_s(to), path_.travel_m(to) - path_.travel_m(from),
+         check_.clearance_m(taken.least_voxels), check_.checked(request_.allowed, taken.nearest)});
     add(result, left_out, check_.walk(left_out, from, to));
     const std::uint32_t first = first_that_counts(seat);
     if (first == 0) return;
@@ -313,6 +341,7 @@ class PathParts {
   double seat_reach_m_;
   Moment from_, to_;
   Check::Walked middle_;
+  Taken before_, behind_;
   double least_voxels_ = std::numeric_limits<double>::infinity();
   double nearest_voxels_ = std::numeric_limits<double>::infinity();
 };
@@ -342,6 +371,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   PathParts parts(check, path, request, voxmap.voxel_size_m());
   if (seat) parts.leave_seat(in_seat);
   result.poses = path.poses();
+  result.way_m = path.travel_m({path.poses() - 1, 0});
   parts.add_to(result, seat ? &*seat : nullptr);
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct CheckRequest {
   // Whether a seat is clear where shell points feel nothing. Between them an object may have
   // features that are narrower than twice the covering radius.
   bool felt_seat_is_enough = false;
+  // Is called now and then with the share of a walk along the path that is done, in one thread.
+  std::function<void(double)> progress{};
 };
 
 // The part at one moment of its path.
@@ -51,9 +54,13 @@ struct CurvePiece {
   double from_s = 0, to_s = 0, clearance_m = 0;
 };
 
-// A stretch in which only objects of the seat are nearer than required.
+// A stretch in which only objects of the seat are nearer than required: as long as the part has not
+// once been as far from all objects as that.
 struct SeatedStretch {
   double from_s = 0, to_s = 0;
+  double way_m = 0;        // a bound on how far any point of the part travels in it
+  double clearance_m = 0;  // proven for all of it, the seat's objects among the others
+  CheckedMoment nearest;   // of all moments looked at
 };
 
 struct CheckResult {
@@ -66,6 +73,7 @@ struct CheckResult {
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;
   std::vector<std::uint32_t> seat_objects;
+  double way_m = 0;  // a bound on how far any point of the part travels along the whole path
   std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -26,6 +28,10 @@ constexpr double kWhole = 0.2;
 constexpr double kFar = 2;
 // Rounding of a length along a direction, as a share of the largest coordinate: far above it.
 constexpr double kRounding = 1e-13;
+// A unit vector that no face or edge of a drawing runs along, and the same for what is computed
+// along it: the sums of a dozen products.
+constexpr Vec3 kRay{0.5437211, 0.2913847, 0.7870619};
+constexpr double kRayRounding = 1e-13;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
 
@@ -68,6 +74,37 @@ double largest_of(const part::Piece& piece) {
   return largest;
 }
 
+// Whether a ray from a place may meet a node's box, which is seen as larger by `off`.
+bool may_cross(const part::TriangleTree::Node& node, const Vec3& place, double off) {
+  double enters = -off, leaves = std::numeric_limits<double>::infinity();
+  const auto across = [&](double low, double high, double from, double along) {
+    const double a = (low - from) / along, b = (high - from) / along;
+    enters = std::max(enters, std::min(a, b));
+    leaves = std::min(leaves, std::max(a, b));
+  };
+  across(node.low[0], node.high[0], place.x, kRay.x);
+  across(node.low[1], node.high[1], place.y, kRay.y);
+  across(node.low[2], node.high[2], place.z, kRay.z);
+  return enters <= leaves + off;
+}
+
+// 1 where a ray from a place leaves through a triangle, -1 where it enters, 0 where it passes. None
+// where rounding decides; no corner is farther from the place than `reach`.
+std::optional<int> crossing_of(const part::Piece& triangle, const Vec3& place, double reach) {
+  const Vec3 a = triangle[0] - place, b = triangle[1] - place, c = triangle[2] - place;
+  const double of_edges[] = {part::dot(kRay, part::cross(a, b)), part::dot(kRay, part::cross(b, c)),
+                             part::dot(kRay, part::cross(c, a))};
+  const auto [low, high] = std::minmax_element(std::begin(of_edges), std::end(of_edges));
+  const double off = kRayRounding * reach * reach;
+  if (*low<-off&& * high> off) return 0;  // the line passes beside it
+  if (!(*low > off || *high < -off)) return std::nullopt;
+  // The line goes through: ahead of the place or behind it?
+  const double volume = part::dot(a, part::cross(b, c));
+  if (!(std::abs(volume) > off * reach)) return std::nullopt;
+  const int side = *low > 0 ? 1 : -1;
+  return (volume > 0) == (side > 0) ? side : 0;
+}
+
 // Edges that triangles do not run along as often forwards as backwards.
 std::vector<Edge> open_edges(const std::vector<mesh::Triangle>& triangles) {
   std::map<Edge, int> balance;
@@ -107,7 +144,41 @@ bool Body::close_cracks(double most_m) {
   return false;
 }
 
-bool Body::holds(const Vec3& place_m) const { return std::abs(winding_->at(place_m, kFar)) > 0.5; }
+bool Body::holds(const Vec3& place_m) const {
+  if (crack_m_ == 0 && is_solid_) {
+    if (const auto windings = windings_by_ray(place_m)) return *windings != 0;
+  }
+  return std::abs(winding_->at(place_m, kFar)) > 0.5;
+}
+
+std::optional<int> Body::windings_by_ray(const Vec3& place) const {
+  const part::TriangleTree::Node& whole = tree_.nodes()[0];
+  double reach = 0;  // no corner is farther away
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double at = n == 0 ? place.x : n == 1 ? place.y : place.z;
+    reach += std::max(std::abs(whole.low[n] - at), std::abs(whole.high[n] - at));
+  }
+  const double off = kRayRounding * reach;
+  int windings = 0;
+  std::array<std::uint32_t, 96> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t at = stack[--depth];
+    const part::TriangleTree::Node& node = tree_.nodes()[at];
+    if (!may_cross(node, place, off)) continue;
+    for (std::uint32_t n = 0; n < node.count; ++n) {
+      const auto crossing = crossing_of(
+          part::triangle_piece(part_, tree_.ordered_triangles()[node.first + n]), place, reach);
+      if (!crossing) return std::nullopt;
+      windings += *crossing;
+    }
+    if (node.count > 0) continue;
+    stack[depth++] = node.first;
+    stack[depth++] = at + 1;
+  }
+  return windings;
+}
 
 bool Body::may_meet(const part::Piece& piece) const {
   const double largest_m = largest_of(piece);

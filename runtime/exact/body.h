@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pointshell/certificate/winding_number.h"
@@ -34,6 +35,10 @@ class Body {
 
   // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
   bool holds(const part::Vec3& place_m) const;
+
+  // How often the triangles wind around a place, counted where a ray from it crosses them: exact
+  // where each edge is closed. None where the ray comes too near an edge for its rounding.
+  std::optional<int> windings_by_ray(const part::Vec3& place_m) const;
 
   // Whether a piece may meet the triangles. Where it does not, and the body is closed, all of the
   // piece lies inside or all of it outside.

@@ -1,8 +1,12 @@
 #include "runtime/exact/exact_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <memory>
 
+#include "formats/command/progress_line.h"
 #include "formats/command/text.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/exact/exact_walk.h"
@@ -27,12 +31,15 @@ constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
 // How much deeper than installed the part may go: as the guard of a run lets a shell point
 // (FieldProbe::find_seat), beside a step of the stored distances.
 constexpr double kSeatGiveVoxels = 0.25;
+constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 
 class ExactCheck {
  public:
   ExactCheck(const ExactRequest& request, const Voxmap& voxmap, const Pshell& shell,
-             const std::vector<PathRow>& rows, const Surface& scene, const Surface& part)
+             const std::vector<PathRow>& rows, const Surface& scene, const Surface& part,
+             command::ProgressLine& line)
       : request_(request),
+        line_(line),
         rows_(rows),
         part_(part),
         voxel_m_(voxmap.voxel_size_m()),
@@ -55,6 +62,8 @@ class ExactCheck {
     answer.margin_m = margin_m_;
     add_violations(answer);
     add_seat(answer);
+    add_seated(answer);
+    walk_.tell(shown("measuring the least clearance", 0, 1));
     add_least(answer);
     answer.moments += walk_.measured();
     if (const auto& found = walk_.contradiction()) {
@@ -68,6 +77,14 @@ class ExactCheck {
   }
 
  private:
+  // Shows task `n` of some on the terminal.
+  Progress shown(const char* stage, std::size_t n, std::size_t tasks) {
+    const auto whole = static_cast<double>(tasks);
+    return [this, stage, n, whole](double share) {
+      line_.show(stage, (static_cast<double>(n) + std::clamp(share, 0.0, 1.0)) / whole);
+    };
+  }
+
   static double radius_m(const Surface& part) {
     double radius = 0;
     for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
@@ -107,9 +124,57 @@ class ExactCheck {
     const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_);
     violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
     violation.worst = exact_moment(least.sample);
-    violation.graze = violation.worst.exact_m >= request_.required_m - rounding_m_;
-    answer.violations.push_back(violation);
+    violation.graze =
+        !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(least.sample);
+    if (violation.meets()) look_into(violation);
+    answer.violations.push_back(violation);
+  }
+
+  // Where the surfaces meet: how deep they lie in each other, at the deepest of some moments.
+  void look_into(ExactViolation& violation) {
+    Other& other = other_of(violation.worst.object);
+    if (!are_solid(part_bodies()) || !are_solid(other.bodies)) return;
+    const SeatWalk walk(path_, part_bodies(), other.bodies, other.distance,
+                        kDepthVoxels * voxel_m_);
+    const double from_s = violation.from_s, to_s = violation.to_s;
+    std::vector<double> moments_s{violation.worst.time_s};
+    for (int n = 0; n <= kMomentsDeep; ++n) {
+      moments_s.push_back(std::lerp(from_s, to_s, static_cast<double>(n) / kMomentsDeep));
+    }
+    for (const double time_s : moments_s) {
+      const Depth depth = walk.at_pose(path_.world_from_center(path_.at(time_s)), 0);
+      if (depth.found_m <= violation.depth_m) continue;
+      violation.depth_m = depth.found_m;
+      violation.depth_at_most_m = depth.at_most_m;
+      violation.worst = deepest_moment(time_s, violation.worst.object, depth);
+    }
+  }
+
+  static ExactMoment deepest_moment(double time_s, std::uint32_t object, const Depth& depth) {
+    const glm::dvec3 &part = depth.place_m, &foot = depth.foot_m;
+    return {time_s, 0, object, {part.x, part.y, part.z}, {foot.x, foot.y, foot.z}};
+  }
+
+  // An object of the scene by itself.
+  struct Other {
+    Other(Surface own, const Surface& part, double crack_m)
+        : surface(std::move(own)), bodies(bodies_of(surface, crack_m)), distance(surface, part) {}
+    Surface surface;
+    Bodies bodies;
+    MeshPair distance;
+  };
+  Other& other_of(std::uint32_t object) {
+    auto& other = others_[object];
+    if (!other) {
+      other = std::make_unique<Other>(only(all_, object), part_, kCrackVoxels * voxel_m_);
+    }
+    return *other;
+  }
+
+  const Bodies& part_bodies() {
+    if (part_bodies_.empty()) part_bodies_ = bodies_of(part_, kCrackVoxels * voxel_m_);
+    return part_bodies_;
   }
 
   void take(const Sample& sample) {
@@ -120,8 +185,10 @@ class ExactCheck {
   // Cuts the stretches that are too near by the files down to those that are by the meshes.
   void add_violations(ExactAnswer& answer) {
     std::vector<Piece> pieces;  // that follow each other
-    for (const auto& stretch : request_.stretches) {
+    for (std::size_t n = 0; n < request_.stretches.size(); ++n) {
+      const voxcheck::ProvenStretch& stretch = request_.stretches[n];
       if (!stretch.too_near) continue;
+      walk_.tell(shown("measuring the clearance", n, request_.stretches.size()));
       const auto nearer = walk_.nearer_than(piece_of(stretch), request_.required_m + margin_m_,
                                             kResolutionVoxels * voxel_m_);
       for (const Piece& piece : nearer) {
@@ -137,21 +204,18 @@ class ExactCheck {
   // Settles the objects of the seat: how deep the part goes into them while it is there.
   void add_seat(ExactAnswer& answer) {
     if (request_.seated.empty() || request_.seat.empty()) return;
-    const Bodies part = bodies_of(part_, kCrackVoxels * voxel_m_);
     for (const std::uint32_t object : request_.seat) {
-      const Surface surface = only(all_, object);
-      if (!surface.triangles.empty()) settle(object, surface, part, answer);
+      const Other& other = other_of(object);
+      if (!other.surface.triangles.empty()) settle(object, other, answer);
     }
   }
 
-  void settle(std::uint32_t number, const Surface& surface, const Bodies& part,
-              ExactAnswer& answer) {
-    const Bodies object = bodies_of(surface, kCrackVoxels * voxel_m_);
+  void settle(std::uint32_t number, const Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const bool both = are_solid(part) && are_solid(object);
-    const MeshPair distance(surface, part_);
-    seat.settled = both || !meet(distance);
-    SeatWalk walk(path_, part, object, distance, kDepthVoxels * voxel_m_);
+    const bool both = are_solid(part_bodies()) && are_solid(object.bodies);
+    seat.settled = both || !meet(object.distance);
+    SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kDepthVoxels * voxel_m_);
+    walk.tell(shown("measuring the depth in the seat", answer.seat.size(), request_.seat.size()));
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
@@ -186,14 +250,19 @@ class ExactCheck {
     violation.to_s = path_.time_s(stretch.to);
     violation.pushed_into_seat = true;
     const Depth& worst = stretch.worst;
-    violation.depth_m = worst.found_m > seat.allowed_m ? worst.found_m : worst.at_most_m;
-    const glm::dvec3 &part = worst.place_m, &object = worst.foot_m;
-    violation.worst = {path_.time_s(stretch.worst_at),
-                       0,
-                       seat.object,
-                       {part.x, part.y, part.z},
-                       {object.x, object.y, object.z}};
+    violation.depth_m = worst.found_m;
+    violation.depth_at_most_m = worst.at_most_m;
+    violation.worst = deepest_moment(path_.time_s(stretch.worst_at), seat.object, worst);
     return violation;
+  }
+
+  void add_seated(ExactAnswer& answer) {
+    walk_.tell(shown("measuring the clearance in the seat", 0, 1));
+    for (const auto& [from_s, to_s] : request_.seated) {
+      const auto least = walk_.least({{path_.at(from_s), path_.at(to_s)}}, kDepthVoxels * voxel_m_);
+      answer.seated.push_back(
+          {std::max(0.0, least.at_least_m - margin_m_), exact_moment(least.sample)});
+    }
   }
 
   void add_least(ExactAnswer& answer) {
@@ -211,6 +280,7 @@ class ExactCheck {
   }
 
   const ExactRequest& request_;
+  command::ProgressLine& line_;
   const std::vector<PathRow>& rows_;
   const Surface& part_;
   double voxel_m_, seat_depth_m_;
@@ -220,6 +290,8 @@ class ExactCheck {
   MeshPair everything_, seated_;
   clearance::CenterPath path_;
   ExactWalk walk_;
+  std::map<std::uint32_t, std::unique_ptr<Other>> others_;  // those that were asked for
+  Bodies part_bodies_;
   std::optional<Sample> nearest_;  // so far
 };
 
@@ -231,13 +303,15 @@ Result<ExactAnswer> check_exactly(const ExactRequest& request) {
   const auto shell = open_part(request.part);
   if (!shell) return shell.error();
   std::vector<std::string> warnings;
+  command::ProgressLine line(request.quiet);
+  line.show("reading the meshes", 0);
   const auto scene = read_scene_surface(request, *voxmap, warnings);
   if (!scene) return scene.error();
   const auto part = read_part_surface(request, *shell, warnings);
   if (!part) return part.error();
   const auto rows = voxcheck::read_part_path(request.path, request.scene, request.part);
   if (!rows) return rows.error();
-  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part).answer();
+  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part, line).answer();
   if (answer) answer->warnings = std::move(warnings);
   return answer;
 }

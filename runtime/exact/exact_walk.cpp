@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 
 namespace forcelayer::exact {
@@ -64,11 +65,14 @@ ExactWalk::Least ExactWalk::least(std::vector<Piece> pieces, double within_m,
     if (sample.measured.distance_m < found.sample.measured.distance_m) found.sample = sample;
   };
   if (known) take(*known);
+  double widest_m = 0;  // between what was found and what is proven
   while (!open.empty()) {
     Piece piece = open.top();
     const double enough = found.sample.measured.distance_m - within_m;
     if (piece.least_m >= enough || found.sample.measured.distance_m == 0) break;
     open.pop();
+    widest_m = std::max(widest_m, enough - piece.least_m);
+    progress_(1 - (enough - piece.least_m) / widest_m);
     if (piece.is_measured) {
       const auto [first, second] = cut(piece);
       take(at(first.to, piece.seated));
@@ -95,6 +99,8 @@ std::vector<Piece> ExactWalk::nearer_than(const Piece& whole, double required_m,
     Piece piece = open.back();
     open.pop_back();
     measure(piece);
+    progress_((path_.travel_m(piece.from) - path_.travel_m(whole.from)) /
+              std::max(travel_m(whole), std::numeric_limits<double>::min()));
     if (piece.least_m >= required_m) continue;
     const double from_m = at(piece.from, piece.seated).measured.distance_m;
     const double to_m = at(piece.to, piece.seated).measured.distance_m;

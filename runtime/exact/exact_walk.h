@@ -8,10 +8,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "runtime/clearance/center_path.h"
@@ -20,6 +22,7 @@
 namespace forcelayer::exact {
 
 using clearance::Moment;
+using Progress = std::function<void(double share)>;
 
 // The surfaces at a moment.
 struct Sample {
@@ -42,6 +45,9 @@ class ExactWalk {
   // the part is in its seat. `rounding_m`: of a measured distance.
   ExactWalk(const clearance::CenterPath& path, const MeshPair& everything, const MeshPair& seated,
             double rounding_m);
+
+  // From here on tells how far a search is, as a share of it.
+  void tell(Progress progress) { progress_ = std::move(progress); }
 
   const Sample& at(const Moment& moment, bool seated, double hint_m = kNothingM);
 
@@ -82,6 +88,7 @@ class ExactWalk {
   double rounding_m_;
   std::map<std::tuple<std::size_t, double, bool>, Sample> samples_;
   std::optional<Contradiction> contradiction_;
+  Progress progress_ = [](double) {};
 };
 
 }  // namespace forcelayer::exact

@@ -1,6 +1,7 @@
 #include "runtime/exact/seat_walk.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace forcelayer::exact {
@@ -69,12 +70,15 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
   // Where both ends are too deep, what is between is looked at only this closely.
   const double coarse_m = 64 * resolution_m;
   std::vector<Stretch> found;
+  const double whole_m =
+      std::max(path_.travel_m(to) - path_.travel_m(from), std::numeric_limits<double>::min());
   std::vector<std::pair<Moment, Moment>> open{{from, to}};
   while (!open.empty()) {
     const auto [begin, end] = open.back();
     open.pop_back();
     const Depth &a = at(begin, allowed_m), &b = at(end, allowed_m);
     const double way_m = path_.travel_m(end) - path_.travel_m(begin);
+    progress_((path_.travel_m(begin) - path_.travel_m(from)) / whole_m);
     if ((from_m(a) + from_m(b) + way_m) / 2 <= allowed_m) continue;
     const bool both = std::min(a.found_m, b.found_m) > allowed_m;
     if (way_m > resolution_m && !(both && way_m <= coarse_m)) {

@@ -7,8 +7,10 @@
 // e more where the surfaces are apart.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "runtime/clearance/center_path.h"
@@ -29,6 +31,9 @@ class SeatWalk {
   // The depth at a pose; less closely where it is far from `allowed_m`. Depth::place_m is of the
   // part, Depth::foot_m of the object.
   Depth at_pose(const Pose& world_from_center, double allowed_m) const;
+
+  // From here on tells how far deeper_than() is, as a share of it.
+  void tell(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
   // A stretch of which it is not proven that no place is deeper than allowed.
   struct Stretch {
@@ -55,6 +60,7 @@ class SeatWalk {
   double within_m_, crack_m_ = 0;
   std::map<std::pair<std::size_t, double>, Depth> depths_;
   std::optional<std::pair<Moment, Depth>> deepest_;
+  std::function<void(double)> progress_ = [](double) {};
 };
 
 }  // namespace forcelayer::exact

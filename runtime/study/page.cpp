@@ -92,8 +92,10 @@ std::string facts_table(const Page& page) {
   const Json& least = v["least_clearance"];
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = least.value("at_least", false);
-  table += row("least clearance", at_least ? "at least " + mm(least["clearance_m"])
-                                           : clearance(least) + " to " + name_of(least["object"]));
+  const bool is_seated = !v["seated"].empty();
+  table += row(is_seated ? "least clearance outside of its seat" : "least clearance",
+               at_least ? "at least " + mm(least["clearance_m"])
+                        : clearance(least) + " to " + name_of(least["object"]));
   if (!at_least) {
     table +=
         row("then", text("at %.3f s, at ", least["t_s"].get<double>()) + place(least["point_m"]));
@@ -108,7 +110,9 @@ std::string facts_table(const Page& page) {
   }
   for (const Json& s : v["seated"]) {
     table += row("in its seat",
-                 text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()));
+                 text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()) + ", " +
+                     mm(s["way_m"]) + " of a way of " + mm(v["way_m"]) + "; " + clearance(s) +
+                     " to " + name_of(s["object"]));
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",
@@ -132,6 +136,10 @@ std::string violations_table(const Json& violations) {
       "<th>against</th><th>nearest at, s</th><th>place</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
+    if (v.contains("exact_m") && v["exact_m"] == 0) {
+      how = "the surfaces meet";
+      if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
+    }
     if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
     if (v.value("seat_not_settled", false)) how = "not settled in its seat";
     if (v.value("graze", false)) how += ", a graze";

@@ -38,6 +38,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   }
   request.seat = result.seat_objects;
   request.seat_depth_m = options.seat_depth_m;
+  request.quiet = options.quiet;
   for (const auto& seated : result.seated) request.seated.push_back({seated.from_s, seated.to_s});
   if (options.world_from_seat) {
     const auto& [p, q] = *options.world_from_seat;
@@ -100,6 +101,13 @@ void take(const ExactAnswer& answer, CheckResult& result) {
     violations.push_back(v);
   }
   result.violations = std::move(violations);
+  for (std::size_t n = 0; n < std::min(result.seated.size(), answer.seated.size()); ++n) {
+    const ExactNearest& exact = answer.seated[n];
+    clearance::SeatedStretch& seated = result.seated[n];
+    if (exact.nearest.exact_m >= kNothingM) continue;
+    seated.clearance_m = std::max(seated.clearance_m, exact.clearance_m);
+    seated.nearest = checked(exact.nearest, seated.clearance_m, answer.margin_m);
+  }
   if (answer.least.exact_m >= kNothingM) return;  // no object counts
   // The files may prove more than the measured distance less the deviations.
   result.clearance_m = std::max(result.clearance_m, answer.clearance_m);

@@ -6,10 +6,11 @@ namespace forcelayer::voxcheck {
 // Found by their arguments alone, so not in a nameless namespace.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
-                                   pushed_into_seat, depth_m)
+                                   pushed_into_seat, depth_m, depth_at_most_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, installed_m, allowed_m, deepest_m, settled)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, seat,
-                                   moments, warnings)
+                                   seated, moments, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
 namespace {
@@ -78,7 +79,8 @@ std::string text_of(const ExactRequest& r) {
               {"stretches", r.stretches},
               {"seated", r.seated},
               {"seat_pose", r.seat_pose},
-              {"seat_depth_m", or_null(r.seat_depth_m)}}
+              {"seat_depth_m", or_null(r.seat_depth_m)},
+              {"quiet", r.quiet}}
       .dump();
 }
 
@@ -107,6 +109,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("seated").get_to(r.seated);
         json.at("seat_pose").get_to(r.seat_pose);
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
+        json.at("quiet").get_to(r.quiet);
         return r;
       });
 }

@@ -36,6 +36,7 @@ struct ExactRequest {
   // How much deeper than installed the part may go into an object of its seat; without: as deep as
   // the guard of a run lets a shell point.
   std::optional<double> seat_depth_m;
+  bool quiet = false;  // no line of progress on the terminal
 };
 
 inline constexpr double kNothingM = 1e100;  // farther away than any mesh
@@ -56,7 +57,11 @@ struct ExactViolation {
   // In its seat the part goes deeper into an object than it may. `worst` is the deepest place, and
   // the nearest one of the other surface.
   bool pushed_into_seat = false;
-  double depth_m = 0;
+  // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
+  // that meet elsewhere it is the deepest of a few moments, found coarsely; 0 where one of the two
+  // has no inside.
+  double depth_m = 0, depth_at_most_m = 0;
+  bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
 };
 
 // How deep the part goes into an object of its seat, as the meshes have it.
@@ -70,13 +75,21 @@ struct ExactSeat {
   bool settled = true;
 };
 
+// How near the part comes to all objects that count while it is in its seat: to a thirty-second of
+// a voxel.
+struct ExactNearest {
+  double clearance_m = 0;  // that holds for all of the stretch, deviations and rounding taken off
+  ExactMoment nearest;
+};
+
 struct ExactAnswer {
   double clearance_m = 0;  // that holds along the whole path, deviations and rounding taken off
   double margin_m = 0;     // deviations of scene and part, and rounding
   ExactMoment least;
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
-  std::uint64_t moments = 0;  // at which a distance was measured
+  std::vector<ExactNearest> seated;  // for each of ExactRequest::seated
+  std::uint64_t moments = 0;         // at which a distance was measured
   std::vector<std::string> warnings;
 };
 

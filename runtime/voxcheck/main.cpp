@@ -1,6 +1,7 @@
 // voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/progress_line.h"
+#include "formats/command/report.h"
 #include "formats/command/version.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
@@ -43,7 +46,8 @@ Status prepare_outputs(Options& options) {
   return command::prepare_outputs(outputs, inputs);
 }
 
-Status write_reports(const Report& report, const clearance::CenterPath& path) {
+Status write_reports(const Report& report, const std::vector<PathRow>& rows,
+                     const clearance::CenterPath& path) {
   const Options& options = report.options;
   if (!options.quiet) std::cout << verdict_text(report);
   if (options.github) std::cout << github_lines(report);
@@ -65,7 +69,21 @@ Status write_reports(const Report& report, const clearance::CenterPath& path) {
   if (!options.picture.empty()) {
     if (Status s = draw_picture(report, path); !s) return s;
   }
-  return check_verdict(report);
+  return check_verdict(report, rows.front(), rows.back());
+}
+
+// What a path of another scene would pass by, or a seat that is none.
+void warn_of_nothing_near(const Options& options, const clearance::CheckResult& result) {
+  const auto warn = [&](const std::string& what) {
+    command::note_warning(what);
+    if (!options.quiet) std::fprintf(stderr, "voxcheck: warning: %s\n", what.c_str());
+  };
+  if (options.world_from_seat && result.seat_objects.empty()) {
+    warn("--seat: the part touches nothing there");
+  }
+  if (result.at_least && result.seated.empty() && options.allow.empty()) {
+    warn("the part is never near the scene: is it the part and the path of this scene?");
+  }
 }
 
 Status check(const Options& options) {
@@ -83,14 +101,18 @@ Status check(const Options& options) {
   if (!rows) return rows.error();
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
-  const clearance::CheckRequest request{options.clearance_m, options.threads, *allowed,
-                                        options.world_from_seat, options.felt_seat};
+  command::ProgressLine line(options.quiet);
+  const auto show = [&](double share) { line.show("checking the path", share); };
+  const clearance::CheckRequest request{options.clearance_m,     options.threads,   *allowed,
+                                        options.world_from_seat, options.felt_seat, show};
   auto result = clearance::check_path(*scene, *part, path, request);
+  line.clear();
   if (!result) {
     Error error = result.error();
     if (error.file.empty()) error.file = options.scene;
     return error;
   }
+  warn_of_nothing_near(options, *result);
   std::optional<ExactAnswer> exact;
   if (!options.meshes.empty()) {
     auto settled = settle_exactly(options, *allowed, *result);
@@ -98,7 +120,7 @@ Status check(const Options& options) {
     exact = std::move(*settled);
   }
   return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
-                       path);
+                       *rows, path);
 }
 
 int run(int argc, char** argv) {

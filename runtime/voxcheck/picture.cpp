@@ -21,7 +21,7 @@ std::string pose_text(const Pose& pose) {
 struct Shown {
   const CheckedMoment& moment;
   const ExactMoment* exact = nullptr;
-  const clearance::Violation* pushed = nullptr;  // into its seat
+  const clearance::Violation* deep = nullptr;  // how deep it goes into something is known
 };
 
 Shown shown_of(const Report& report) {
@@ -30,7 +30,7 @@ Shown shown_of(const Report& report) {
     const auto& worst = worst_of(report.result);
     const ExactViolation* exact = exact_of(report, worst);
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
-            worst.pushed_into_seat ? &worst : nullptr};
+            worst.depth_m > 0 ? &worst : nullptr};
   }
   const bool known = report.exact && report.exact->least.exact_m < kNothingM;
   return {report.result.least, known ? &report.exact->least : nullptr};
@@ -48,7 +48,7 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
     object = {p[0], p[1], p[2]};
     words = text("%.3f mm", 1e3 * shown.exact->exact_m);
   }
-  if (shown.pushed != nullptr) words = text("%.3f mm deep", 1e3 * shown.pushed->depth_m);
+  if (shown.deep != nullptr) words = text("%.3f mm deep", 1e3 * shown.deep->depth_m);
   std::vector<std::string> options{"--measure", point_text(part) + "," + point_text(object),
                                    "--measure-words", words};
   if (moment.object != 0) {

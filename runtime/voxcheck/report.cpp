@@ -43,6 +43,15 @@ std::string most_text(const CheckedMoment& moment) {
   return text(", at most %.3f mm", ceil_mm(moment.most_m));
 }
 
+// Depths that were found, rounded down: they are no more than the true ones.
+std::string meeting_text(const Report& report, const ExactViolation& exact) {
+  std::string line = "the surfaces meet";
+  if (exact.depth_m > 0) line += text(", at least %.3f mm deep", floor_mm(exact.depth_m));
+  if (exact.worst.object == 0) return line;
+  return line + (exact.depth_m > 0 ? " in " : ": ") +
+         escaped(object_name(report.scene, exact.worst.object));
+}
+
 std::string exact_text(const Report& report, const ExactViolation& exact) {
   if (!exact.graze) return text("%.3f mm exact", 1e3 * exact.worst.exact_m);
   return text("a graze, %.6f mm exact and %.6f mm of deviations and rounding",
@@ -69,8 +78,13 @@ std::string pushed_text(const Report& report, const Violation& v) {
            place_text(v.worst);
   }
   const ExactSeat* seat = exact_seat(report, v.worst.object);
-  return text("pushed %.3f mm deep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
-              1e3 * v.depth_m, object.c_str(), 1e3 * seat->installed_m, 1e3 * seat->allowed_m) +
+  // Between what was found and what is proven, what is allowed may lie.
+  const double most_m = exact_of(report, v)->depth_at_most_m;
+  const std::string most =
+      v.depth_m > seat->allowed_m ? "" : text("and at most %.3f mm ", ceil_mm(most_m));
+  return text("pushed %.3f mm %sdeep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
+              1e3 * v.depth_m, most.c_str(), object.c_str(), 1e3 * seat->installed_m,
+              1e3 * seat->allowed_m) +
          place_text(v.worst);
 }
 
@@ -94,6 +108,7 @@ std::string violation_text(const Report& report, const Violation& v) {
   if (v.worst.beyond_side)
     return line + "beyond a cropped side of the scene, where nothing is known";
   if (const ExactViolation* exact = exact_of(report, v)) {
+    if (exact->meets()) return line + meeting_text(report, *exact) + ", " + place_text(v.worst);
     return line + exact_text(report, *exact) + to_object(report, v.worst.object) + ", " +
            place_text(v.worst);
   }
@@ -141,9 +156,34 @@ std::string seat_depth_text(const Report& report) {
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
   return text(
-      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm, into %s\n",
+      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm deeper, into "
+      "%s\n",
       1e3 * (deepest->allowed_m - deepest->installed_m), 1e3 * std::max(0.0, deeper(*deepest)),
       escaped(object_name(report.scene, deepest->object)).c_str());
+}
+
+// The measurement of a stretch in the seat; null without --exact, and where no object counts.
+const ExactMoment* exact_in_seat(const Report& report, std::size_t stretch) {
+  if (!report.exact || stretch >= report.exact->seated.size()) return nullptr;
+  const ExactMoment& nearest = report.exact->seated[stretch].nearest;
+  return nearest.exact_m < kNothingM ? &nearest : nullptr;
+}
+
+// How long the part is in its seat, and how near it comes to what there.
+std::string seat_way_text(const Report& report) {
+  std::string lines;
+  for (std::size_t n = 0; n < report.result.seated.size(); ++n) {
+    const clearance::SeatedStretch& seated = report.result.seated[n];
+    const ExactMoment* exact = exact_in_seat(report, n);
+    lines +=
+        text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ",
+             1e3 * seated.way_m, 1e3 * report.result.way_m) +
+        (exact != nullptr
+             ? text("%.3f mm exact", 1e3 * exact->exact_m)
+             : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
+        to_object(report, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
+  }
+  return lines;
 }
 
 // Whether nothing is wrong but that a seat is not settled.
@@ -154,13 +194,16 @@ bool is_only_unsettled(const CheckResult& result) {
 
 std::string least_text(const Report& report) {
   const CheckResult& r = report.result;
+  const char* const outside = r.seated.empty() ? "" : "outside of its seat ";
   if (report.exact && report.exact->least.exact_m < kNothingM) {
-    return text("least clearance %.3f mm exact%s, ", 1e3 * report.exact->least.exact_m,
+    return text("least clearance %s%.3f mm exact%s, ", outside, 1e3 * report.exact->least.exact_m,
                 to_object(report, r.least.object).c_str()) +
            place_text(r.least);
   }
-  if (r.at_least) return text("at least %.3f mm, nothing is nearer", floor_mm(r.clearance_m));
-  return text("least proven clearance %.3f mm%s%s, ", floor_mm(r.clearance_m),
+  if (r.at_least) {
+    return text("%sat least %.3f mm, nothing is nearer", outside, floor_mm(r.clearance_m));
+  }
+  return text("least proven clearance %s%.3f mm%s%s, ", outside, floor_mm(r.clearance_m),
               most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
          place_text(r.least);
 }
@@ -201,8 +244,9 @@ Json violation_json(const Report& report, const Violation& v) {
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
   json["seat_not_settled"] = v.unsettled_seat;
-  if (v.pushed_into_seat) json["depth_m"] = v.depth_m;
+  if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report, v)) {
+    if (v.depth_m > 0) json["depth_at_most_m"] = exact->depth_at_most_m;
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
   }
@@ -253,6 +297,48 @@ Status write_text(const std::string& path, const std::string& content) {
   return file->commit();
 }
 
+// A violation in a few words.
+std::string gist_of(const Report& report, const Violation& v) {
+  if (v.unsettled_seat) return "its seat is not settled";
+  if (v.pushed_into_seat) {
+    return "pushed too deep into " + escaped(object_name(report.scene, v.worst.object));
+  }
+  if (v.worst.beyond_side) return "beyond a cropped side of the scene";
+  const ExactViolation* exact = exact_of(report, v);
+  const std::string to = to_object(report, v.worst.object);
+  if (exact == nullptr) return text("%.3f mm proven", floor_mm(v.clearance_m)) + to;
+  if (exact->meets()) return "the surfaces meet";
+  if (exact->graze) return "a graze" + to;
+  return text("%.3f mm exact", 1e3 * exact->worst.exact_m) + to;
+}
+
+// As --seat takes it.
+std::string seat_of(const PathRow& row) {
+  const auto& p = row.position_m;
+  const auto& q = row.orientation_wxyz;
+  // Adding zero turns -0 to 0.
+  std::string pose = text("%.9g,%.9g,%.9gm", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
+  if (std::max({std::abs(q[1]), std::abs(q[2]), std::abs(q[3])}) > 1e-9) {
+    pose += text(",%.9g,%.9g,%.9g,%.9g", q[0], q[1], q[2], q[3]);
+  }
+  return pose;
+}
+
+// Where the part is too near at an end of its path, it may be installed there.
+std::string seat_mend(const Report& report, const PathRow& first, const PathRow& last) {
+  if (report.options.world_from_seat) return "";
+  const auto any = [&](const auto& is_so) {
+    const auto& all = report.result.violations;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Violation& v) { return !v.worst.beyond_side && is_so(v); });
+  };
+  const bool begins = any([&](const Violation& v) { return v.from_s <= first.time_s; });
+  const bool ends = any([&](const Violation& v) { return v.to_s >= last.time_s; });
+  if (!begins && !ends) return "";
+  return text("if it is installed at the path's %s, give --seat ", begins ? "beginning" : "end") +
+         seat_of(begins ? first : last);
+}
+
 std::string required_text(const Report& report) {
   return text("%.3f mm required", report.options.clearance_m * 1e3);
 }
@@ -263,7 +349,10 @@ const Violation& worst_of(const CheckResult& result) {
   return *std::min_element(result.violations.begin(), result.violations.end(),
                            [](const Violation& a, const Violation& b) {
                              if (a.unsettled_seat != b.unsettled_seat) return b.unsettled_seat;
-                             return a.worst.clearance_m < b.worst.clearance_m;
+                             if (a.worst.clearance_m != b.worst.clearance_m) {
+                               return a.worst.clearance_m < b.worst.clearance_m;
+                             }
+                             return a.depth_m > b.depth_m;
                            });
 }
 
@@ -284,7 +373,7 @@ std::string verdict_text(const Report& report) {
   std::string line = seat_text(report);
   if (r.clear()) {
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
-           seat_depth_text(report);
+           seat_way_text(report) + seat_depth_text(report);
   }
   if (is_only_unsettled(r)) {
     line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
@@ -300,6 +389,7 @@ std::string verdict_text(const Report& report) {
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
+  line += seat_way_text(report);
   return is_only_unsettled(r) ? line : line + seat_depth_text(report);
 }
 
@@ -318,13 +408,18 @@ Json report_json(const Report& report) {
   }
   json["missing_faces"] = missing_faces(report.scene, report.part);
   json["poses"] = r.poses;
+  json["way_m"] = r.way_m;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;
   json["violations"] = Json::array();
   for (const Violation& v : r.violations) json["violations"].push_back(violation_json(report, v));
   json["seated"] = Json::array();
-  for (const auto& stretch : r.seated) {
-    json["seated"].push_back({{"from_s", stretch.from_s}, {"to_s", stretch.to_s}});
+  for (std::size_t n = 0; n < r.seated.size(); ++n) {
+    const clearance::SeatedStretch& seated = r.seated[n];
+    Json stretch{{"from_s", seated.from_s}, {"to_s", seated.to_s}, {"way_m", seated.way_m}};
+    stretch.update(moment_json(report, seated.nearest, seated.clearance_m));
+    if (const ExactMoment* exact = exact_in_seat(report, n)) add_exact(stretch, *exact);
+    json["seated"].push_back(stretch);
   }
   json["seat"] = Json::array();
   for (const std::uint32_t object : r.seat_objects) {
@@ -397,13 +492,13 @@ Json code_quality_json(const Report& report) {
   return list;
 }
 
-Status check_verdict(const Report& report) {
+Status check_verdict(const Report& report, const PathRow& first, const PathRow& last) {
   if (report.result.clear()) return {};
   const Violation& worst = worst_of(report.result);
-  return Error{ErrorCode::kAnswerIsNo, report.options.part, text("at %.3f s", worst.worst.time_s),
+  return Error{ErrorCode::kAnswerIsNo, report.options.path, text("at %.3f s", worst.worst.time_s),
                required_text(report) + (report.exact ? ", but not kept: " : ", but not proven: ") +
-                   violation_text(report, worst),
-               ""};
+                   gist_of(report, worst),
+               seat_mend(report, first, last)};
 }
 
 }  // namespace forcelayer::voxcheck

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/path/path_file.h"
 #include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
@@ -52,7 +53,8 @@ std::string github_lines(const Report& report);
 // The list that GitLab calls Code Quality.
 nlohmann::ordered_json code_quality_json(const Report& report);
 
-// An error where the path is not clear. Errors: kAnswerIsNo.
-Status check_verdict(const Report& report);
+// An error where the path is not clear; `first` and `last` of its poses tell where the part may be
+// installed. Errors: kAnswerIsNo.
+Status check_verdict(const Report& report, const PathRow& first, const PathRow& last);
 
 }  // namespace forcelayer::voxcheck

@@ -131,7 +131,7 @@ class GitHub(Host):
     def check_red(self):
         line, = [line for line in self.said.splitlines() if line.startswith("::error ")]
         assert line.startswith("::error file=paths/along_brackets.csv,title=clearance::10.000 mm required; "), line
-        assert names_all(line.replace("paths/along_brackets.csv", "part.pshell")), line
+        assert names_all(line), line
 
 
 class GitLab(Host):
@@ -158,7 +158,7 @@ class GitLab(Host):
         quality = self.kept(self.job()["artifacts"]["reports"]["codequality"])[0]
         found, = json.loads(quality.read_text())
         assert found["location"]["path"] == "paths/along_brackets.csv", found
-        assert names_all("part.pshell " + found["description"]), found
+        assert names_all(found["location"]["path"] + found["description"]), found
 
 
 class Slurm(Host):
@@ -178,8 +178,8 @@ HOSTS = {"github": (GitHub, "github.yml"), "gitlab": (GitLab, "gitlab.yml"), "sl
 
 
 def names_all(text):
-    """Whether a line names the time, both objects and the distance."""
-    return all(word in text for word in (" s: ", BRACKET, "part.pshell", " mm exact to "))
+    """Whether a line names the time, the path, the object and the distance."""
+    return all(word in text for word in (" s: ", BRACKET, "paths/along_brackets.csv", " mm exact to "))
 
 
 def verdict(folder, name):

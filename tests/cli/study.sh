@@ -55,6 +55,9 @@ assert ("img" in [tag for tag, _ in tags]) == (sys.argv[1] == "") and "svg" in [
 said = " ".join(texts)
 assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox" in said
 assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
+[seated] = verdict["seated"]
+assert "least clearance outside of its seat" in said
+assert f"{1e3 * seated['way_m']:.3f} mm of a way of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
 END
 
 # A number that is none is refused before anything is baked.

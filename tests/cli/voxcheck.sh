@@ -15,7 +15,12 @@ check() {
   shift
   "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
   [ "$status" -eq "$wanted" ] || { cat out.txt err.txt; fail "status $status instead of $wanted: $*"; }
-  [ "$(wc -l <err.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
+  grep -v '^voxcheck: warning: ' err.txt >lines.txt || true
+  [ "$(wc -l <lines.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
+  grep '^voxcheck: warning: ' err.txt >warnings.txt || true
+}
+warns() { grep -qF -e "$1" warnings.txt && [ "$(wc -l <warnings.txt)" -eq 1 ] || { cat err.txt; fail "no warning '$1' alone"; }; }
+silent() { [ ! -s warnings.txt ] || { cat err.txt; fail "warned without need"; }
 }
 says() { grep -qE -e "$1" out.txt || { cat out.txt; fail "not said: '$1'"; }; }
 errs() { grep -qE -e "$1" err.txt || { cat err.txt; fail "no '$1' on stderr"; }; }
@@ -55,7 +60,9 @@ check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv 
   --code-quality quality.json --github
 says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
 says '^::error file=through\.csv,title=clearance::12\.700 mm required; 0\.[0-9]+ to 0\.[0-9]+ s: 0\.000 mm proven'
-errs '^voxcheck: cover\.pshell: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: '
+# The path is what is wrong, in a few words; it begins and ends too far away to be installed there.
+errs '^voxcheck: through\.csv: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: 0\.000 mm proven to Gearbox/[A-Za-z/]+$'
+silent
 python3 - <<'PYTHON'
 import csv, json, xml.etree.ElementTree as tree
 report, quality = json.load(open("through.json")), json.load(open("quality.json"))
@@ -74,28 +81,51 @@ assert suite.get("failures") == "1" and "mm proven" in suite.find("testcase/fail
 PYTHON
 
 # The seat: until the part has left it, only other objects count; without one it is a violation.
+# Then it is said how to tell where the part is installed.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm
+errs "; if it is installed at the path's beginning, give --seat 0,0,0m$"
+silent
 # There, narrow features are not felt: that is said, and it is not clear before it is accepted or settled.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --junit open.xml --github
 says '^NOT clear: its seat is not settled; seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
 says '^::error file=out\.csv.*not settled.*narrower than 1\.73 mm are not felt; settle with --exact, or accept with --felt-seat$'
-errs 'not settled: in its seat'
+errs '^voxcheck: out\.csv: at 0\.000 s: 1\.000 mm required, but not proven: its seat is not settled$'
 python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("open.json"))
 [violation] = report["violations"]
 assert report["verdict"] == "not clear" and report["seat_settled"] is False, report
 assert violation["seat_not_settled"] and not violation["pushed_into_seat"], violation
-assert [violation["from_s"], violation["to_s"]] == list(report["seated"][0].values()), violation
+assert [violation["from_s"], violation["to_s"]] == list(report["seated"][0].values())[:2], violation
 assert "not settled" in tree.parse("open.xml").getroot().find("testcase/failure").get("message")
 PYTHON
 felt=(--seat 0,0,0m --felt-seat)
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json out.json
 says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
+says '; least proven clearance outside of its seat [12]\.[0-9]{3} mm, at most '
+says '^  in its seat for [1-5]\.[0-9] mm of a way of 48\.0 mm: least clearance there 0\.000 mm proven, at most [01]\.[0-9]+ mm to Gearbox/'
 says '^  in its seat it may pass through features of those objects narrower than 1\.73 mm$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
 says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
+silent
+check 6 opened.vox cover.pshell in.csv --clearance 1mm
+errs "; if it is installed at the path's end, give --seat 0,0,0m$"
+# The pose is as --seat takes it.
+printf 't_s,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n0,0,0,0,0,0,180\n1,0,0,60,0,0,180\n' >turned.csv
+check 6 opened.vox cover.pshell turned.csv --clearance 1mm
+errs '--seat 0,0,0m,[0-9.e+-]+,[0-9.e+-]+,[0-9.e+-]+,[0-9.e+-]+$'
+turned_seat=$(sed 's/.*--seat //' err.txt)
+check 0 opened.vox cover.pshell turned.csv --clearance 1mm --felt-seat --seat "$turned_seat" --allow 'Clip/*' --allow Pin
+# A seat in which nothing is touched; a path of another scene.
+check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,100mm
+warns 'warning: --seat: the part touches nothing there'
+printf 't_s,x_m,y_m,z_m\n0,5,0,0\n1,5,0,1\n' >astray.csv
+check 0 opened.vox cover.pshell astray.csv --json astray.json
+warns 'warning: the part is never near the scene: is it the part and the path of this scene?'
+grep -A 1 '"warnings": \[' astray.json | grep -q 'never near the scene' || fail "the report does not warn"
+check 0 opened.vox cover.pshell astray.csv --quiet
+silent
 check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
 check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
@@ -113,6 +143,7 @@ grep -q '"pushed_into_seat": true' pushed.json || fail "not pushed in"
 # One path, however it is written; however many threads.
 check 0 opened.vox cover.pshell mm.csv --clearance 1mm "${felt[@]}" --json mm.json
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json threads.json --threads 5
+check 0 opened.vox cover.pshell out.csv --clearance 5mm "${felt[@]}" --allow 'Clip/*' --allow Pin --json wider.json  # in its seat for longer
 "$bin/voxrun" opened.vox cover.pshell --motion out.csv --as-fast-as-possible --quiet --trace trace.csv \
   --save-path path.csv --record run.flr
 for kind in trace.csv path.csv run.flr; do
@@ -124,6 +155,14 @@ def told(name):
     report = json.load(open(name))
     return {key: report[key] for key in report if key not in ("seconds", "threads", "input_files")}
 assert told("out.json") == told("threads.json")
+# Its way in the seat: it rises by 60 mm/s from 0.2 s on, and lies on the housing before.
+for name in ("out.json", "wider.json"):
+    report = told(name)
+    [seated] = report["seated"]
+    assert abs(report["way_m"] - 0.048) < 1e-9, report["way_m"]
+    assert abs(seated["way_m"] - 0.06 * (seated["to_s"] - 0.2)) < 1e-6, seated
+    assert seated["clearance_m"] == 0 <= seated["at_most_m"] < 0.002 and seated["t_s"] <= 0.2, seated
+assert told("wider.json")["seated"][0]["way_m"] > told("out.json")["seated"][0]["way_m"] + 0.003
 assert told("trace.json") == told("path.json") == told("run.json")
 a, b = told("out.json"), told("mm.json")
 assert abs(a["least_clearance"]["clearance_m"] - b["least_clearance"]["clearance_m"]) < 1e-9, (a, b)
@@ -148,6 +187,10 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --junit graze.xml
   says 'a graze, [23]\.[0-9]+ mm exact and 0\.000[0-9]+ mm of deviations and rounding to Gearbox/Housing'
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
+  says 'the surfaces meet, at least [1-9]\.[0-9]{3} mm deep in Gearbox/Housing, at 0\.[0-9]+ s'
+  # Where surfaces meet it is no graze, however little is required.
+  check 6 opened.vox cover.pshell through.csv --clearance 0mm "${exact[@]}" --json met.json
+  says 'the surfaces meet, at least '
   check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json seated.json
   python3 - <<'PYTHON'
 import json
@@ -165,9 +208,14 @@ assert v["clearance_m"] <= 0.003 <= v["at_most_m"] and not v["graze"], v
 assert all(v["graze"] and abs(v["exact_m"] - 0.003) < 1e-8 for v in graze["violations"]), graze
 [v] = crossed["violations"]
 assert v["exact_m"] == 0 and v["from_s"] < 0.5 < v["to_s"], v
+apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 0.5
+assert 0.001 < v["depth_m"] <= v["depth_at_most_m"] and abs(apart - v["depth_m"]) < 1e-6, (apart, v)
+assert not any(v["graze"] for v in json.load(open("met.json"))["violations"])
 # It left its seat 1.6 mm up, and rose.
 exact = seated["least_clearance"]["exact_m"]
 assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["least_clearance"]
+[stretch] = seated["seated"]
+assert stretch["exact_m"] < 1e-5 and stretch["at_most_m"] < 1e-4 and 0.001 < stretch["way_m"] < 0.005, stretch
 [seat] = seated["seat_depths"]
 assert seated["seat_settled"] and seat["object"] == "Gearbox/Housing", seated
 assert seat["deepest_m"] <= seat["allowed_m"] < 0.0003, seat
@@ -189,7 +237,21 @@ PYTHON
     says 'pushed 1\.[0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.555 mm allowed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
-    says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm, into Gearbox/Lid/Bolt$'
+    says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm deeper, into Gearbox/Lid/Bolt$'
+    # Where what is allowed lies between what is found and what is proven, both are said.
+    check 6 "${held[@]}" "${meshes[@]}" --seat-depth 1.505mm --json barely.json
+    says 'pushed [0-9.]+ mm and at most [0-9.]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and [0-9.]+ mm allowed, at '
+    python3 - <<'PYTHON'
+import json, re
+report = json.load(open("barely.json"))
+[v] = report["violations"]
+seat = max(report["seat_depths"], key=lambda seat: seat["deepest_m"])
+assert v["depth_m"] < seat["allowed_m"] < v["depth_at_most_m"], (v, seat)
+assert abs(v["depth_m"] - seat["deepest_m"]) < 1e-12, (v, seat)
+said = open("out.txt").read()
+pushed, deepest = (re.search(words + " ([0-9.]+) mm", said)[1] for words in ("pushed", "deepest found"))
+assert pushed == deepest, said  # it is installed 0 mm deep
+PYTHON
     python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("through_bolt.json"))
@@ -201,6 +263,18 @@ apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 
 assert abs(apart - v["depth_m"]) < 1e-6, (apart, v)
 assert "deep into Gearbox/Lid/Bolt" in tree.parse("through_bolt.xml").getroot().find("testcase/failure").get("message")
 PYTHON
+  fi
+  # On a terminal a line shows how far it is, and is gone at the end.
+  if command -v script >/dev/null; then
+    call="$bin/voxcheck opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --exact $data/gearbox.glb"
+    call+=" --without Lid --part $data/gearbox.glb#Cover --allow 'Clip/*' --allow Pin"
+    script -qec "$call" /dev/null </dev/null >seen.txt
+    for stage in 'checking the path' 'reading the meshes'; do
+      grep -qF "$stage" seen.txt || fail "no progress: $(cat -v seen.txt)"
+    done
+    python3 -c 'text = open("seen.txt").read(); assert "%" not in text[text.rindex("\x1b[K"):]' || fail "a line is left"
+    script -qec "$call --quiet" /dev/null </dev/null >seen.txt
+    ! grep -q '%' seen.txt || fail "progress of a quiet command: $(cat -v seen.txt)"
   fi
   check 4 opened.vox cover.pshell sideways.csv --exact "$data/gearbox.glb" --part "$data/gearbox.glb#Cover"
   errs 'opened\.vox: --exact: was not baked from these meshes: they have 3600 triangles'

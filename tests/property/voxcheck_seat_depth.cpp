@@ -329,6 +329,41 @@ TEST(Body, HoldsThePlacesThatItsTrianglesWindAround) {
   EXPECT_GT(inside, 40);
 }
 
+// The same places counted by a ray and by solid angles, in a body whose faces run to either side.
+TEST(Body, CountsWindingsByARayAsBySolidAngles) {
+  Surface surface = united(tube(24, 0.3, 1, 0.7), box({0.2, 0.9, 0.4}), {0.5, 0, 0.1});
+  surface.object.assign(surface.triangles.size(), 1);
+  const Bodies bodies = bodies_of(surface, 0.01);
+  ASSERT_TRUE(are_solid(bodies));
+  const part::Part& part = bodies[0]->tree().part();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> at(-1.5, 1.5);
+  int told = 0, most = 0;
+  for (int n = 0; n < 3000; ++n) {
+    part::Vec3 place{at(random), at(random), at(random)};
+    if (n % 3 == 0) place = part.vertices[n % part.vertices.size()] + 1e-5 * place;
+    if (n % 7 == 0) place.z = 0.7;  // in a face's plane
+    double sum = 0;
+    for (const mesh::Triangle& t : part.triangles) {
+      sum += certificate::triangle_winding(place, part.vertices[t[0]], part.vertices[t[1]],
+                                           part.vertices[t[2]]);
+    }
+    if (std::abs(sum - std::round(sum)) > 1e-3) continue;  // on a face
+    const auto windings = bodies[0]->windings_by_ray(place);
+    if (!windings) continue;
+    ++told;
+    most = std::max(most, *windings);
+    ASSERT_EQ(*windings, std::lround(sum)) << n;
+  }
+  EXPECT_GT(told, 2500);
+  EXPECT_EQ(most, 2);
+  // Through an edge, and from a face: not told.
+  const glm::dvec3 edge = surface.vertices_m[surface.triangles[0][0]];
+  EXPECT_FALSE(bodies[0]->windings_by_ray(vec3_of(edge)));
+  EXPECT_FALSE(
+      bodies[0]->windings_by_ray(vec3_of(edge - glm::dvec3(0.5437211, 0.2913847, 0.7870619))));
+}
+
 TEST(Body, MeetsThePiecesThatCrossItsTrianglesAndNoOthers) {
   std::mt19937 random(29);
   std::uniform_real_distribution<double> unit(-1.3, 1.3);
