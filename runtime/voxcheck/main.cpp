@@ -72,7 +72,7 @@ Status write_reports(const Report& report, const std::vector<PathRow>& rows,
   return check_verdict(report, rows.front(), rows.back());
 }
 
-// What a path of another scene would pass by, or a seat that is none.
+// Warns of a path that passes because it is of another scene, or of a seat that is none.
 void warn_of_nothing_near(const Options& options, const clearance::CheckResult& result) {
   const auto warn = [&](const std::string& what) {
     command::note_warning(what);
