@@ -23,6 +23,11 @@ Error refused(const std::string& name, int error) {
   return {ErrorCode::kInternal, "", name, std::string("cannot be started: ") + strerror(error), ""};
 }
 
+// Also where it stands there already, in a program that was started without that stream.
+bool takes_place(int descriptor, int place) {
+  return descriptor == place ? fcntl(place, F_SETFD, 0) == 0 : dup2(descriptor, place) >= 0;
+}
+
 // Becomes the program in a process just forked: only calls that a signal handler may make. Writes
 // errno to `failure` where it cannot.
 [[noreturn]] void become(const char* program, char* const* argv, int in, int out, int failure,
@@ -30,7 +35,7 @@ Error refused(const std::string& name, int error) {
   // It ends when its parent does, however that ends: nobody would read what it makes.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(128 + SIGTERM);
-  if (dup2(in, STDIN_FILENO) >= 0 && (out < 0 || dup2(out, STDOUT_FILENO) >= 0)) {
+  if (takes_place(in, STDIN_FILENO) && (out < 0 || takes_place(out, STDOUT_FILENO))) {
     execve(program, argv, environ);
   }
   const int error = errno;
