@@ -78,13 +78,7 @@ class TriangleTree {
     visit_where([&](const Node& node) { return node.meets_cube(middle, half_edge); }, visit);
   }
 
-  const Part& part() const { return *part_; }
-  std::span<const Node> nodes() const { return nodes_; }
-  std::span<const std::uint32_t> ordered_triangles() const { return ordered_; }
-
- private:
-  static constexpr std::size_t kMaxDepth = 96;  // of a tree over 2^32 triangles, halved each time
-
+  // The same for the triangles of all leaves that test(node) lets through, with all nodes above.
   template <typename Test, typename Visit>
   void visit_where(const Test& test, const Visit& visit) const {
     std::array<std::uint32_t, kMaxDepth> stack;
@@ -101,6 +95,14 @@ class TriangleTree {
       }
     }
   }
+
+  const Part& part() const { return *part_; }
+  std::span<const Node> nodes() const { return nodes_; }
+  std::span<const std::uint32_t> ordered_triangles() const { return ordered_; }
+
+ private:
+  static constexpr std::size_t kMaxDepth = 96;  // of a tree over 2^32 triangles, halved each time
+
   struct Placed {
     Vec3 centroid;
     std::uint32_t triangle;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -94,14 +93,15 @@ std::optional<int> crossing_of(const part::Piece& triangle, const Vec3& place, d
   const Vec3 a = triangle[0] - place, b = triangle[1] - place, c = triangle[2] - place;
   const double of_edges[] = {part::dot(kRay, part::cross(a, b)), part::dot(kRay, part::cross(b, c)),
                              part::dot(kRay, part::cross(c, a))};
-  const auto [low, high] = std::minmax_element(std::begin(of_edges), std::end(of_edges));
+  const double low = std::min({of_edges[0], of_edges[1], of_edges[2]});
+  const double high = std::max({of_edges[0], of_edges[1], of_edges[2]});
   const double off = kRayRounding * reach * reach;
-  if (*low<-off&& * high> off) return 0;  // the line passes beside it
-  if (!(*low > off || *high < -off)) return std::nullopt;
+  if (low < -off && high > off) return 0;  // the line passes beside it
+  if (!(low > off || high < -off)) return std::nullopt;
   // The line goes through: ahead of the place or behind it?
   const double volume = part::dot(a, part::cross(b, c));
   if (!(std::abs(volume) > off * reach)) return std::nullopt;
-  const int side = *low > 0 ? 1 : -1;
+  const int side = low > 0 ? 1 : -1;
   return (volume > 0) == (side > 0) ? side : 0;
 }
 
@@ -159,24 +159,13 @@ std::optional<int> Body::windings_by_ray(const Vec3& place) const {
     reach += std::max(std::abs(whole.low[n] - at), std::abs(whole.high[n] - at));
   }
   const double off = kRayRounding * reach;
-  int windings = 0;
-  std::array<std::uint32_t, 96> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t at = stack[--depth];
-    const part::TriangleTree::Node& node = tree_.nodes()[at];
-    if (!may_cross(node, place, off)) continue;
-    for (std::uint32_t n = 0; n < node.count; ++n) {
-      const auto crossing = crossing_of(
-          part::triangle_piece(part_, tree_.ordered_triangles()[node.first + n]), place, reach);
-      if (!crossing) return std::nullopt;
-      windings += *crossing;
-    }
-    if (node.count > 0) continue;
-    stack[depth++] = node.first;
-    stack[depth++] = at + 1;
-  }
+  std::optional<int> windings = 0;
+  tree_.visit_where(
+      [&](const part::TriangleTree::Node& node) { return windings && may_cross(node, place, off); },
+      [&](std::uint32_t triangle) {
+        const auto crossing = crossing_of(part::triangle_piece(part_, triangle), place, reach);
+        windings = windings && crossing ? std::optional(*windings + *crossing) : std::nullopt;
+      });
   return windings;
 }
 
