@@ -47,9 +47,11 @@ wait $!
 # A plugin needs one header and a C compiler.
 cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
   "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
-"$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
-  --plugin-args depth=0.01 --world-from-device 0.1m,0.1m,0.1m --duration 200ms --stale-limit 50ms ||
-  fail "the plugin"
+for try in {1..20}; do
+  "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
+    --plugin-args depth=0.01 --world-from-device 0.1m,0.1m,0.1m --duration 200ms --stale-limit 50ms 2>error.txt && break
+  grep -qE 'late|no fresh reading' error.txt && [ $try -lt 20 ] || fail "the plugin: $(cat error.txt)"  # a busy machine
+done
 status=0
 "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
   --plugin-args nonsense 2>error.txt || status=$?
