@@ -171,13 +171,6 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   return options;
 }
 
-void warn(const Arguments& arguments, const std::string& text) {
-  command::note_warning(text);
-  if (arguments.quiet) return;
-  command::wipe_progress_line();
-  std::fprintf(stderr, "pointshell: warning: %s\n", escaped(text).c_str());
-}
-
 // Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
 Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
                              std::vector<std::string>& warnings, command::ProgressLine& progress) {
@@ -195,7 +188,7 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
   auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
   warnings = std::move(files->warnings);
-  for (const std::string& warning : warnings) warn(arguments, warning);
+  for (const std::string& warning : warnings) command::warn(warning, arguments.quiet);
   return std::move(files->part);
 }
 
@@ -243,13 +236,13 @@ Status bake_command(const Arguments& arguments) {
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
   if (!imprecise.empty()) {
     warnings.push_back(imprecise);
-    warn(arguments, imprecise);
+    command::warn(imprecise, arguments.quiet);
   }
   const BakeCost expected = expected_cost(*part, *options);
   if (const std::string cost = cost_warning(expected, *options, *part); !cost.empty()) {
     progress.clear();
     warnings.push_back(cost);
-    warn(arguments, cost);
+    command::warn(cost, arguments.quiet);
   }
   const double read_s = now_s() - started_s;
   constexpr double kWritingFrom = 0.98;
@@ -263,7 +256,7 @@ Status bake_command(const Arguments& arguments) {
     if (warning.empty()) continue;
     warnings.push_back(warning);
     progress.clear();
-    warn(arguments, warning);
+    command::warn(warning, arguments.quiet);
   }
   PshellContent content = shell->content();
   const std::string origin = provenance(*part, *options);

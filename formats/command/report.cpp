@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "formats/command/command.h"
+#include "formats/command/progress_line.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/mapped_file.h"
@@ -114,6 +115,13 @@ Status write_report(const std::string& path, const Json& report) {
 }
 
 void note_warning(const std::string& text) { begun.warnings.push_back(text); }
+
+void warn(const std::string& text, bool quiet) {
+  note_warning(text);
+  if (quiet) return;
+  wipe_progress_line();
+  std::fprintf(stderr, "%s: warning: %s\n", program_invocation_short_name, escaped(text).c_str());
+}
 
 void report_failure(const Error& error) {
   if (begun.path.empty() && !expected.empty() && may_report_to(expected)) begun.path = expected;

@@ -28,6 +28,9 @@ void begin_report(const std::string& path, std::span<const std::string> inputs);
 // Has the report of a failure hold this warning. The report of a success names its own.
 void note_warning(const std::string& text);
 
+// Prints a warning on stderr, unless `quiet`, and notes it.
+void warn(const std::string& text, bool quiet);
+
 // Writes the error and its exit status into the report that was begun, beside what stands in it
 // already; nothing where none was. run_command() calls it.
 void report_failure(const Error& error);

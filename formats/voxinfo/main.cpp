@@ -9,6 +9,7 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/report.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
 #include "formats/voxinfo/path.h"
@@ -87,9 +88,10 @@ Status sample_file(const std::string& path, bool quiet) {
   const Status sampled = sample_voxmap(*map, std::cin, std::cout, outside_points);
   const Status flushed = flush_stdout();
   if (!sampled) return sampled;
-  if (outside_points > 0 && !quiet) {
-    std::cerr << "voxinfo: warning: " << outside_points
-              << " points lie beyond a cropped side, where nothing is known\n";
+  if (outside_points > 0) {
+    command::warn(std::to_string(outside_points) +
+                      " points lie beyond a cropped side, where nothing is known",
+                  quiet);
   }
   return flushed;
 }

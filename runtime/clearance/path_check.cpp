@@ -367,6 +367,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
     if (!found) return found.error();
     seat.emplace(std::move(*found));
     for (const auto& object : seat->objects()) result.seat_objects.push_back(object.object);
+    result.seat_points = field::points_in_seat(seat->objects());
   }
   PathParts parts(check, path, request, voxmap.voxel_size_m());
   if (seat) parts.leave_seat(in_seat);

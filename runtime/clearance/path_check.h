@@ -73,6 +73,7 @@ struct CheckResult {
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;
   std::vector<std::uint32_t> seat_objects;
+  std::uint64_t seat_points = 0;  // shell points that touch them where the part is installed
   double way_m = 0;  // a bound on how far any point of the part travels along the whole path
   std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
 };

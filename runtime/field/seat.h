@@ -23,6 +23,13 @@ struct SeatObject {
   double overlap_m = 0;      // depth of the deepest shell point in the seat, 0 or more
 };
 
+// How many shell points touch an object of a seat.
+inline std::uint64_t points_in_seat(std::span<const SeatObject> objects) {
+  std::uint64_t points = 0;
+  for (const SeatObject& object : objects) points += object.points;
+  return points;
+}
+
 class Seat {
  public:
   bool empty() const { return objects_.empty(); }

@@ -29,4 +29,10 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
                "the guarantee (--without-guarantee, without_guarantee)"};
 }
 
+std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points) {
+  if (seat_points != shell.header().point_count) return {};
+  return "every point of the part touches the scene: if the scene holds the part itself, bake it "
+         "--without";
+}
+
 }  // namespace forcelayer

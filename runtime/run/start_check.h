@@ -1,7 +1,12 @@
 // The check of a part's start, before anything moves, for an overlap that its shell cannot feel.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
+
 #include "forcelayer/pose.h"
+#include "formats/pshell.h"
 #include "formats/result.h"
 #include "runtime/model/simulation.h"
 
@@ -11,5 +16,8 @@ namespace forcelayer {
 // (runtime/query/enclosed_object.h). Simulation::find_seat() finds the other case, a part inside an
 // object.
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center);
+
+// A warning where every shell point touches an object of the seat: the scene may hold the part.
+std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points);
 
 }  // namespace forcelayer

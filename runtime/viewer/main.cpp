@@ -2,13 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/report.h"
 #include "formats/mesh/sandbox/sandbox.h"
 #include "runtime/viewer/plan/keys.h"
 #include "runtime/viewer/plan/options.h"
@@ -116,10 +116,7 @@ Status run(const ViewOptionParser& parser, char** argv) {
   if (Status screen = find_screen(*options, argv); !screen) return screen;
   const auto scene = load_view_scene(options->inputs);
   if (!scene) return scene.error();
-  for (const std::string& warning : scene->warnings) {
-    if (options->quiet) break;
-    std::fprintf(stderr, "voxview: warning: %s\n", escaped(warning).c_str());
-  }
+  for (const std::string& warning : scene->warnings) command::warn(warning, options->quiet);
   RunFeed feed;
   if (!options->run.empty()) {
     auto rows = read_run(options->run, scene->voxmap_path, scene->shell_path);

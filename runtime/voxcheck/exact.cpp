@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "formats/command/program.h"
+#include "formats/command/report.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -129,9 +129,7 @@ Result<ExactAnswer> settle_exactly(const Options& options, const clearance::Left
   }
   auto answer = exact_answer(end->output);
   if (!answer) return answer;
-  for (const std::string& warning : answer->warnings) {
-    if (!options.quiet) std::fprintf(stderr, "voxcheck: warning: %s\n", warning.c_str());
-  }
+  for (const std::string& warning : answer->warnings) command::warn(warning, options.quiet);
   take(*answer, result);
   return answer;
 }

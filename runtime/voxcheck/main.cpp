@@ -1,7 +1,6 @@
 // voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
+#include "runtime/run/start_check.h"
 #include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
@@ -72,15 +72,15 @@ Status write_reports(const Report& report, const std::vector<PathRow>& rows,
   return check_verdict(report, rows.front(), rows.back());
 }
 
-// Warns of a path that passes because it is of another scene, or of a seat that is none.
-void warn_of_nothing_near(const Options& options, const clearance::CheckResult& result) {
-  const auto warn = [&](const std::string& what) {
-    command::note_warning(what);
-    if (!options.quiet) std::fprintf(stderr, "voxcheck: warning: %s\n", what.c_str());
-  };
+// Warns of a seat that is none or is the part itself, and of a path that passes because it is of
+// another scene.
+void warn_of_places(const Options& options, const Pshell& part,
+                    const clearance::CheckResult& result) {
+  const auto warn = [&](const std::string& text) { command::warn(text, options.quiet); };
   if (options.world_from_seat && result.seat_objects.empty()) {
     warn("--seat: the part touches nothing there");
   }
+  if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
   if (result.at_least && result.seated.empty() && options.allow.empty()) {
     warn("the part is never near the scene: is it the part and the path of this scene?");
   }
@@ -92,9 +92,7 @@ Status check(const Options& options) {
   if (!scene) return scene.error();
   const auto part = open_part(options.part);
   if (!part) return part.error();
-  if (!options.quiet) {
-    warn_of_missing_faces("voxcheck", options.scene, *scene, options.part, *part);
-  }
+  warn_of_missing_faces(options.scene, *scene, options.part, *part, options.quiet);
   const auto allowed = named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
   const auto rows = read_part_path(options.path, options.scene, options.part);
@@ -112,7 +110,7 @@ Status check(const Options& options) {
     if (error.file.empty()) error.file = options.scene;
     return error;
   }
-  warn_of_nothing_near(options, *result);
+  warn_of_places(options, *part, *result);
   std::optional<ExactAnswer> exact;
   if (!options.meshes.empty()) {
     auto settled = settle_exactly(options, *allowed, *result);

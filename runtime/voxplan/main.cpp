@@ -35,9 +35,7 @@ Status plan_for(const Options& options) {
   if (!scene) return scene.error();
   const auto part = open_part(options.part);
   if (!part) return part.error();
-  if (!options.quiet) {
-    voxcheck::warn_of_missing_faces("voxplan", options.scene, *scene, options.part, *part);
-  }
+  voxcheck::warn_of_missing_faces(options.scene, *scene, options.part, *part, options.quiet);
   const auto allowed = voxcheck::named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
   const Problem problem{*scene, *part, options.clearance_m,

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "formats/command/report.h"
 #include "formats/command/text.h"
+#include "runtime/run/start_check.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxplan/check/pose_check.h"
 #include "runtime/voxplan/destination.h"
@@ -18,9 +20,13 @@ namespace {
 constexpr double kFarthestVoxels = 1e6;  // of a goal: each voxel of a way is proven
 
 // An error where the part cannot be at an end of its way: in its seat, or clear of everything.
-Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule) {
+Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule,
+                 bool quiet) {
   const auto checked = proven(problem, rows_of(problem, {}, {pose}, 1), rule, 1);
   if (!checked) return checked.error();
+  if (const auto warning = part_in_scene_warning(problem.part, checked->seat_points)) {
+    command::warn(*warning, quiet);
+  }
   if (checked->clear()) return {};
   const clearance::Violation& worst = checked->violations.front();
   const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
@@ -44,7 +50,8 @@ Pose worst_pose(const Problem& problem, const std::vector<PathRow>& rows,
 Result<Plan> plan(const Problem& problem, const Options& options,
                   const std::function<void(double, double)>& progress) {
   const double begin_s = steady_s();
-  if (Status s = check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat); !s) {
+  const bool quiet = options.quiet;
+  if (Status s = check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat, quiet); !s) {
     return s.error();
   }
   std::optional<Pose> end;
@@ -55,7 +62,7 @@ Result<Plan> plan(const Problem& problem, const Options& options,
       return Error{ErrorCode::kUsage, "", "--goal", "is more than a million voxels from the seat",
                    "check its unit"};
     }
-    if (Status s = check_end(problem, *end, "--goal", Rule::kClear); !s) return s.error();
+    if (Status s = check_end(problem, *end, "--goal", Rule::kClear, quiet); !s) return s.error();
   }
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);

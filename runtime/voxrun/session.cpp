@@ -10,6 +10,7 @@
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
 #include "formats/path/path_file.h"
+#include "runtime/field/seat.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
@@ -181,12 +182,9 @@ Status prepare_run(const Options& options, Session& session) {
   if (options.start.world_from_seat && simulation.seat().empty()) {
     warn({"--seat: the part touches nothing there"}, session.facts.warnings);
   }
-  std::uint64_t touching = 0;
-  for (const auto& of_seat : simulation.seat()) touching += of_seat.points;
-  if (touching == simulation.shell().header().point_count) {
-    warn({"every point of the part touches the scene: if the scene holds the part itself, bake it "
-          "--without"},
-         session.facts.warnings);
+  const std::uint64_t touching = field::points_in_seat(simulation.seat());
+  if (const auto warning = part_in_scene_warning(simulation.shell(), touching)) {
+    warn({*warning}, session.facts.warnings);
   }
   const double arm_m = glm::length(session.start.handle_from_center.position_m);
   if (const auto warning = arm_warning(session.request, session.run->parameters(), arm_m)) {
