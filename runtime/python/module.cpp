@@ -157,8 +157,15 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
   }
   d["violations"] = violations;
   py::list seated;
-  for (const auto& stretch : result.seated)
-    seated.append(py::make_tuple(stretch.from_s, stretch.to_s));
+  for (const clearance::SeatedStretch& stretch : result.seated) {
+    py::dict s;
+    s["from_s"] = stretch.from_s;
+    s["to_s"] = stretch.to_s;
+    s["way_m"] = stretch.way_m;
+    s["clearance_m"] = stretch.clearance_m;
+    s["nearest"] = dict_of(scene, stretch.nearest);
+    seated.append(s);
+  }
   d["seated"] = seated;
   auto curve = empty_rows<clearance::CurvePiece>(result.curve.size());
   std::copy(result.curve.begin(), result.curve.end(), curve.mutable_data());
@@ -381,11 +388,13 @@ covering radius are not felt: it is not clear, unless `felt_seat` says that this
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, meters
-    least_clearance   where it is: clearance_m, most_m (the exact clearance is no more), t_s, object,
-                      point_m; None where nothing is near
+    least_clearance   where it is, outside of the seat: clearance_m, most_m (the exact clearance is
+                      no more), t_s, object, point_m; None where nothing is near
     violations        a dict each: from_s, to_s, clearance_m, worst (as least_clearance),
                       pushed_into_seat, seat_not_settled
-    seated            (from_s, to_s) in which only objects of the seat are nearer than required
+    seated            a dict each: from_s, to_s in which only objects of the seat are nearer than
+                      required; way_m, a bound on how far any point of the part goes then;
+                      clearance_m, proven for all of it; nearest (as least_clearance)
     curve             a structured array: from_s, to_s, clearance_m
 
 `threads`: 0 for all; no answer depends on it. Other Python threads run meanwhile.

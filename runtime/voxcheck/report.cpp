@@ -8,6 +8,7 @@
 #include "formats/command/text.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/words.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -20,28 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kListed = 5;  // violations on the terminal
 
-// In millimeters, rounded down: a clearance must not be quoted larger than it is.
-double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
-double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
 double ceil_nm_in_mm(double length_m) { return std::ceil(length_m * 1e9) / 1e6; }
-
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string to_object(const Report& report, std::uint32_t object) {
-  return object == 0 ? "" : " to " + escaped(object_name(report.scene, object));
-}
-
-std::string place_text(const CheckedMoment& moment) {
-  // A coordinate that would be printed as -0 is printed as 0.
-  const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };
-  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, near_zero(moment.point_m.x),
-              near_zero(moment.point_m.y), near_zero(moment.point_m.z));
-}
-
-std::string most_text(const CheckedMoment& moment) {
-  if (!std::isfinite(moment.most_m)) return "";
-  return text(", at most %.3f mm", ceil_mm(moment.most_m));
-}
 
 // Depths that were found, rounded down: they are no more than the true ones.
 std::string meeting_text(const Report& report, const ExactViolation& exact) {
@@ -109,26 +89,18 @@ std::string violation_text(const Report& report, const Violation& v) {
     return line + "beyond a cropped side of the scene, where nothing is known";
   if (const ExactViolation* exact = exact_of(report, v)) {
     if (exact->meets()) return line + meeting_text(report, *exact) + ", " + place_text(v.worst);
-    return line + exact_text(report, *exact) + to_object(report, v.worst.object) + ", " +
+    return line + exact_text(report, *exact) + to_object(report.scene, v.worst.object) + ", " +
            place_text(v.worst);
   }
   return line +
          text("%.3f mm proven%s%s, ", floor_mm(v.clearance_m), most_text(v.worst).c_str(),
-              to_object(report, v.worst.object).c_str()) +
+              to_object(report.scene, v.worst.object).c_str()) +
          place_text(v.worst);
 }
 
 std::string seat_text(const Report& report) {
   if (report.result.seated.empty()) return "";
-  std::string line = "seated on ";
-  std::size_t n = 0;
-  for (const std::uint32_t object : report.result.seat_objects) {
-    if (n == kListed) {
-      line += text(" and %zu more", report.result.seat_objects.size() - kListed);
-      break;
-    }
-    line += (n++ == 0 ? "" : ", ") + escaped(object_name(report.scene, object));
-  }
+  std::string line = "seated on " + listed_names(report.scene, report.result.seat_objects);
   for (const auto& stretch : report.result.seated) {
     line += text(" from %.3f to %.3f s", stretch.from_s, stretch.to_s);
   }
@@ -169,19 +141,13 @@ const ExactMoment* exact_in_seat(const Report& report, std::size_t stretch) {
   return nearest.exact_m < kNothingM ? &nearest : nullptr;
 }
 
-// How long the part is in its seat, and how near it comes to what there.
-std::string seat_way_text(const Report& report) {
+// A line for each stretch in the seat.
+std::string seat_ways_text(const Report& report) {
   std::string lines;
   for (std::size_t n = 0; n < report.result.seated.size(); ++n) {
-    const clearance::SeatedStretch& seated = report.result.seated[n];
     const ExactMoment* exact = exact_in_seat(report, n);
-    lines +=
-        text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ",
-             1e3 * seated.way_m, 1e3 * report.result.way_m) +
-        (exact != nullptr
-             ? text("%.3f mm exact", 1e3 * exact->exact_m)
-             : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
-        to_object(report, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
+    lines += seat_way_text(report.scene, report.result, n,
+                           exact != nullptr ? std::optional(exact->exact_m) : std::nullopt);
   }
   return lines;
 }
@@ -197,27 +163,15 @@ std::string least_text(const Report& report) {
   const char* const outside = r.seated.empty() ? "" : "outside of its seat ";
   if (report.exact && report.exact->least.exact_m < kNothingM) {
     return text("least clearance %s%.3f mm exact%s, ", outside, 1e3 * report.exact->least.exact_m,
-                to_object(report, r.least.object).c_str()) +
+                to_object(report.scene, r.least.object).c_str()) +
            place_text(r.least);
   }
   if (r.at_least) {
     return text("%sat least %.3f mm, nothing is nearer", outside, floor_mm(r.clearance_m));
   }
   return text("least proven clearance %s%.3f mm%s%s, ", outside, floor_mm(r.clearance_m),
-              most_text(r.least).c_str(), to_object(report, r.least.object).c_str()) +
+              most_text(r.least).c_str(), to_object(report.scene, r.least.object).c_str()) +
          place_text(r.least);
-}
-
-Json moment_json(const Report& report, const CheckedMoment& moment, double clearance_m) {
-  Json json;
-  json["clearance_m"] = clearance_m;
-  json["t_s"] = moment.time_s;
-  json["object"] =
-      moment.object == 0 ? Json(nullptr) : Json(object_name(report.scene, moment.object));
-  json["point_m"] = {moment.point_m.x, moment.point_m.y, moment.point_m.z};
-  json["at_most_m"] = finite(moment.most_m);
-  json["slack_m"] = finite(std::max(0.0, moment.most_m - clearance_m));
-  return json;
 }
 
 void add_exact(Json& json, const ExactMoment& moment) {
@@ -240,7 +194,7 @@ Json seat_depths_json(const Report& report) {
 
 Json violation_json(const Report& report, const Violation& v) {
   Json json{{"from_s", v.from_s}, {"to_s", v.to_s}};
-  json.update(moment_json(report, v.worst, v.clearance_m));
+  json.update(moment_json(report.scene, v.worst, v.clearance_m));
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
   json["seat_not_settled"] = v.unsettled_seat;
@@ -305,7 +259,7 @@ std::string gist_of(const Report& report, const Violation& v) {
   }
   if (v.worst.beyond_side) return "beyond a cropped side of the scene";
   const ExactViolation* exact = exact_of(report, v);
-  const std::string to = to_object(report, v.worst.object);
+  const std::string to = to_object(report.scene, v.worst.object);
   if (exact == nullptr) return text("%.3f mm proven", floor_mm(v.clearance_m)) + to;
   if (exact->meets()) return "the surfaces meet";
   if (exact->graze) return "a graze" + to;
@@ -373,7 +327,7 @@ std::string verdict_text(const Report& report) {
   std::string line = seat_text(report);
   if (r.clear()) {
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
-           seat_way_text(report) + seat_depth_text(report);
+           seat_ways_text(report) + seat_depth_text(report);
   }
   if (is_only_unsettled(r)) {
     line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
@@ -389,7 +343,7 @@ std::string verdict_text(const Report& report) {
   if (r.violations.size() > kListed) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
-  line += seat_way_text(report);
+  line += seat_ways_text(report);
   return is_only_unsettled(r) ? line : line + seat_depth_text(report);
 }
 
@@ -399,7 +353,7 @@ Json report_json(const Report& report) {
   json["schema_version"] = 1;
   json["verdict"] = r.clear() ? "clear" : "not clear";
   json["required_clearance_m"] = report.options.clearance_m;
-  json["least_clearance"] = moment_json(report, r.least, r.clearance_m);
+  json["least_clearance"] = moment_json(report.scene, r.least, r.clearance_m);
   json["least_clearance"]["at_least"] = r.at_least;
   if (report.exact) {
     add_exact(json["least_clearance"], report.exact->least);
@@ -415,9 +369,7 @@ Json report_json(const Report& report) {
   for (const Violation& v : r.violations) json["violations"].push_back(violation_json(report, v));
   json["seated"] = Json::array();
   for (std::size_t n = 0; n < r.seated.size(); ++n) {
-    const clearance::SeatedStretch& seated = r.seated[n];
-    Json stretch{{"from_s", seated.from_s}, {"to_s", seated.to_s}, {"way_m", seated.way_m}};
-    stretch.update(moment_json(report, seated.nearest, seated.clearance_m));
+    Json stretch = seated_json(report.scene, r.seated[n]);
     if (const ExactMoment* exact = exact_in_seat(report, n)) add_exact(stretch, *exact);
     json["seated"].push_back(stretch);
   }

@@ -207,6 +207,22 @@ def check_paths(scene, part, run):
         # A clearance proven between poses is proven at them.
         at = scene.clearance(part, frames["world_from_part"])["clearance_m"]
         assert numpy.nanmin(at) > answer["clearance_m"] - 1e-3
+    # Out of a seat, on the beam that it was pressed towards.
+    k = numpy.nanargmin(frames["clearance_m"])
+    out = frames["world_from_part"][[k, 0]]
+    pressed = (frames["world_from_handle"][k] - out[0])[:3]
+    out[0, :3] += frames["clearance_m"][k] * pressed / numpy.linalg.norm(pressed)
+    numpy.savetxt("out.csv", numpy.column_stack([[0, 1], out]), "%.17g", ",", header="t_s,x_m,y_m,z_m,qw,qx,qy,qz",
+                  comments="")
+    seat = ",".join(f"{x:.17g}" for x in out[0][:3]) + "m," + ",".join(f"{x:.17g}" for x in out[0][3:])
+    subprocess.run([BIN / "voxcheck", "bay.vox", "part.pshell", "out.csv", "--clearance", "5mm", "--seat", seat,
+                    "--felt-seat", "--quiet", "--json", "seated.json"], check=True)
+    told = json.load(open("seated.json"))["seated"]
+    seated = scene.check(part, [0, 1], out, 0.005, world_from_seat=out[0], felt_seat=True)["seated"]
+    assert len(seated) == len(told) == 1, (seated, told)
+    for key in ("from_s", "to_s", "way_m", "clearance_m"):
+        assert abs(seated[0][key] - told[0][key]) < 1e-9, (key, seated, told)
+    assert seated[0]["nearest"]["object"] == told[0]["object"] and 0 < seated[0]["way_m"] < 0.02, seated
     one, two = (scene.check(part, frames["t_s"], frames["world_from_part"], 0.012, threads=n) for n in (1, 2))
     assert one["curve"].tobytes() == two["curve"].tobytes() and one["violations"] == two["violations"]
     expect_error(lambda: scene.check(part, [0, 0], frames["world_from_part"][:2]), "t_s: row 1 is not later")

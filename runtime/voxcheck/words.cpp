@@ -1,0 +1,79 @@
+#include "runtime/voxcheck/words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/text.h"
+#include "runtime/voxcheck/object_names.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+using clearance::CheckedMoment;
+using command::text;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListed = 5;
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
+double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
+
+std::string to_object(const Voxmap& scene, std::uint32_t object) {
+  return object == 0 ? "" : " to " + escaped(object_name(scene, object));
+}
+
+std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> objects) {
+  std::string line;
+  for (std::size_t n = 0; n < objects.size(); ++n) {
+    if (n == kListed) return line + text(" and %zu more", objects.size() - kListed);
+    line += (n == 0 ? "" : ", ") + escaped(object_name(scene, objects[n]));
+  }
+  return line;
+}
+
+std::string place_text(const CheckedMoment& moment) {
+  // A coordinate that would be printed as -0 is printed as 0.
+  const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };
+  return text("at %.3f s, at %.4g, %.4g, %.4g m", moment.time_s, near_zero(moment.point_m.x),
+              near_zero(moment.point_m.y), near_zero(moment.point_m.z));
+}
+
+std::string most_text(const CheckedMoment& moment) {
+  if (!std::isfinite(moment.most_m)) return "";
+  return text(", at most %.3f mm", ceil_mm(moment.most_m));
+}
+
+std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
+                          std::size_t stretch, std::optional<double> exact_m) {
+  const clearance::SeatedStretch& seated = result.seated[stretch];
+  return text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ",
+              1e3 * seated.way_m, 1e3 * result.way_m) +
+         (exact_m
+              ? text("%.3f mm exact", 1e3 * *exact_m)
+              : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
+         to_object(scene, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
+}
+
+Json moment_json(const Voxmap& scene, const CheckedMoment& moment, double clearance_m) {
+  Json json;
+  json["clearance_m"] = clearance_m;
+  json["t_s"] = moment.time_s;
+  json["object"] = moment.object == 0 ? Json(nullptr) : Json(object_name(scene, moment.object));
+  json["point_m"] = {moment.point_m.x, moment.point_m.y, moment.point_m.z};
+  json["at_most_m"] = finite(moment.most_m);
+  json["slack_m"] = finite(std::max(0.0, moment.most_m - clearance_m));
+  return json;
+}
+
+Json seated_json(const Voxmap& scene, const clearance::SeatedStretch& stretch) {
+  Json json{{"from_s", stretch.from_s}, {"to_s", stretch.to_s}, {"way_m", stretch.way_m}};
+  json.update(moment_json(scene, stretch.nearest, stretch.clearance_m));
+  return json;
+}
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,41 @@
+// The words and keys for a proof along a path that all who report one have in common.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "formats/voxmap.h"
+#include "runtime/clearance/path_check.h"
+
+namespace forcelayer::voxcheck {
+
+// In millimeters, rounded down: a clearance must not be quoted larger than it is.
+double floor_mm(double length_m);
+double ceil_mm(double length_m);
+
+// " to NAME"; empty for object 0.
+std::string to_object(const Voxmap& scene, std::uint32_t object);
+
+// The first five names, and how many more there are.
+std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> objects);
+
+// "at 0.500 s, at 0.1, 0.2, 0.3 m"
+std::string place_text(const clearance::CheckedMoment& moment);
+
+// ", at most 1.234 mm"; empty where no upper bound is known.
+std::string most_text(const clearance::CheckedMoment& moment);
+
+// A line: how long the part is in its seat in that stretch, and how near it comes to what there.
+// `exact_m`: measured by the meshes; else the bounds are told.
+std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
+                          std::size_t stretch, std::optional<double> exact_m);
+
+// `clearance_m`: proven for more than this moment, where it is of more.
+nlohmann::ordered_json moment_json(const Voxmap& scene, const clearance::CheckedMoment& moment,
+                                   double clearance_m);
+nlohmann::ordered_json seated_json(const Voxmap& scene, const clearance::SeatedStretch& stretch);
+
+}  // namespace forcelayer::voxcheck
