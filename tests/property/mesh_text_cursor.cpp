@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 namespace forcelayer {
@@ -47,6 +48,36 @@ TEST(ParseNumber, EqualsFromCharsOnRandomCharacters) {
     }
     expect_as_from_chars(text);
   }
+}
+
+// Numbers of hundreds of digits, beside an exponent that brings them back or beyond: as strtod
+// tells.
+TEST(ParseNumber, TellsTooSmallFromTooLarge) {
+  std::mt19937_64 random(3);
+  int small = 0, large = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto up_to = [&](std::uint64_t most) { return random() % (most + 1); };
+    std::string text = i % 2 == 0 ? "-" : "";
+    text.append(up_to(random() % 2 * 400), '0').append(up_to(random() % 2 * 400), '7');
+    if (random() % 2 == 0) text.append(".").append(up_to(random() % 2 * 400), '0');
+    text += std::to_string(1 + up_to(98));
+    if (random() % 4 != 0) {
+      text += (random() % 2 == 0 ? "e-" : "E") + std::to_string(up_to(random() % 2 == 0 ? 9 : 800));
+    }
+    const double expected = std::strtod(text.c_str(), nullptr);
+    double parsed = 1;
+    const char* const after = mesh::parse_number(text.data(), text.data() + text.size(), parsed);
+    if (std::isinf(expected)) {
+      ASSERT_EQ(after, nullptr) << text;
+      ++large;
+    } else {
+      ASSERT_EQ(after, text.data() + text.size()) << text;
+      ASSERT_EQ(parsed, expected) << text;
+      small += expected == 0;
+    }
+  }
+  EXPECT_GT(small, 1000);
+  EXPECT_GT(large, 1000);
 }
 
 TEST(ParseNumber, TakesWhatMeshFilesHold) {

@@ -4,17 +4,33 @@
 
 namespace forcelayer::mesh {
 
+namespace {
+
+// Whether a number that no double holds is too small for one, not too large.
+bool is_tiny(std::string_view text) {
+  const std::string_view digits = text.substr(0, text.find_first_of("eE"));
+  const auto first = static_cast<long>(digits.find_first_of("123456789"));
+  const auto point = static_cast<long>(std::min(digits.find('.'), digits.size()));
+  const long power = first < point ? point - first - 1 : point - first;  // of ten, of that digit
+  if (digits.size() == text.size()) return power < 0;
+  text.remove_prefix(digits.size() + 1);
+  const bool is_negative = text.front() == '-';
+  if (text.front() == '+' || is_negative) text.remove_prefix(1);
+  long exponent = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), exponent);
+  if (read.ec != std::errc{}) return is_negative;
+  return power < (is_negative ? exponent : -exponent);
+}
+
+}  // namespace
+
 const char* parse_number_slow(const char* at, const char* end, double& number) {
   if (at != end && *at == '+') {
     if (++at != end && *at == '-') return nullptr;
   }
   const auto [after, failure] = std::from_chars(at, end, number);
   if (failure == std::errc::result_out_of_range) {
-    const std::string_view text(at, static_cast<std::size_t>(after - at));
-    const auto exponent = text.find_first_of("eE");
-    const bool tiny = exponent == std::string_view::npos ? text.find('.') < 3
-                                                         : text.substr(exponent + 1, 1) == "-";
-    if (!tiny) return nullptr;
+    if (!is_tiny({at, static_cast<std::size_t>(after - at)})) return nullptr;
     number = 0;
     return after;
   }
