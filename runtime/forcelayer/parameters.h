@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "forcelayer/ranges.h"
+
 namespace forcelayer {
 
 // Which dynamic model moves the part. The numbers stand in recordings.
@@ -73,6 +75,8 @@ struct ParameterInfo {
   const char* option;     // of voxrun
   const char* what;       // its meaning, for --help
   double Parameters::*member;
+  Range range;                   // of a setting
+  bool may_be_infinite = false;  // a clamp: none
 };
 
 // All of them, in the order in which reports show them.

@@ -27,6 +27,7 @@
 #include "forcelayer/frame.h"
 #include "forcelayer/parameters.h"
 #include "forcelayer/placement.h"
+#include "forcelayer/ranges.h"
 #include "forcelayer/stale_limit.h"
 #include "formats/pshell.h"
 #include "formats/result.h"
@@ -42,14 +43,11 @@ namespace forcelayer {
 // and the delay (1 ms) that such devices show; it holds a hand.
 DeviceCapabilities default_device();
 
-// Most that a request may ask of the over-speed trip: no hand is faster, and where the velocity is
-// estimated from the poses, what is faster counts as noise.
-inline constexpr double kHighestMaxSpeedMps = 10;
-inline constexpr double kHighestMaxTurnRadps = 100;
-inline constexpr double kTurnOfSpeedRadPerM = kHighestMaxTurnRadps / kHighestMaxSpeedMps;
+// Limit of a handle's rotation over that of its speed: the wrist of a hand.
+inline constexpr double kTurnOfSpeedRadPerM = kMaxTurnsRadps.most / kMaxSpeedsMps.most;
 
 // Everything that decides what a run is. The defaults are what most people want; only the files
-// must be named.
+// must be named. open_run() refuses numbers out of their ranges (ranges.h, parameter_table()).
 struct RunRequest {
   std::filesystem::path scene;  // .vox, from voxelize
   std::filesystem::path part;   // .pshell, from pointshell
@@ -75,7 +73,7 @@ struct RunRequest {
   double max_speed_mps = 5;       // of the handle at the device: faster trips the output; to 10
   std::optional<double> max_turn_radps;  // the same for its rotation; none: kTurnOfSpeedRadPerM
                                          // times max_speed_mps; to 100
-  unsigned threads = 1;  // of the contact query; worth more than 1 from 16384 points on
+  unsigned threads = 1;  // of the contact query, to 256; worth more than 1 from 16384 points on
 
   // Open also files that guarantee no separation.
   bool without_guarantee = false;

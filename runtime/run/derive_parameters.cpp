@@ -36,36 +36,88 @@ constexpr double kAllowanceFadeS = 0.01;
 constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
-    {"mass_kg", "--mass", "apparent mass of the part in the scene, kg", &Parameters::mass_kg},
-    {"coupling_n_per_m", "--coupling-stiffness", "coupling spring k_T, N/m",
-     &Parameters::coupling_n_per_m},
-    {"coupling_ns_per_m", "--coupling-damping", "coupling damper b_T, N s/m",
-     &Parameters::coupling_ns_per_m},
-    {"coupling_nm_per_rad", "--coupling-stiffness-rot", "coupling spring k_R, N m/rad",
-     &Parameters::coupling_nm_per_rad},
-    {"coupling_nms_per_rad", "--coupling-damping-rot", "coupling damper b_R, N m s/rad",
-     &Parameters::coupling_nms_per_rad},
-    {"coupling_force_limit_n", "--coupling-force-limit", "clamp of the coupling's force, N",
-     &Parameters::coupling_force_limit_n},
-    {"coupling_torque_limit_nm", "--coupling-torque-limit", "clamp of the coupling's torque, N m",
-     &Parameters::coupling_torque_limit_nm},
-    {"field_n_per_m", "--field-stiffness", "force field stiffness K_ff, N/m",
-     &Parameters::field_n_per_m},
-    {"contact_damping_ratio", "--contact-damping", "damping of a contact over sqrt(K_ff m)",
-     &Parameters::contact_damping_ratio},
-    {"look_ups", "--look-ups", "most motions of up to s/2 in a frame", &Parameters::look_ups},
-    {"recovery_mps", "--recovery-speed", "at which a part that starts inside is led out, m/s",
-     &Parameters::recovery_mps},
-    {"allowance_j", "--allowance",
-     "energy by which the scene may lift a part that the hand moves, J", &Parameters::allowance_j},
-    {"allowance_fade_s", "--allowance-fade", "time in which that fades while the hand rests, s",
-     &Parameters::allowance_fade_s},
-    {"passivity_damping_ns_per_m", "--passivity-damping",
+    {"mass_kg",
+     "--mass",
+     "apparent mass of the part in the scene, kg",
+     &Parameters::mass_kg,
+     {1e-6, 1e3}},
+    {"coupling_n_per_m",
+     "--coupling-stiffness",
+     "coupling spring k_T, N/m",
+     &Parameters::coupling_n_per_m,
+     {1e-3, 1e7}},
+    {"coupling_ns_per_m",
+     "--coupling-damping",
+     "coupling damper b_T, N s/m",
+     &Parameters::coupling_ns_per_m,
+     {1e-6, 1e5}},
+    {"coupling_nm_per_rad",
+     "--coupling-stiffness-rot",
+     "coupling spring k_R, N m/rad",
+     &Parameters::coupling_nm_per_rad,
+     {1e-6, 1e5}},
+    {"coupling_nms_per_rad",
+     "--coupling-damping-rot",
+     "coupling damper b_R, N m s/rad",
+     &Parameters::coupling_nms_per_rad,
+     {1e-9, 1e4}},
+    {"coupling_force_limit_n",
+     "--coupling-force-limit",
+     "clamp of the coupling's force, N",
+     &Parameters::coupling_force_limit_n,
+     {1e-6, 1e4},
+     true},
+    {"coupling_torque_limit_nm",
+     "--coupling-torque-limit",
+     "clamp of the coupling's torque, N m",
+     &Parameters::coupling_torque_limit_nm,
+     {1e-6, 1e3},
+     true},
+    {"field_n_per_m",
+     "--field-stiffness",
+     "force field stiffness K_ff, N/m",
+     &Parameters::field_n_per_m,
+     {1e-3, 1e8}},
+    {"contact_damping_ratio",
+     "--contact-damping",
+     "damping of a contact over sqrt(K_ff m)",
+     &Parameters::contact_damping_ratio,
+     {1e-3, 100}},
+    {"look_ups",
+     "--look-ups",
+     "most motions of up to s/2 in a frame",
+     &Parameters::look_ups,
+     {1, 10'000}},
+    {"recovery_mps",
+     "--recovery-speed",
+     "at which a part that starts inside is led out, m/s",
+     &Parameters::recovery_mps,
+     {1e-6, 10}},
+    {"allowance_j",
+     "--allowance",
+     "energy by which the scene may lift a part that the hand moves, J",
+     &Parameters::allowance_j,
+     {1e-12, 100}},
+    {"allowance_fade_s",
+     "--allowance-fade",
+     "time in which that fades while the hand rests, s",
+     &Parameters::allowance_fade_s,
+     {1e-6, 3600}},
+    {"passivity_damping_ns_per_m",
+     "--passivity-damping",
      "most damping that a passivity controller may inject at the device, N s/m",
-     &Parameters::passivity_damping_ns_per_m},
-    {"max_force_n", "--max-force", "largest force at the device, N", &Parameters::max_force_n},
-    {"max_torque_nm", "--max-torque", "largest torque at the device, N m",
-     &Parameters::max_torque_nm},
+     &Parameters::passivity_damping_ns_per_m,
+     {0, 1e5}},
+    {"max_force_n",
+     "--max-force",
+     "largest force at the device, N",
+     &Parameters::max_force_n,
+     {1e-6, 1000}},
+    {"max_torque_nm",
+     "--max-torque",
+     "largest torque at the device, N m",
+     &Parameters::max_torque_nm,
+     {1e-6, 100}},
 };
 
 std::string format(const char* pattern, double a, double b = 0, double c = 0) {
@@ -100,19 +152,12 @@ Status check_settings(const RunRequest& request) {
         std::find_if(std::begin(kTable), std::end(kTable),
                      [&, n = &name](const ParameterInfo& i) { return i.name == *n; });
     if (info == std::end(kTable)) {
-      return Error{ErrorCode::kInternal, "", name, "is no parameter", ""};
+      std::string names = "known are";
+      for (const ParameterInfo& known : kTable) (names += ' ') += known.name;
+      return Error{ErrorCode::kUsage, "", name, "is no parameter", names};
     }
-    const bool may_be_infinite = info->member == &Parameters::max_force_n ||
-                                 info->member == &Parameters::max_torque_nm ||
-                                 info->member == &Parameters::coupling_force_limit_n ||
-                                 info->member == &Parameters::coupling_torque_limit_nm;
-    const bool may_be_zero = info->member == &Parameters::passivity_damping_ns_per_m;
-    if (!(value > 0 || (may_be_zero && value == 0)) ||
-        (!may_be_infinite && !std::isfinite(value))) {
-      return Error{
-          ErrorCode::kUsage, "", std::string(info->option),
-          may_be_zero ? "must be zero or above, and finite" : "must be above zero, and finite", ""};
-    }
+    if (info->may_be_infinite && std::isinf(value) && value > 0) continue;
+    if (Status s = check_range(name, value, info->range); !s) return s;
   }
   return {};
 }

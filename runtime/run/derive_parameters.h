@@ -17,7 +17,7 @@ struct DerivedParameters {
   std::vector<std::string> warnings;           // settings beyond a bound, which names its source
 };
 
-// Errors: kUsage for a setting that is not finite and positive (limits may be infinite).
+// Errors: kUsage for a setting out of its range (parameter_table()), or of no parameter.
 // The files of the request are not read: `voxmap` and `shell` are.
 Result<DerivedParameters> derive_parameters(const RunRequest& request, const Voxmap& voxmap,
                                             const Pshell& shell);

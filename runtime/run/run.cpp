@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 #include <utility>
 
 #include "formats/guard.h"
@@ -24,44 +22,16 @@ namespace {
 
 constexpr double kSizeRatioWarning = 100;  // units are the likely cause
 
-Status check_range(const RunRequest& request) {
-  constexpr double kAny = std::numeric_limits<double>::max();
-  const struct {
-    const char* name;
-    double value;
-    bool may_be_zero;
-    double most;
-  } fields[] = {{"rate_hz", request.rate_hz, false, kAny},
-                {"motion_scale", request.placement.motion_scale, false, kAny},
-                {"stale_s", request.stale_s, false, kAny},
-                {"max_speed_mps", request.max_speed_mps, false, kHighestMaxSpeedMps},
-                {"max_turn_radps", max_turn_radps(request), false, kHighestMaxTurnRadps},
-                {"max_force_n", request.device.max_force_n, true, kAny},
-                {"max_torque_nm", request.device.max_torque_nm, true, kAny}};
-  for (const auto& field : fields) {
-    const bool above = field.value > 0 || (field.may_be_zero && field.value == 0);
-    if (above && field.value <= field.most) continue;
-    char most[64];
-    std::snprintf(most, sizeof most, "is above %.4g, or not finite", field.most);
-    return Error{ErrorCode::kUsage, "", field.name,
-                 above               ? most
-                 : field.may_be_zero ? "must be zero or above"
-                                     : "must be above zero",
-                 ""};
-  }
-  return {};
-}
-
 // The pose with its quaternion made unit.
 Result<Pose> checked_pose(Pose pose, const char* name) {
   const glm::dvec3& p = pose.position_m;
   const double length = glm::length(pose.orientation);
-  if (std::isfinite(p.x + p.y + p.z) && std::isfinite(length) && length > 0) {
+  if (glm::length(p) <= kFarthestM && std::isfinite(length) && length > 0) {
     pose.orientation /= length;
     return pose;
   }
   return Error{ErrorCode::kUsage, "", name, "is no pose",
-               "give finite meters and a quaternion that is not zero"};
+               "give meters, at most 1e9, and a quaternion that is not zero"};
 }
 
 Result<PartStart> checked_start(PartStart start) {
@@ -409,7 +379,7 @@ Result<Run> open_run(const RunRequest& request) {
 
 Result<Run> open_run(Voxmap scene, Pshell part, const RunRequest& request) {
   const machine::StepArithmetic arithmetic;
-  if (Status s = check_range(request); !s) return s.error();
+  if (Status s = check_numbers(request); !s) return s.error();
   auto parts = std::make_unique<Run::Parts>();
   parts->request = request;
   const auto world_from_device =

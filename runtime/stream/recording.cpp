@@ -152,8 +152,8 @@ class Reader {
                        h.seat <= kSeatEntered;
     const bool zeros =
         std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; });
-    if (!sizes || !kinds || !zeros || !poses_valid(h) || !(h.motion_scale > 0) ||
-        !std::isfinite(h.motion_scale)) {
+    if (!sizes || !kinds || !zeros || !poses_valid(h) ||
+        !check_range("", h.motion_scale, kMotionScales)) {
       return error(ErrorCode::kFieldInvalid, "header", "has a field out of its range");
     }
     if (bytes_.size() < sizeof h + h.parameter_count * sizeof(RecordedParameter)) {
@@ -173,12 +173,11 @@ class Reader {
   }
 
   Result<Parameters> check_parameters(const Parameters& p) const {
-    const bool valid = p.rate_hz > 0 && std::isfinite(1 / p.rate_hz) && p.mass_kg > 0 &&
-                       p.voxel_size_m > 0 && p.part_radius_m > 0 && p.inertia_kgm2[0][0] > 0;
+    const bool valid =
+        p.mass_kg > 0 && p.voxel_size_m > 0 && p.part_radius_m > 0 && p.inertia_kgm2[0][0] > 0;
     if (!valid) return error(ErrorCode::kFieldInvalid, "parameters", "are out of their range");
-    for (const ParameterInfo& info : parameter_table()) {
-      if (p.*(info.member) >= 0) continue;
-      return error(ErrorCode::kFieldInvalid, "parameter " + std::string(info.name), "is negative");
+    if (Status s = check_recorded(p); !s) {
+      return error(ErrorCode::kFieldInvalid, "parameter " + s.error().where, s.error().what);
     }
     if (p.model == Model::kPaper && p.force != ForceKind::kTangentPlane) {
       return error(ErrorCode::kFieldInvalid, "header",

@@ -133,10 +133,9 @@ int main(int argc, char** argv) {
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   end_loop_on_signals();
   status = forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
-    auto options = parser.finish();
-    if (!options) return options.error();
-    if (forcelayer::Status s = prepare_outputs(*options); !s) return s;
-    return forcelayer::voxrun::run_session(*options, stop_signal, scene_signal);
+    if (forcelayer::Status s = parser.finish(); !s) return s;
+    if (forcelayer::Status s = prepare_outputs(parser.options()); !s) return s;
+    return forcelayer::voxrun::run_session(parser.options(), stop_signal, scene_signal);
   });
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;

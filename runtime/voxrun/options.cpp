@@ -12,37 +12,12 @@ namespace {
 
 using command::about;
 
-constexpr command::Bounds kRates{1, 100'000};
-constexpr double kLeast = 1e-3;         // of a speed limit: below it no hand could move
 constexpr double kLongestPullM = 1000;  // five and a half hours
 
-// Bounds of the physical parameters, which no device, part or scene goes beyond.
-command::Bounds bounds_of(std::string_view parameter) {
-  constexpr std::pair<std::string_view, command::Bounds> kBounds[] = {
-      {"mass_kg", {1e-6, 1e3}},
-      {"coupling_n_per_m", {1e-3, 1e7}},
-      {"coupling_ns_per_m", {1e-6, 1e5}},
-      {"coupling_nm_per_rad", {1e-6, 1e5}},
-      {"coupling_nms_per_rad", {1e-9, 1e4}},
-      {"coupling_force_limit_n", {1e-6, 1e4}},
-      {"coupling_torque_limit_nm", {1e-6, 1e3}},
-      {"field_n_per_m", {1e-3, 1e8}},
-      {"contact_damping_ratio", {1e-3, 100}},
-      {"look_ups", {1, 10'000}},
-      {"recovery_mps", {1e-6, 10}},
-      {"allowance_j", {1e-12, 100}},
-      {"allowance_fade_s", {1e-6, 3600}},
-      {"passivity_damping_ns_per_m", {0, 1e5}},
-      {"max_force_n", {1e-6, 1000}},
-      {"max_torque_nm", {1e-6, 100}}};
-  for (const auto& [name, bounds] : kBounds) {
-    if (name == parameter) return bounds;
-  }
-  return {0, 1e9};
-}
+command::Bounds bounds_of(const Range& range) { return {range.least, range.most}; }
 
-Error usage(std::string where, std::string what, std::string mend) {
-  return {ErrorCode::kUsage, "", std::move(where), std::move(what), std::move(mend)};
+Error usage(std::string_view where, std::string_view what, std::string_view mend) {
+  return {ErrorCode::kUsage, "", where, what, mend};
 }
 
 Status read_pose(const char* option, const std::string& text, Pose& pose) {
@@ -80,9 +55,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "let the plugin write files and start programs");
   command::add_text(app, "--duration", texts_.duration,
                     "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
-  command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", kRates);
+  command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", bounds_of(kRatesHz));
   command::add_count(app, "--threads", options_.run.threads,
-                     "that share the contact query, default 1", 1, 256);
+                     "that share the contact query, default 1", static_cast<int>(kThreads.least),
+                     static_cast<int>(kThreads.most));
   command::add_text(app, "--model", texts_.model,
                     "dynamic model: default, or paper for the method of 1999");
   command::add_text(app, "--force", texts_.force,
@@ -115,7 +91,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_number(
       app, "--motion-scale", options_.run.placement.motion_scale,
       "scene meters a meter of the device; the hand feels the scene's force times that",
-      {1e-6, 1e6});
+      bounds_of(kMotionScales));
   command::add_text(
       app, "--reach", texts_.reach,
       "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
@@ -160,7 +136,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "of a recording replay the inputs alone, on another bake");
   command::add_text(app, "--udp", options_.udp, "send the pose stream to [HOST:]PORT");
   command::add_number(app, "--udp-rate", options_.udp_rate_hz,
-                      "datagrams of the pose stream a second", kRates);
+                      "datagrams of the pose stream a second", bounds_of(kRatesHz));
   command::add_flag(app, "--without-guarantee", options_.run.without_guarantee,
                     "start even where no separation is guaranteed");
   command::add_choice(
@@ -176,17 +152,17 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "how long device or loop may be silent before the output trips, to 50ms (default "
       "5ms)");
   command::add_number(app, "--max-speed", options_.run.max_speed_mps,
-                      "of the handle, m/s; faster trips the output", {kLeast, kHighestMaxSpeedMps});
+                      "of the handle, m/s; faster trips the output", bounds_of(kMaxSpeedsMps));
   command::add_number(app, "--max-turn", options_.run.max_turn_radps,
                       "of the handle, rad/s; faster trips the output; 10 rad/m times --max-speed",
-                      {kLeast, kHighestMaxTurnRadps});
+                      bounds_of(kMaxTurnsRadps));
   command::add_flag(app, "--without-watchdog", options_.without_watchdog,
                     "use a device with motors that does not stop by itself");
   command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
   for (const ParameterInfo& info : parameter_table()) {
     command::group(
         command::add_number(app, info.option, settings_[info.option], info.what,
-                            bounds_of(info.name)),
+                            bounds_of(info.range)),
         "Physical parameters (defaults follow from voxel size, rate and device: see --json)");
   }
 }
@@ -376,8 +352,8 @@ Status OptionParser::check(const Options& options) const {
   return {};
 }
 
-Result<Options> OptionParser::finish() const {
-  Options options = options_;
+Status OptionParser::finish() {
+  Options& options = options_;
   options.run.scene = texts_.scene;
   options.run.part = texts_.part;
   options.run.braking = !texts_.no_braking;
@@ -385,13 +361,12 @@ Result<Options> OptionParser::finish() const {
     if (!command::is_given(app_, info.option)) continue;
     options.run.settings[std::string(info.name)] = settings_.at(info.option);
   }
-  if (Status read = read_texts(options); !read) return read.error();
-  if (Status read = read_safety(options); !read) return read.error();
-  if (Status read = read_fail_on(options); !read) return read.error();
-  if (Status read = read_scenes(options); !read) return read.error();
-  if (Status read = read_pull(options); !read) return read.error();
-  if (Status sound = check(options); !sound) return sound.error();
-  return options;
+  if (Status read = read_texts(options); !read) return read;
+  if (Status read = read_safety(options); !read) return read;
+  if (Status read = read_fail_on(options); !read) return read;
+  if (Status read = read_scenes(options); !read) return read;
+  if (Status read = read_pull(options); !read) return read;
+  return check(options);
 }
 
 }  // namespace forcelayer::voxrun

@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kS = 0.005;          // voxel size, m
-constexpr double kNothing = 1e-30;    // a coupling that does nothing: settings must be above zero
+constexpr double kNothing = 1e-30;    // a coupling that does nothing
 constexpr double kFieldNPerM = 1000;  // of the bounce: in contact for some 11 ms
 constexpr Model kModels[] = {Model::kPaper, Model::kDefault};
 
@@ -68,13 +68,12 @@ MotionBench bench_of(const Setting& setting, const Pose& start) {
   options.model = setting.model;
   options.rate_hz = 1 / setting.step_s;
   options.braking = false;
-  options.settings = {{"coupling_n_per_m", setting.stiffness_n_per_m},
-                      {"coupling_ns_per_m", setting.damping_ns_per_m},
-                      {"coupling_nm_per_rad", kNothing},
-                      {"coupling_nms_per_rad", kNothing},
-                      {"coupling_force_limit_n", 100},
-                      {"field_n_per_m", kFieldNPerM},
-                      {"look_ups", 64}};
+  options.settings = {
+      {"coupling_force_limit_n", 100}, {"field_n_per_m", kFieldNPerM}, {"look_ups", 64}};
+  options.beyond = {{"coupling_n_per_m", setting.stiffness_n_per_m},
+                    {"coupling_ns_per_m", setting.damping_ns_per_m},
+                    {"coupling_nm_per_rad", kNothing},
+                    {"coupling_nms_per_rad", kNothing}};
   return {floor_scene(setting.model), body(setting.inertia_m2), start, options};
 }
 

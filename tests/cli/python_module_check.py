@@ -325,6 +325,21 @@ def check_errors():
         raise AssertionError("a part that is none was taken")
 
 
+def check_ranges(scene, part):
+    """A number out of its range is refused by its name, with the range."""
+    numbers = {"mass_kg": "1e-06 to 1000", "coupling_n_per_m": "0.001 to 1e+07", "max_force_n": "1e-06 to 1000",
+               "look_ups": "1 to 10000"}
+    for wrong in (1e9, 0, -1, 1e-9, numpy.nan, numpy.inf):
+        expect_error(lambda w=wrong: forcelayer.Simulation(scene, part, rate_hz=w),
+                     f"rate_hz: {wrong:.6g} is not from 1 to 100000", 2)
+        for name, numbers_range in numbers.items():
+            expect_error(lambda n=name, w=wrong: forcelayer.Simulation(scene, part, settings={n: w}),
+                         f"{name}: {wrong:.6g} is not from {numbers_range}", 2)
+    line = expect_error(lambda: forcelayer.Simulation(scene, part, settings={"nope": 1}), "nope: is no parameter", 2)
+    known = forcelayer.Simulation(scene, part).parameters
+    assert all(name in line for name in known if name != "rate_hz"), line
+
+
 def check_threads(scene, part, poses):
     """Neither the number of threads nor other Python threads change an answer; the lock is released."""
     points = numpy.random.default_rng(9).uniform(-0.2, 0.6, (30000, 3))
@@ -386,6 +401,7 @@ def main():
     check_calls_meanwhile(scene, part, run.frames["world_from_part"][0])
     check_paths(scene, part, run)
     check_errors()
+    check_ranges(scene, part)
     check_threads(scene, part, poses)
     check_views(part)
     lean, cropped = forcelayer.Scene("lean.vox"), forcelayer.Scene("cropped.vox")

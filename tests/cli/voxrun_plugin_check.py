@@ -359,7 +359,7 @@ def refusals():
             ("old-abi", 5, "version"),
             ("no-watchdog", 5, "--without-watchdog"),
             ("late-watchdog", 5, "above 100 ms"),
-            ("huge-force", 5, "a rating that no device"),
+            ("huge-force", 5, "a rating that no device in a hand has: max_force_n "),
             ("slow-motors", 5, "at least 50 Hz"),
             ("silent", 5, "gives no readings; look at plug and power"),
             ("no-pose", 5, "reports no pose"),

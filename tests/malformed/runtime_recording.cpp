@@ -144,19 +144,20 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
     char value;
     ErrorCode code;
   } cases[] = {
-      {0, 'x', ErrorCode::kNotThisFormat},  {8, 0x01, ErrorCode::kWrongEndianness},
-      {12, 1, ErrorCode::kUnknownVersion},  {16, 17, ErrorCode::kFieldInvalid},
-      {21, 127, ErrorCode::kFieldInvalid},   // parameter_count beyond the limit
-      {24, 64, ErrorCode::kFieldInvalid},    // frame_bytes
-      {28, 99, ErrorCode::kFieldInvalid},    // model
-      {32, 99, ErrorCode::kFieldInvalid},    // force
-      {36, 2, ErrorCode::kFieldInvalid},     // braking
-      {87, 0x7f, ErrorCode::kFieldInvalid},  // a quaternion that is not unit
-      {231, -1, ErrorCode::kFieldInvalid},   // negative motion scale
-      {288, 3, ErrorCode::kFieldInvalid},    // seat
-      {288, 2, ErrorCode::kFieldInvalid},    // a seat whose pose is none
-      {300, 1, ErrorCode::kFieldInvalid},    // reserved
-      {320, 'X', ErrorCode::kFieldInvalid},  // an unknown name where a needed one stood
+      {0, 'x', ErrorCode::kNotThisFormat},   {8, 0x01, ErrorCode::kWrongEndianness},
+      {12, 1, ErrorCode::kUnknownVersion},   {16, 17, ErrorCode::kFieldInvalid},
+      {21, 127, ErrorCode::kFieldInvalid},    // parameter_count beyond the limit
+      {24, 64, ErrorCode::kFieldInvalid},     // frame_bytes
+      {28, 99, ErrorCode::kFieldInvalid},     // model
+      {32, 99, ErrorCode::kFieldInvalid},     // force
+      {36, 2, ErrorCode::kFieldInvalid},      // braking
+      {87, 0x7f, ErrorCode::kFieldInvalid},   // a quaternion that is not unit
+      {231, -1, ErrorCode::kFieldInvalid},    // negative motion scale
+      {231, 0x7f, ErrorCode::kFieldInvalid},  // and one of 1e300 and more
+      {288, 3, ErrorCode::kFieldInvalid},     // seat
+      {288, 2, ErrorCode::kFieldInvalid},     // a seat whose pose is none
+      {300, 1, ErrorCode::kFieldInvalid},     // reserved
+      {320, 'X', ErrorCode::kFieldInvalid},   // an unknown name where a needed one stood
   };
   for (const auto& c : cases) {
     std::string broken = bytes;
@@ -165,13 +166,36 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
     ASSERT_FALSE(opened) << c.offset;
     EXPECT_EQ(opened.error().code, c.code) << c.offset;
   }
-  for (const char* name : {"max_force_n", "max_torque_nm", "coupling_n_per_m", "look_ups"}) {
-    std::string negative = bytes;
-    negative[negative.find(name) + 63] |= '\x80';  // of the number after a name of 56 bytes
-    const auto opened = open_bytes(negative);
-    ASSERT_FALSE(opened) << name;
-    EXPECT_EQ(opened.error().where, std::string("parameter ") + name);
-    EXPECT_EQ(opened.error().what, "is negative");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const struct {
+    const char* name;
+    double value;
+    const char* says;
+  } numbers[] = {{"max_force_n", -15, "-15 is not from 0 to 1000"},
+                 {"max_force_n", 1e300, "1e+300 is not from 0 to 1000"},
+                 {"max_torque_nm", 101, "101 is not from 0 to 100"},
+                 {"max_torque_nm", kInfinity, "inf is not from 0 to 100"},
+                 {"coupling_n_per_m", -1, "-1 is not from 0 to 1e+30"},
+                 {"coupling_n_per_m", kInfinity, "inf is not from 0 to 1e+30"},
+                 {"coupling_torque_limit_nm", -kInfinity, "-inf is not from 0 to 1e+30"},
+                 {"look_ups", -4, "-4 is not from 0 to 1e+30"},
+                 {"rate_hz", 1e9, "1e+09 is not from 1 to 100000"},
+                 {"rate_hz", 1e-3, "0.001 is not from 1 to 100000"}};
+  for (const auto& c : numbers) {
+    SCOPED_TRACE(testing::Message() << c.name << " " << c.value);
+    std::string broken = bytes;
+    // The number stands after a name of 56 bytes.
+    std::memcpy(broken.data() + broken.find(c.name) + 56, &c.value, sizeof c.value);
+    const auto opened = open_bytes(broken);
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().where, std::string("parameter ") + c.name);
+    EXPECT_EQ(opened.error().what, c.says);
+  }
+  for (const char* limit : {"max_force_n", "max_torque_nm"}) {  // of a device without motors
+    std::string unpowered = bytes;
+    const double none = 0;
+    std::memcpy(unpowered.data() + unpowered.find(limit) + 56, &none, sizeof none);
+    EXPECT_TRUE(open_bytes(unpowered)) << limit;
   }
   std::string mixed = bytes;
   mixed[28] = 0;  // the paper's model

@@ -32,6 +32,8 @@ struct BenchOptions {
   double rate_hz = 1000;
   bool braking = true;
   std::map<std::string, double> settings;
+  std::map<std::string, double> beyond =
+      {};  // parameters out of a setting's range, put in place later
 };
 
 class MotionBench {
@@ -46,6 +48,14 @@ class MotionBench {
     request.device = paper_device();
     request.without_guarantee = true;  // any part will do
     auto run = open_run(make_voxmap(scene), make_pshell(part), request);
+    if (run && !options.beyond.empty()) {
+      request.recorded = run->parameters();
+      for (const ParameterInfo& info : parameter_table()) {
+        const auto at = options.beyond.find(std::string(info.name));
+        if (at != options.beyond.end()) (*request.recorded).*(info.member) = at->second;
+      }
+      run = open_run(make_voxmap(scene), make_pshell(part), request);
+    }
     if (!run) throw std::runtime_error(to_line(run.error()));
     simulation = run->release_simulation();
     dt_s = 1 / options.rate_hz;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "forcelayer/ranges.h"
 #include "runtime/devices/hid/hid_report_descriptor.h"
 #include "runtime/machine/real_time.h"
 
@@ -159,7 +160,7 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
   }
   if (device.sensed_axes != kAllAxes) return refused(info, "it does not sense all six axes", mend);
   if (!(device.max_force_n > 0 && device.max_force_n <= kMaxForceN &&
-        device.max_torque_nm <= kMaxTorqueNm &&
+        device.max_torque_nm <= kMaxTorqueNm && forcelayer::check_ratings(device) &&
         (device.rate_hz == 0 || device.rate_hz >= kLeastMotorsHz))) {
     return refused(info, "its ratings are not those of a hand-held device", mend);
   }

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcelayer/ranges.h"
 #include "formats/file/program_folder.h"
 #include "runtime/machine/real_time.h"
 
@@ -24,6 +25,7 @@ namespace {
 
 constexpr long long kPollNs = 2'000'000;
 constexpr long long kCloseNs = 2'000'000'000;
+constexpr const char* kSeeManual = "see runtime/devices/plugin/plugin.md";
 constexpr int kLinkDescriptor = 3;  // of the shared memory in the process
 
 Error failed(const PluginOptions& options, std::string what, std::string mend = "") {
@@ -88,22 +90,6 @@ const char* flaw(const forcelayer_plugin_info& info) {
   if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not promise SI units";
   if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
     return "does not promise right-handed frames";
-  }
-  const struct {
-    double value, most;
-  } ratings[] = {{info.max_force_n, 1000},
-                 {info.max_torque_nm, 100},
-                 {info.max_stiffness_n_per_m, 1e7},
-                 {info.max_stiffness_nm_per_rad, 1e5},
-                 {info.damping_ns_per_m, 1e5},
-                 {info.damping_nms_per_rad, 1e4},
-                 {info.delay_s, 1},
-                 {info.workspace_radius_m, 1000},
-                 {info.watchdog_s, 1}};
-  for (const auto& rating : ratings) {  // !(a && b): not for NaN
-    if (!(rating.value >= 0 && rating.value <= rating.most)) {
-      return "declares a rating that no device in a hand has";
-    }
   }
   // A slower one would hold a force for longer than the longest stale limit.
   const double least_hz = info.actuated_axes == 0 ? 1 : kLeastMotorsHz;
@@ -215,9 +201,17 @@ Status PluginDevice::shake_hands() {
   const forcelayer_plugin_info info = link_->info;  // checked and used as it is now
   if (const char* what = flaw(info)) {
     return Error{ErrorCode::kDeviceRefused, options_.library.string(), "handshake", what,
-                 "see runtime/devices/plugin/plugin.md"};
+                 kSeeManual};
   }
-  capabilities_ = capabilities_of(info);
+  const DeviceCapabilities declared = capabilities_of(info);
+  if (Status rated = check_ratings(declared); !rated) {
+    const Error& error = rated.error();
+    return Error{
+        ErrorCode::kDeviceRefused, options_.library.string(), "handshake",
+        "declares a rating that no device in a hand has: " + error.where + " " + error.what,
+        kSeeManual};
+  }
+  capabilities_ = declared;
   return {};
 }
 
