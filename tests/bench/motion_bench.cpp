@@ -66,7 +66,8 @@ struct Setting {
 MotionBench bench_of(const Setting& setting, const Pose& start) {
   BenchOptions options;
   options.model = setting.model;
-  options.rate_hz = 1 / setting.step_s;
+  options.rate_hz =
+      std::min(1 / setting.step_s, kRatesHz.most);  // settings have what follows from it
   options.braking = false;
   options.settings = {
       {"coupling_force_limit_n", 100}, {"field_n_per_m", kFieldNPerM}, {"look_ups", 64}};
@@ -74,7 +75,9 @@ MotionBench bench_of(const Setting& setting, const Pose& start) {
                     {"coupling_ns_per_m", setting.damping_ns_per_m},
                     {"coupling_nm_per_rad", kNothing},
                     {"coupling_nms_per_rad", kNothing}};
-  return {floor_scene(setting.model), body(setting.inertia_m2), start, options};
+  MotionBench bench(floor_scene(setting.model), body(setting.inertia_m2), start, options);
+  bench.dt_s = setting.step_s;
+  return bench;
 }
 
 constexpr Pose kHigh{{0.001, 0.002, 0.5}, {1, 0, 0, 0}};
