@@ -76,7 +76,7 @@ struct Trajectory {
 };
 
 Trajectory run(Trial trial, Model model, double rate_hz, double end_s) {
-  trial.rate_hz = rate_hz;
+  trial.rate_hz = std::min(rate_hz, kRatesHz.most);  // beyond, the step is dt_s alone
   const auto simulation = make_simulation(trial, model);
   State state = simulation->registered(trial.start, trial.start);
   loop::HandleVelocity velocity;
