@@ -38,18 +38,18 @@ inline void check(const Status& status) {
   if (!status) throw Failure(status.error());
 }
 
-struct Part {
+struct Part : std::enable_shared_from_this<Part> {
   explicit Part(const std::filesystem::path& file);
   std::filesystem::path path;
   Pshell shell;
 };
 
-class Scene {
+class Scene : public std::enable_shared_from_this<Scene> {
  public:
   explicit Scene(const std::filesystem::path& file);
 
   // Answers for poses of a part. The batches of the last parts are kept.
-  std::shared_ptr<PoseBatch> poses_of(const std::shared_ptr<Part>& part);
+  std::shared_ptr<PoseBatch> poses_of(Part& part);
 
   const std::filesystem::path path;
   const Voxmap map;
@@ -63,10 +63,47 @@ class Scene {
   std::vector<Asked> asked_;
 };
 
+class Stepper;
+struct Moment;
+struct Replay;
+
 // Rows of numbers. An array of doubles is read in place; other types are converted.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+// An argument that must not be None.
+inline py::arg given(const char* name) { return py::arg(name).none(false); }
+
 }  // namespace forcelayer::python
+
+namespace pybind11::detail {
+
+// An object of this module: neither None, which pybind11 would hand over as a null pointer, nor one
+// that no __init__() has made (Scene.__new__(Scene)), for which it would make memory without
+// content.
+template <typename T>
+struct MadeCaster : type_caster_base<T> {
+  bool load(handle source, bool convert) {
+    const type_info* const type = get_type_info(typeid(T));
+    if (!PyObject_TypeCheck(source.ptr(), type->type) || !reinterpret_cast<instance*>(source.ptr())
+                                                              ->get_value_and_holder(type)
+                                                              .holder_constructed()) {
+      return false;
+    }
+    return type_caster_base<T>::load(source, convert);
+  }
+};
+template <>
+struct type_caster<forcelayer::python::Scene> : MadeCaster<forcelayer::python::Scene> {};
+template <>
+struct type_caster<forcelayer::python::Part> : MadeCaster<forcelayer::python::Part> {};
+template <>
+struct type_caster<forcelayer::python::Stepper> : MadeCaster<forcelayer::python::Stepper> {};
+template <>
+struct type_caster<forcelayer::python::Moment> : MadeCaster<forcelayer::python::Moment> {};
+template <>
+struct type_caster<forcelayer::python::Replay> : MadeCaster<forcelayer::python::Replay> {};
+
+}  // namespace pybind11::detail
 
 // As for other arrays, without the empty one that is made for an argument before it is read.
 template <>
@@ -76,8 +113,14 @@ struct pybind11::detail::type_caster<forcelayer::python::Doubles> {
   template <typename T>
   using cast_op_type = movable_cast_op_type<T>;
   bool load(handle source, bool convert) {
-    if (!convert && !Array::check_(source)) return false;
-    array = Array::ensure(source);
+    if (source.is_none() || (!convert && !Array::check_(source))) return false;
+    const auto any = pybind11::array::ensure(source);
+    if (!any) return false;
+    if (any.dtype().kind() == 'c') throw type_error("complex numbers are no coordinates");
+    if (isinstance<pybind11::array>(source) && hasattr(source, "mask")) {
+      throw type_error("a masked array: give its .data, or fill it first");
+    }
+    array = Array::ensure(any);
     return static_cast<bool>(*array);
   }
   operator Array*() { return &*array; }

@@ -17,15 +17,15 @@ namespace forcelayer::python {
 Scene::Scene(const std::filesystem::path& file)
     : path(file), map(take(open_scene(file))), points(map) {}
 
-std::shared_ptr<PoseBatch> Scene::poses_of(const std::shared_ptr<Part>& part) {
+std::shared_ptr<PoseBatch> Scene::poses_of(Part& part) {
   constexpr std::size_t kKept = 4;
   std::erase_if(asked_, [](const Asked& asked) { return asked.part.expired(); });
   for (const Asked& asked : asked_) {
-    if (asked.part.lock() == part) return asked.batch;
+    if (asked.part.lock().get() == &part) return asked.batch;
   }
-  std::shared_ptr<PoseBatch> made = take(PoseBatch::create(map, part->shell));
+  std::shared_ptr<PoseBatch> made = take(PoseBatch::create(map, part.shell));
   if (asked_.size() == kKept) asked_.erase(asked_.begin());
-  asked_.push_back({part, made});
+  asked_.push_back({part.weak_from_this(), made});
   return made;
 }
 
@@ -55,11 +55,9 @@ void check_done(std::int64_t done, const char* name, const char* what) {
 namespace {
 
 template <typename Answer, typename Ask>
-py::array_t<Answer> ask_poses(const std::shared_ptr<Scene>& scene,
-                              const std::shared_ptr<Part>& part, const Doubles& poses,
-                              const Ask& ask) {
+py::array ask_poses(Scene& scene, Part& part, const Doubles& poses, const Ask& ask) {
   const auto rows = rows_of<7>(poses, "poses");
-  const std::shared_ptr<PoseBatch> batch = scene->poses_of(part);
+  const std::shared_ptr<PoseBatch> batch = scene.poses_of(part);
   auto answers = empty_rows<Answer>(rows.size());
   const std::span<Answer> out(answers.mutable_data(), rows.size());
   std::int64_t done = kAllDone;
@@ -73,18 +71,18 @@ py::array_t<Answer> ask_poses(const std::shared_ptr<Scene>& scene,
 
 // A read-only view of the file's own numbers.
 template <typename T>
-py::array view_of(const std::shared_ptr<Part>& part, std::vector<py::ssize_t> shape,
+py::array view_of(const Part& part, std::vector<py::ssize_t> shape,
                   std::vector<py::ssize_t> strides, const T* first) {
-  py::array view(py::dtype::of<T>(), std::move(shape), std::move(strides), first, py::cast(part));
+  py::array view(py::dtype::of<T>(), std::move(shape), std::move(strides), first,
+                 py::cast(part, py::return_value_policy::reference));  // the object that has it
   view.attr("flags").attr("writeable") = false;
   return view;
 }
 
 // Three columns of floats as an array of shape (points, 3). They lie one behind the other in the
 // file, at equal distances.
-py::array columns_of(const std::shared_ptr<Part>& part, const float* x, const float* y,
-                     const float* z) {
-  const auto points = static_cast<py::ssize_t>(part->shell.view().point_count);
+py::array columns_of(const Part& part, const float* x, const float* y, const float* z) {
+  const auto points = static_cast<py::ssize_t>(part.shell.view().point_count);
   const auto apart = reinterpret_cast<const char*>(y) - reinterpret_cast<const char*>(x);
   const auto next = reinterpret_cast<const char*>(z) - reinterpret_cast<const char*>(y);
   if (apart != next) {  // a writer of another kind: sections may stand in any order
@@ -227,7 +225,7 @@ forcelayer.Scene('bay.vox')
 Traceback (most recent call last):
 forcelayer.Error: nowhere.vox: no such file; check the path
 )")
-      .def(py::init<const std::filesystem::path&>(), py::arg("path"))
+      .def(py::init<const std::filesystem::path&>(), given("path"))
       .def("__repr__",
            [](const Scene& s) {
              return "forcelayer.Scene(" + std::string(py::repr(py::str(s.path.string()))) + ")";
@@ -282,7 +280,7 @@ True
 )")
       .def(
           "sample",
-          [](Scene& scene, const Doubles& points_m, unsigned threads) {
+          [](Scene& scene, const Doubles& points_m, unsigned threads) -> py::array {
             const auto rows = rows_of<3>(points_m, "points_m");
             auto answers = empty_rows<PointAnswer>(rows.size());
             const std::span<PointAnswer> out(answers.mutable_data(), rows.size());
@@ -294,7 +292,7 @@ True
             check_done(done, "points_m", " is not finite");
             return answers;
           },
-          py::arg("points_m"), py::kw_only(), py::arg("threads") = 0,
+          given("points_m"), py::kw_only(), given("threads") = 0,
           R"(The scene at points of the world, shape (n, 3), meters.
 
 A structured array with a row for each point:
@@ -318,14 +316,13 @@ forcelayer.Error: points_m: has the shape (1, 2); give an array of shape (n, 3)
 )")
       .def(
           "query",
-          [](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
-             const Doubles& poses, unsigned threads) {
+          [](Scene& scene, Part& part, const Doubles& poses, unsigned threads) {
             return ask_poses<PointCounts>(
                 scene, part, poses, [threads](PoseBatch& batch, auto rows, auto out) {
                   return batch.count(rows, threads, out, nobody_interrupts);
                 });
           },
-          py::arg("part"), py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
+          given("part"), given("poses"), py::kw_only(), given("threads") = 0,
           R"(How many points of the part lie where, at each pose.
 
 `poses`: shape (n, 7), world_from_part as x y z (meters) and a quaternion qw qx qy qz, which is
@@ -344,14 +341,13 @@ made unit. A structured array with a row for each pose:
 )")
       .def(
           "clearance",
-          [](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
-             const Doubles& poses, unsigned threads) {
+          [](Scene& scene, Part& part, const Doubles& poses, unsigned threads) {
             return ask_poses<ClearanceAnswer>(
                 scene, part, poses, [threads](PoseBatch& batch, auto rows, auto out) {
                   return batch.clearance(rows, threads, out, nobody_interrupts);
                 });
           },
-          py::arg("part"), py::arg("poses"), py::kw_only(), py::arg("threads") = 0,
+          given("part"), given("poses"), py::kw_only(), given("threads") = 0,
           R"(How far the exact surfaces of part and scene are apart at least, at each pose.
 
 The bound is proven from the two files, as the runtime proves it for every frame. It holds at these
@@ -375,10 +371,10 @@ row for each pose:
 Traceback (most recent call last):
 forcelayer.Error: poses: row 0 is no pose: give finite meters and a quaternion that is not zero
 )")
-      .def("check", &check_path, py::arg("part"), py::arg("t_s"), py::arg("poses"),
-           py::arg("clearance_m") = 0.0127, py::kw_only(),
-           py::arg("allow") = std::vector<std::string>{}, py::arg("world_from_seat") = py::none(),
-           py::arg("threads") = 0, py::arg("felt_seat") = false,
+      .def("check", &check_path, given("part"), given("t_s"), given("poses"),
+           given("clearance_m") = 0.0127, py::kw_only(),
+           given("allow") = std::vector<std::string>{}, py::arg("world_from_seat") = py::none(),
+           given("threads") = 0, given("felt_seat") = false,
            R"(Whether the part keeps a clearance along a path, between the poses too: as `voxcheck`.
 
 `t_s`: times, ascending, one for each pose. Between poses the centroid goes straight and the
@@ -420,7 +416,7 @@ forcelayer.Part('part.pshell')
 >>> part.points_m.shape == (part.point_count, 3)
 True
 )")
-      .def(py::init<const std::filesystem::path&>(), py::arg("path"))
+      .def(py::init<const std::filesystem::path&>(), given("path"))
       .def("__repr__",
            [](const Part& p) {
              return "forcelayer.Part(" + std::string(py::repr(py::str(p.path.string()))) + ")";
@@ -439,8 +435,8 @@ True
 )")
       .def_property_readonly(
           "points_m",
-          [](const std::shared_ptr<Part>& p) {
-            const PshellView& v = p->shell.view();
+          [](const Part& p) {
+            const PshellView& v = p.shell.view();
             return columns_of(p, v.x, v.y, v.z);
           },
           R"(The shell points, shape (n, 3), meters: in the part's axes, from `center_m`.
@@ -453,8 +449,8 @@ A view of the file, no copy; it cannot be written to.
 )")
       .def_property_readonly(
           "normals",
-          [](const std::shared_ptr<Part>& p) {
-            const PshellView& v = p->shell.view();
+          [](const Part& p) {
+            const PshellView& v = p.shell.view();
             return columns_of(p, v.nx, v.ny, v.nz);
           },
           R"(Inward unit normals of the points, shape (n, 3): a view of the file.
@@ -464,8 +460,8 @@ True
 )")
       .def_property_readonly(
           "areas_m2",
-          [](const std::shared_ptr<Part>& p) {
-            const PshellView& v = p->shell.view();
+          [](const Part& p) {
+            const PshellView& v = p.shell.view();
             return view_of(p, {static_cast<py::ssize_t>(v.point_count)}, {sizeof(float)},
                            v.weight_m2);
           },

@@ -123,6 +123,8 @@ Run open(const Scene& scene, const Part& part, RunRequest request) {
   return take(open_run(same_map(scene), same_shell(part), request));
 }
 
+}  // namespace
+
 // Everything that evolves.
 struct Evolving {
   State state;
@@ -139,8 +141,10 @@ struct Moment {
 // forcelayer.Simulation.
 class Stepper {
  public:
-  Stepper(std::shared_ptr<Scene> scene, std::shared_ptr<Part> part, const RunRequest& request)
-      : scene_(std::move(scene)), part_(std::move(part)), run_(open(*scene_, *part_, request)) {}
+  Stepper(Scene& scene, Part& part, const RunRequest& request)
+      : scene_(scene.shared_from_this()),
+        part_(part.shared_from_this()),
+        run_(open(scene, part, request)) {}
 
   void start(const Doubles& world_from_part, const std::optional<Doubles>& world_from_handle,
              const std::optional<Doubles>& world_from_seat) {
@@ -180,7 +184,7 @@ class Stepper {
     return py::reinterpret_steal<py::object>(PySequence_GetItem(rows.ptr(), 0));
   }
 
-  py::array_t<FrameRow> run(const Doubles& world_from_handle,
+  py::array run(const Doubles& world_from_handle,
                             const std::optional<Doubles>& velocity) {
     const auto handles = rows_of<7>(world_from_handle, "world_from_handle");
     std::span<const VelocityNumbers> velocities;
@@ -212,12 +216,12 @@ class Stepper {
     require_start();
     return std::make_shared<Moment>(*moment_);
   }
-  void set_moment(const std::shared_ptr<Moment>& moment) {
-    if (moment->of != this) {
+  void set_moment(const Moment& moment) {
+    if (moment.of != this) {
       throw Failure({ErrorCode::kUsage, "", "moment", "is of another simulation", ""});
     }
     require_idle();
-    moment_ = std::make_shared<Moment>(*moment);
+    moment_ = std::make_shared<Moment>(moment);
   }
 
   py::dict report() const {
@@ -308,6 +312,8 @@ struct Replay {
   py::dict report;
 };
 
+namespace {
+
 // Ends a replay.
 struct Interrupted {};
 
@@ -335,11 +341,10 @@ std::optional<std::size_t> replay_frames(model::Simulation& simulation,
   return first_difference;
 }
 
-Replay replay(const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
-              const std::filesystem::path& path) {
+Replay replay(const Scene& scene, const Part& part, const std::filesystem::path& path) {
   const stream::Recording recording = take(stream::Recording::open(path));
   const auto simulation =
-      take(stream::recorded_simulation(recording, same_map(*scene), same_shell(*part)));
+      take(stream::recorded_simulation(recording, same_map(scene), same_shell(part)));
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   auto rows = empty_rows<FrameRow>(recording.frames().size());
   std::optional<std::size_t> differing;
@@ -350,7 +355,7 @@ Replay replay(const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& 
     throw py::error_already_set();
   }
   if (differing) throw Failure(stream::outcome_differs(path.string(), *differing));
-  return {rows, report_of(*scene, *statistics, simulation->parameters().rate_hz)};
+  return {rows, report_of(scene, *statistics, simulation->parameters().rate_hz)};
 }
 
 RunRequest request_of(const std::string& model, const std::optional<std::string>& force,
@@ -421,18 +426,16 @@ alone, to the last bit.
 Traceback (most recent call last):
 forcelayer.Error: model: 'fast' is no model; use 'default' or 'paper'
 )")
-      .def(py::init([](const std::shared_ptr<Scene>& scene, const std::shared_ptr<Part>& part,
-                       const std::string& model, const std::optional<std::string>& force,
-                       double rate_hz, const std::map<std::string, double>& settings,
-                       bool without_guarantee) {
+      .def(py::init([](Scene& scene, Part& part, const std::string& model,
+                       const std::optional<std::string>& force, double rate_hz,
+                       const std::map<std::string, double>& settings, bool without_guarantee) {
              return std::make_unique<Stepper>(
                  scene, part, request_of(model, force, rate_hz, settings, without_guarantee));
            }),
-           py::arg("scene"), py::arg("part"), py::kw_only(), py::arg("model") = "default",
-           py::arg("force") = py::none(), py::arg("rate_hz") = 1000.0,
-           py::arg("settings") = std::map<std::string, double>{},
-           py::arg("without_guarantee") = false)
-      .def("start", &Stepper::start, py::arg("world_from_part"),
+           given("scene"), given("part"), py::kw_only(), given("model") = "default",
+           py::arg("force") = py::none(), given("rate_hz") = 1000.0,
+           given("settings") = std::map<std::string, double>{}, given("without_guarantee") = false)
+      .def("start", &Stepper::start, given("world_from_part"),
            py::arg("world_from_handle") = py::none(), py::arg("world_from_seat") = py::none(),
            R"(Places the part at rest, held without stretch. Frames are counted from here on.
 
@@ -445,7 +448,7 @@ is installed there: until it has left them, it may touch them.
 Traceback (most recent call last):
 forcelayer.Error: world_from_part: is no pose; give finite meters and a quaternion that is not zero
 )")
-      .def("step", &Stepper::step, py::arg("world_from_handle"),
+      .def("step", &Stepper::step, given("world_from_handle"),
            py::arg("handle_velocity") = py::none(), R"(One frame: moves the hand, then the part.
 
 `handle_velocity`: linear (m/s) and angular (rad/s), six numbers, world axes; None: estimated from
@@ -456,7 +459,7 @@ the poses, as for a device that does not sense it. Returns a row of run()'s arra
 Traceback (most recent call last):
 forcelayer.Error: simulation: has not been started; call start(world_from_part) first
 )")
-      .def("run", &Stepper::run, py::arg("world_from_handle"),
+      .def("run", &Stepper::run, given("world_from_handle"),
            py::arg("handle_velocity") = py::none(), R"(Many frames: a pose of the hand each, (n, 7).
 
 A structured array with a row for each frame:
@@ -561,7 +564,7 @@ True
 0
 )");
 
-  module.def("replay", &replay, py::arg("scene"), py::arg("part"), py::arg("recording"),
+  module.def("replay", &replay, given("scene"), given("part"), given("recording"),
              R"(Repeats a recorded run (`voxrun --record FILE`) bit for bit.
 
 The files must be those of the run. An outcome that differs from the recorded one is an error.

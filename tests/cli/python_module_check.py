@@ -325,6 +325,60 @@ def check_errors():
         raise AssertionError("a part that is none was taken")
 
 
+def check_wrong_objects(scene, part, run):
+    """None, and objects that no __init__() has made, in the place of every argument, self too: an exception."""
+    start, row = [0.2, 0.15, 0.3, 1, 0, 0, 0], [[0, 0, 0.3, 1, 0, 0, 0]]
+    simulation = forcelayer.Simulation(scene, part)
+    simulation.start(start)
+    calls = (  # function, every argument that must not be None
+        (forcelayer.Scene, {"path": "bay.vox"}),
+        (forcelayer.Part, {"path": "part.pshell"}),
+        (forcelayer.Scene.sample, {"self": scene, "points_m": [[0, 0, 0]], "threads": 1}),
+        (forcelayer.Scene.query, {"self": scene, "part": part, "poses": row, "threads": 1}),
+        (forcelayer.Scene.clearance, {"self": scene, "part": part, "poses": row, "threads": 1}),
+        (forcelayer.Scene.check, {"self": scene, "part": part, "t_s": [0], "poses": row, "clearance_m": 0.001,
+                                  "allow": [], "threads": 1, "felt_seat": True}),
+        (forcelayer.Simulation, {"scene": scene, "part": part, "model": "default", "rate_hz": 1000, "settings": {},
+                                 "without_guarantee": False}),
+        (forcelayer.Simulation.start, {"self": simulation, "world_from_part": start}),
+        (forcelayer.Simulation.step, {"self": simulation, "world_from_handle": start}),
+        (forcelayer.Simulation.run, {"self": simulation, "world_from_handle": [start]}),
+        (forcelayer.replay, {"scene": scene, "part": part, "recording": "run.flr"}))
+    public = {name.rsplit(".")[-1] for name, thing in public_names() if callable(thing)}
+    assert public - {"Error", "Moment", "Replay"} == {function.__name__ for function, _ in calls}, public
+    classes = (forcelayer.Scene, forcelayer.Part, forcelayer.Simulation, forcelayer.Moment, forcelayer.Replay)
+    unmade = [kind.__new__(kind) for kind in classes]
+
+    def expect_type_error(what, call):
+        try:
+            call()
+        except TypeError:
+            return
+        raise AssertionError(f"taken: {what}")
+
+    for function, arguments in calls:
+        if function is not forcelayer.Scene.check:  # on row 0 alone there is no path
+            function(**arguments)
+        for name in arguments:
+            for wrong in (None, *unmade):
+                expect_type_error((function, name, type(wrong)), lambda: function(**{**arguments, name: wrong}))
+    for kind, whole in zip(classes, (scene, part, simulation, simulation.moment, run)):
+        for name, of_class in vars(kind).items():
+            if isinstance(of_class, property):
+                getattr(whole, name)
+                for wrong in (None, *unmade):
+                    expect_type_error((kind, name), lambda: of_class.fget(wrong))
+    for wrong in (None, *unmade):
+        expect_type_error("moment", lambda: setattr(simulation, "moment", wrong))
+    for wrong in (numpy.ma.masked_array(row, mask=True), numpy.array(row) * 1j, numpy.array(row) * (1 + 0j)):
+        expect_type_error(wrong, lambda: scene.clearance(part, wrong))
+    for call in (scene.query, scene.clearance, scene.sample, simulation.run):
+        try:
+            call(None)
+        except TypeError as error:
+            assert "::" not in str(error), error
+
+
 def check_ranges(scene, part):
     """A number out of its range is refused by its name, with the range."""
     numbers = {"mass_kg": "1e-06 to 1000", "coupling_n_per_m": "0.001 to 1e+07", "max_force_n": "1e-06 to 1000",
@@ -401,6 +455,7 @@ def main():
     check_calls_meanwhile(scene, part, run.frames["world_from_part"][0])
     check_paths(scene, part, run)
     check_errors()
+    check_wrong_objects(scene, part, run)
     check_ranges(scene, part)
     check_threads(scene, part, poses)
     check_views(part)
