@@ -1,5 +1,7 @@
 #include "runtime/model/simulation.h"
 
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include "runtime/machine/step_arithmetic.h"
@@ -78,8 +80,14 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
                                                        const Parameters& parameters,
                                                        const query::QueryOptions& query) {
   if (Status fits = query::ContactQuery::check_size(voxmap, shell); !fits) return fits.error();
-  std::unique_ptr<Simulation> simulation(
-      new Simulation(std::move(voxmap), std::move(shell), parameters, query));
+  std::unique_ptr<Simulation> simulation;
+  try {
+    simulation.reset(new Simulation(std::move(voxmap), std::move(shell), parameters, query));
+  } catch (const std::system_error& failure) {
+    return Error{ErrorCode::kOutOfMemory, "", "threads",
+                 std::to_string(query.threads) + " cannot be started: " + failure.code().message(),
+                 "ask for fewer, or raise the limits of threads and memory (ulimit -u, -v)"};
+  }
   auto field = field::make_force_field(parameters.model, parameters.force, simulation->voxmap_);
   if (!field) return field.error();
   if (Status sides = check_sides(simulation->shell_.view(), **field); !sides) return sides.error();

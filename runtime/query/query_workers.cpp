@@ -28,12 +28,19 @@ void pause() noexcept {
 }  // namespace
 
 QueryWorkers::QueryWorkers(unsigned helpers) : shares_(helpers + std::size_t{1}) {
-  for (std::size_t own = 1; own <= helpers; ++own) {
-    threads_.emplace_back([this, own] { help(own); });
+  try {
+    for (std::size_t own = 1; own <= helpers; ++own) {
+      threads_.emplace_back([this, own] { help(own); });
+    }
+  } catch (...) {
+    end();
+    throw;
   }
 }
 
-QueryWorkers::~QueryWorkers() {
+QueryWorkers::~QueryWorkers() { end(); }
+
+void QueryWorkers::end() noexcept {
   ended_.store(true);
   wake();
   for (std::thread& thread : threads_) thread.join();

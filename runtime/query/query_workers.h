@@ -16,6 +16,7 @@ class QueryWorkers {
   using Job = void (*)(void* context, std::uint32_t chunk) noexcept;
   static constexpr std::uint32_t kMostChunks = 1u << 16;
 
+  // Throws std::system_error where the system starts no more threads.
   explicit QueryWorkers(unsigned helpers);
   ~QueryWorkers();
   QueryWorkers(const QueryWorkers&) = delete;
@@ -46,6 +47,7 @@ class QueryWorkers {
     std::atomic<std::uint64_t> ticket{0};
   };
 
+  void end() noexcept;
   void help(std::size_t own) noexcept;
   void work(std::size_t own) noexcept;
   bool take_chunk(Share& share) noexcept;

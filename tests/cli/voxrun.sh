@@ -151,6 +151,10 @@ for way in 0,0,1001m 0,0,1e9m -1e8,1e8,0m; do
 done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
 expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --model paper
+if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
+  (ulimit -v 600000
+    expect 1 'threads: 256 cannot be started: .*ask for fewer' floor.vox ball.pshell "${fast[@]}" --threads 256)
+fi
 head -c 5000 run.flr >cut.flr
 expect 4 'cut off' floor.vox ball.pshell --device replay --replay cut.flr
 

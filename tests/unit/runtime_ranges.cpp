@@ -9,8 +9,10 @@
 
 #include "forcelayer/forcelayer.h"
 #include "forcelayer/run.h"
+#include "tests/support/address_limit.h"
 #include "tests/support/point_part.h"
 #include "tests/support/random_scenes.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/voxel_scene.h"
 
@@ -183,6 +185,22 @@ TEST_F(Ranges, ThreadsAreBoundedAndPlacesAreNear) {
     ASSERT_FALSE(run) << far_m;
     EXPECT_EQ(run.error().where, "world_from_device");
   }
+}
+
+// As many threads as are allowed, in a process that has no room for them: an error, and no thread
+// is left behind (each would have ended the process).
+TEST_F(Ranges, ThreadsThatCannotBeStartedAreAnError) {
+  if (kSanitized) return;  // it holds terabytes of addresses: no limit holds there
+  Voxmap voxmap = make_voxmap(slab());
+  Pshell shell = make_pshell(ball());
+  RunRequest request;
+  request.threads = 256;  // of 8 MiB of stack each
+  const AddressLimit limit(std::uint64_t{256} << 20);
+  const auto run = open_run(std::move(voxmap), std::move(shell), request);
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(to_line(run.error()).find("threads: 256 cannot be started: "), 0u)
+      << to_line(run.error());
 }
 
 // The parameters of a recording that a program hands over, and a setting of no parameter.

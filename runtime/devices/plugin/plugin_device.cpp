@@ -172,7 +172,14 @@ Status PluginDevice::launch() {
     process_ = -1;
     return failed(options_, "its process does not start: " + std::string(std::strerror(failure)));
   }
-  waiter_ = std::thread([this] { wait_for_end(); });
+  try {
+    waiter_ = std::thread([this] { wait_for_end(); });
+  } catch (const std::system_error& none) {
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+    process_ = -1;
+    return failed(options_, "no thread can wait for its process: " + none.code().message());
+  }
   return {};
 }
 
