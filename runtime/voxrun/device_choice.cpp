@@ -76,7 +76,7 @@ Status check_rate(const Options& options) {
                "give 50 or more"};
 }
 
-Result<ChosenDevice> make_device(const Options& options) {
+Result<ChosenDevice> make_device(const Options& options, const std::atomic<int>& stop) {
   if (options.device == "plugin" || is_hid(options.device)) {
     if (Status fast = check_rate(options); !fast) return fast.error();
   }
@@ -87,6 +87,7 @@ Result<ChosenDevice> make_device(const Options& options) {
     plugin.arguments = options.plugin_args;
     plugin.trusted = options.trust_plugin;
     plugin.stale_s = watch_s(options);
+    plugin.stop = &stop;
     chosen.device = std::make_unique<devices::PluginDevice>(plugin);
     return chosen;
   }
@@ -135,8 +136,8 @@ Error no_usable_reading(const devices::Device& device, const DeviceSample& last,
 
 }  // namespace
 
-Result<ChosenDevice> choose_device(const Options& options) {
-  auto chosen = make_device(options);
+Result<ChosenDevice> choose_device(const Options& options, const std::atomic<int>& stop) {
+  auto chosen = make_device(options, stop);
   if (!chosen) return chosen.error();
   if (Status started = chosen->device->start(); !started) return started.error();
   if (Status safe = check_watchdog(options, chosen->device->capabilities()); !safe) {
@@ -146,12 +147,12 @@ Result<ChosenDevice> choose_device(const Options& options) {
   return chosen;
 }
 
-Result<Pose> wait_for_pose(devices::Device& device) {
+Result<Pose> wait_for_pose(devices::Device& device, const std::atomic<int>& stop) {
   const long long begin_ns = machine::monotonic_ns();
   DeviceSample sample = device.read(0);
   bool fresh = sample.fresh;
   while (!is_usable(sample)) {
-    if (machine::monotonic_ns() - begin_ns > kReadingNs)
+    if (stop != 0 || machine::monotonic_ns() - begin_ns > kReadingNs)
       return no_usable_reading(device, sample, fresh);
     machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
     sample = device.read(0);

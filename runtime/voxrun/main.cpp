@@ -132,14 +132,15 @@ int main(int argc, char** argv) {
   int status = 0;
   if (!forcelayer::command::parse_arguments(app, argc, argv, status)) return status;
   end_loop_on_signals();
+  bool began = true;
   status = forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
     if (forcelayer::Status s = parser.finish(); !s) return s;
     if (forcelayer::Status s = prepare_outputs(parser.options()); !s) return s;
-    return forcelayer::voxrun::run_session(parser.options(), stop_signal, scene_signal);
+    return forcelayer::voxrun::run_session(parser.options(), stop_signal, scene_signal, began);
   });
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;
-  std::fprintf(stderr, "voxrun: ended by signal %d (%s); its files hold the run up to here\n",
-               ended_by, strsignal(ended_by));
+  std::fprintf(stderr, "voxrun: ended by signal %d (%s)%s\n", ended_by, strsignal(ended_by),
+               began ? "; its files hold the run up to here" : " before the run began");
   return 128 + ended_by;
 }

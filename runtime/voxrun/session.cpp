@@ -36,9 +36,12 @@ constexpr std::size_t kRingFrames = 1 << 14;  // 16 s of a stalled disk at 1 kHz
 
 // Everything that a run needs, in the order in which it is built.
 struct Session {
-  explicit Session(const Options& options) : facts(options) {}
+  Session(const Options& options, std::atomic<int>& of_stop, bool& of_began)
+      : facts(options), stop(of_stop), began(of_began) {}
 
   RunFacts facts;
+  std::atomic<int>& stop;
+  bool& began;
   RunRequest request;  // the options', as device or recording have it
   std::optional<stream::Recording> recording;
   ChosenDevice device;  // none in a replay
@@ -57,8 +60,11 @@ struct Session {
 };
 
 Status make_input(const Options& options, Session& session) {
-  auto chosen = choose_device(options);
-  if (!chosen) return chosen.error();
+  auto chosen = choose_device(options, session.stop);
+  if (!chosen) {
+    session.began = session.stop == 0;
+    return chosen.error();
+  }
   session.device = std::move(*chosen);
   session.input = std::make_unique<loop::DeviceInput>(
       *session.device.device, session.request.placement, input_limits(session.request));
@@ -116,8 +122,11 @@ void warn_of_missing_faces(const Options& options, const Run& run,
 
 // Registers the part where the hand is now.
 Status take_hold(const Options& options, Session& session) {
-  const auto device_from_handle = wait_for_pose(*session.device.device);
-  if (!device_from_handle) return device_from_handle.error();
+  const auto device_from_handle = wait_for_pose(*session.device.device, session.stop);
+  if (!device_from_handle) {
+    session.began = session.stop == 0;
+    return device_from_handle.error();
+  }
   auto begun = session.run->simulation().begin(
       options.start, session.request.placement.world_from_handle(*device_from_handle));
   if (!begun) return begun.error();
@@ -336,11 +345,11 @@ FrameSink progress_sink(const loop::LoopOptions& loop, command::ProgressLine& li
   };
 }
 
-Status run_frames(const Options& options, Session& session, std::atomic<int>& stop,
-                  std::atomic<int>& next_scene, loop::LoopStatistics& statistics) {
+Status run_frames(const Options& options, Session& session, std::atomic<int>& next_scene,
+                  loop::LoopStatistics& statistics) {
   FrameOutputs outputs;
   if (Status opened = outputs.open(options, session); !opened) return opened;
-  const loop::LoopOptions loop = loop_options(options, session, stop);
+  const loop::LoopOptions loop = loop_options(options, session, session.stop);
   command::ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
   OutputEvents events(session.clutch_buttons != 0);
@@ -353,7 +362,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
   });
   sinks.push_back(progress_sink(loop, progress));
   machine::SpscRing<Frame> ring(kRingFrames);
-  FrameSinks frame_sinks(ring, std::move(sinks), stop);
+  FrameSinks frame_sinks(ring, std::move(sinks), session.stop);
   const machine::MapWatch watch;  // beside the sinks: a reader of theirs may stall
   model::Simulation& simulation = session.run->simulation();
   const Voxmap& voxmap = simulation.voxmap();
@@ -412,28 +421,30 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& st
 
 }  // namespace
 
-Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<int>& next_scene) {
-  Session session(options);
+Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<int>& next_scene,
+                   bool& began) {
+  Session session(options, stop, began);
   machine::contain_map_loss();
-  if (Status s = prepare_run(options, session); !s) return s;
-  if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
-  print_warnings(session.facts, 0);
   const auto statistics = std::make_unique<loop::LoopStatistics>();
-  if (Status s = run_frames(options, session, stop, next_scene, *statistics); !s) return s;
-  if (!options.quiet) {
+  Status done = prepare_run(options, session);
+  if (done) {
+    if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
+    print_warnings(session.facts, 0);
+    done = run_frames(options, session, next_scene, *statistics);
+  }
+  if (!began) return {};
+  if (done && !options.quiet) {
     std::cout << end_text(*session.scenes, session.facts, *statistics)
               << verdict_text(*session.scenes, session.facts.pull, *statistics) << std::flush;
   }
-  if (!options.json.empty()) {
-    if (Status s = command::write_report(options.json,
-                                         report_json(*session.scenes, session.facts, *statistics));
-        !s) {
-      return s;
-    }
+  if (done && !options.json.empty()) {
+    done = command::write_report(options.json,
+                                 report_json(*session.scenes, session.facts, *statistics));
   }
-  if (Status sound = check_output(session.facts); !sound) return sound;
-  if (Status repeated = check_replay(session); !repeated) return repeated;
-  return check_verdict(options, *session.scenes, session.facts.pull, *statistics);
+  if (done) done = check_output(session.facts);
+  if (done) done = check_replay(session);
+  if (done) done = check_verdict(options, *session.scenes, session.facts.pull, *statistics);
+  return done;
 }
 
 }  // namespace forcelayer::voxrun

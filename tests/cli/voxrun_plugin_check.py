@@ -297,6 +297,47 @@ def signals():
         assert json.load(open(f"{name}.json"))["output_trips"] == 0
 
 
+def plugin_processes(name):
+    """Those that run beside a voxrun of this check, by their arguments."""
+    found = []
+    for process in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            if f"log={name}.csv" in open(f"/proc/{process}/cmdline").read() and \
+                    os.readlink(f"/proc/{process}/exe").endswith("voxrun-plugin"):
+                found.append(process)
+        except OSError:
+            continue
+    return found
+
+
+def signals_before_the_run():
+    """While open() hangs, or no reading comes: voxrun ends at once, and the plugin's process with it."""
+    for arguments, number in (("open-hangs", signal.SIGINT), ("open-hangs", signal.SIGTERM), ("silent", signal.SIGINT)):
+        name = f"early-{arguments}-{int(number)}"
+        process = start(name, arguments)
+        wait_until(lambda: plugin_processes(name), process, "no process of the plugin")
+        time.sleep(0.5)
+        sent_s = time.monotonic()
+        process.send_signal(number)
+        error = finish(process, 128 + number)
+        assert time.monotonic() - sent_s < 1.5, (name, time.monotonic() - sent_s)
+        assert error.strip() == f"voxrun: ended by signal {int(number)} ({signal.strsignal(number)}) before the run began", error
+        deadline = time.monotonic() + (10 if arguments == "silent" else 0)  # its device, a process too, ends by itself
+        while time.monotonic() < deadline and plugin_processes(name):
+            time.sleep(0.1)
+        assert not plugin_processes(name) and not os.path.exists(f"{name}.json"), name
+    # A voxrun that is killed meanwhile leaves no plugin behind.
+    process = start("early-kill", "open-hangs")
+    wait_until(lambda: plugin_processes("early-kill"), process, "no process of the plugin")
+    time.sleep(0.3)
+    process.kill()
+    finish(process, -signal.SIGKILL)
+    deadline = time.monotonic() + 10
+    while plugin_processes("early-kill"):
+        assert time.monotonic() < deadline, "it is still there"
+        time.sleep(0.1)
+
+
 def a_host_that_stands_still():
     """SIGSTOP: the loop can do nothing; the device's side must see it. After SIGCONT, too, the loop
     does not go on as if nothing had been."""
@@ -396,7 +437,7 @@ CHECKS = (*(functools.partial(device_fault, fault) for fault in FAULTS),
           a_user_who_may_lock_little_memory,
           a_late_reading_is_a_blip, memory_that_cannot_be_cut, forces_that_are_written_over,
           a_library_without_a_slash,
-          what_its_process_gets, signals, a_host_that_stands_still, a_host_that_dies,
+          what_its_process_gets, signals, signals_before_the_run, a_host_that_stands_still, a_host_that_dies,
           a_file_that_is_cut_short, a_trip_that_waits, refusals, the_example)
 try:
     with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:

@@ -3,11 +3,11 @@
  *
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
  * the handshake no-si, left-handed, no-watchdog, late-watchdog, old-abi, huge-force, slow-motors;
- * silent (no reading ever), no-pose (a quaternion of zeros). KIND: unplug, freeze, blip (three
- * readings missing), nan, absurd (millimeters from then on), mm (from the start), uncalibrated,
- * crash, hang, spin (never sleeps); wild (0xff over the memory that is shared with the loop),
- * wild-index (over the words that say where a value is), wild-force (over forces), shrink (tries to
- * cut that memory short), button (no fault: button 1 is pressed from then on).
+ * silent (no reading ever), no-pose (a quaternion of zeros), open-hangs (for 100 s). KIND: unplug,
+ * freeze, blip (three readings missing), nan, absurd (millimeters from then on), mm (from the
+ * start), uncalibrated, crash, hang, spin (never sleeps); wild (0xff over the memory that is shared
+ * with the loop), wild-index (over the words that say where a value is), wild-force (over forces),
+ * shrink (tries to cut that memory short), button (no fault: button 1 is pressed from then on).
  * FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE: what the process may do,
  * written when the device is opened.
  *
@@ -178,6 +178,7 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   char home[400];
   value_of(arguments, "home=", home, sizeof home);
   if (facts[0] != 0) write_facts(facts, home);
+  if (strstr(arguments, "open-hangs") != NULL) sleep_ms(100000);
   if (path[0] == 0) {
     snprintf(error, error_bytes, "needs log=FILE");
     return 1;

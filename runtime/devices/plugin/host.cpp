@@ -159,6 +159,7 @@ void end_after(pid_t parent) {
 int serve(const char* library, const char* arguments, pid_t parent, PluginLink& link) {
   const forcelayer_plugin* plugin = load(library, link);
   if (plugin == nullptr) return 1;
+  end_after(parent);
   void* device = nullptr;
   std::array<char, 200> error{};
   forcelayer_plugin_info info{};
@@ -171,7 +172,6 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   link.state.store(PluginState::kOpen, std::memory_order_release);
   machine::lock_memory();
   machine::take_real_time_priority(1);  // a plugin that never sleeps must not keep the loop's core
-  end_after(parent);
   Exchange exchange(link, parent, info);
   if (plugin->run != nullptr) {
     const forcelayer_plugin_host host{&exchange, exchange_once};

@@ -25,6 +25,7 @@ namespace {
 
 constexpr long long kPollNs = 2'000'000;
 constexpr long long kCloseNs = 2'000'000'000;
+constexpr long long kUnopenedNs = 200'000'000;  // for a process that is still in open()
 constexpr const char* kSeeManual = "see runtime/devices/plugin/plugin.md";
 constexpr int kLinkDescriptor = 3;  // of the shared memory in the process
 
@@ -198,6 +199,9 @@ Status PluginDevice::shake_hands() {
     if (ended_.load(std::memory_order_acquire)) {
       return failed(options_, end_text(exit_status_) + " before the device was open");
     }
+    if (options_.stop != nullptr && *options_.stop != 0) {
+      return failed(options_, "had not opened its device when the run was ended");
+    }
     if (machine::monotonic_ns() > until_ns)
       return failed(options_, "does not open its device in time");
     machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
@@ -279,7 +283,8 @@ void PluginDevice::stop() noexcept {
   if (process_ < 0) return;
   write({});
   link_->stop.store(1, std::memory_order_release);
-  const long long until_ns = machine::monotonic_ns() + kCloseNs;
+  const bool opened = link_->state.load(std::memory_order_acquire) != PluginState::kStarting;
+  const long long until_ns = machine::monotonic_ns() + (opened ? kCloseNs : kUnopenedNs);
   while (!ended_.load(std::memory_order_acquire) && machine::monotonic_ns() < until_ns) {
     machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
   }

@@ -20,8 +20,9 @@ struct PluginOptions {
   std::string arguments;          // for its open()
   std::filesystem::path host;     // the program voxrun-plugin; empty: beside the running program
   bool trusted = false;  // may write files and start programs: its process keeps the user's rights
-  double stale_s = kStaleLimitS;  // age at which the plugin's process drops a wrench
-  double open_s = 20;             // longest open(): some devices calibrate first
+  double stale_s = kStaleLimitS;           // age at which the plugin's process drops a wrench
+  double open_s = 20;                      // longest open(): some devices calibrate first
+  const std::atomic<int>* stop = nullptr;  // ends the wait for open() once it is not 0
 };
 
 class PluginDevice final : public Device {
@@ -40,7 +41,8 @@ class PluginDevice final : public Device {
   DeviceSample read(double time_s) noexcept override;
   void write(const Wrench& device_wrench) noexcept override;
 
-  // Asks the process to close the device, and waits for up to two seconds before it is killed.
+  // Asks the process to close the device, and waits for up to two seconds before it is killed; for
+  // a fifth of one where the device is not open yet.
   void stop() noexcept override;
 
   DeviceTrouble trouble() const override;
