@@ -52,6 +52,11 @@ int main(int argc, char** argv) {
     fprintf(stderr, "example_embed_c: %s\n", error);
     return 1;
   }
+  for (uint32_t n = 0; forcelayer_warning(runtime, n) != NULL; ++n) {
+    fprintf(stderr, "example_embed_c: warning: %s\n", forcelayer_warning(runtime, n));
+  }
+  double tested_m, swept_m;
+  forcelayer_guarantee(runtime, &tested_m, &swept_m);
   forcelayer_reading reading = reading_at(0);
   if (forcelayer_start(runtime, kStart, NULL, &reading, error, sizeof error) != 0) {
     fprintf(stderr, "example_embed_c: %s\n", error);
@@ -61,6 +66,7 @@ int main(int argc, char** argv) {
   struct swap swap = {runtime, argv[1], argc == 4 ? argv[3] : NULL, 0};
   pthread_t thread;
   double largest_n = 0;
+  int guaranteed_frames = 0;
   struct timespec tick;
   clock_gettime(CLOCK_MONOTONIC, &tick);
   for (int frame = 0; frame < 1500; ++frame) {
@@ -74,6 +80,9 @@ int main(int argc, char** argv) {
     reading = reading_at(frame / 1000.0);
     forcelayer_result result;
     forcelayer_step(runtime, &reading, &result);
+    forcelayer_state state;
+    forcelayer_last_state(runtime, &state, sizeof state);
+    if (state.guaranteed_m > 0) ++guaranteed_frames;
     const double force_n =
         sqrt(result.force_n[0] * result.force_n[0] + result.force_n[1] * result.force_n[1] +
              result.force_n[2] * result.force_n[2]);
@@ -82,6 +91,8 @@ int main(int argc, char** argv) {
     if (frame == 1499) {
       printf("at the end: output %u, part at z = %.3f m, last trip %s\n", result.output,
              result.world_from_part[2], forcelayer_last_trip(runtime));
+      printf("the surfaces were at least %.2f mm apart in %d frames of %d\n", 1000 * tested_m,
+             guaranteed_frames, frame + 1);
     }
   }
   if (swap.part != NULL) pthread_join(thread, NULL);

@@ -64,7 +64,7 @@ typedef struct forcelayer_reading {
   double device_from_handle[7];
   double linear_mps[3];    /* of the handle's origin, device axes; where sensed */
   double angular_radps[3]; /* device axes; where sensed */
-  uint32_t buttons;        /* bit n: button n */
+  uint32_t buttons;        /* bit n: button n; none has an effect: forcelayer_set_clutch() */
   int fresh;               /* 1: a new reading since the last step */
   int present;             /* 1: the device answers */
   int calibrated;          /* 1: its poses can be trusted */
@@ -91,11 +91,33 @@ typedef struct forcelayer_result {
   double world_from_part[7]; /* the part's frame is its mesh's */
   uint32_t output;           /* FORCELAYER_WAITING, ... */
   uint32_t contacts;         /* points with depth in the force layer */
-  uint32_t interior;         /* points in the interior; above 0 the guarantee does not hold */
+  uint32_t interior;         /* points in the interior. 0 is not yet a guarantee: there are other
+                              * premises (forcelayer_last_state()) */
   uint32_t clearance;        /* FORCELAYER_CLEARANCE_NONE, ... */
   uint32_t nearest_object;   /* number of the nearest object; 0: not known */
   double clearance_m;        /* a lower bound; 0 where nothing is known */
 } forcelayer_result;
+
+/* Bits of forcelayer_state.faults. The part stays where it was, and the output is zero. */
+enum {
+  FORCELAYER_FAULT_INVALID_INPUT = 1,    /* no reading that could be used */
+  FORCELAYER_FAULT_NON_FINITE_INPUT = 2, /* a pose that is none */
+  FORCELAYER_FAULT_NON_FINITE_STATE = 4, /* the motion overflowed */
+  FORCELAYER_FAULT_FILE_LOST = 8         /* a baked file was cut short or written to */
+};
+
+/* The guarantee in the last step, and why it does not hold. Later versions may append fields. */
+typedef struct forcelayer_state {
+  double guaranteed_m;  /* the exact surfaces of part and scene were at least so far apart; 0:
+                         * nothing is guaranteed in this step. Where clutch or fault hold the part,
+                         * of the place where they hold it */
+  uint32_t outside_map; /* 1: a point lay beyond a side at which the scene was cropped */
+  uint32_t barred;      /* points nearer than the guard allows */
+  uint32_t seat_open;   /* 1: the part has not left its seat: it may touch the objects there */
+  uint32_t seated;      /* points nearer to those than is allowed elsewhere */
+  uint32_t faults;      /* FORCELAYER_FAULT_... bits */
+  uint32_t tested;      /* 0: clutch or fault held the part, and all counts are 0 */
+} forcelayer_state;
 
 /* Fills all options. */
 void forcelayer_default_options(forcelayer_options* options);
@@ -125,6 +147,19 @@ int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7
  * the return is not 0. */
 int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* reading,
                     forcelayer_result* result);
+
+/* More of the last step, from the servo thread: fills `state_bytes` (sizeof *state), and what this
+ * version does not know with zeros. Before the first step all is 0. Never blocks or allocates. */
+void forcelayer_last_state(const forcelayer_runtime* runtime, forcelayer_state* state,
+                           size_t state_bytes);
+
+/* The proven separation of the two files: in every step in which its premises hold, and on the way
+ * from one to the next, where no point of the part travels more than half a voxel. 0: none. */
+void forcelayer_guarantee(const forcelayer_runtime* runtime, double* tested_m, double* swept_m);
+
+/* Warnings of forcelayer_open(), such as a device without motors or units that do not fit: a
+ * sentence for each index from 0 on, NULL beyond the last. Valid until swapped or closed. */
+const char* forcelayer_warning(const forcelayer_runtime* runtime, uint32_t index);
 
 /* The clutch, from any thread. Pressed (1): the output fades to zero and the part stays where it
  * is. Released (0): the hand holds it anew, without stretch, and the output ramps in. To press and

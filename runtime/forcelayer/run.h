@@ -123,7 +123,8 @@ struct RunStatistics {
 };
 
 // Made by open_run(). Call its functions from the servo's thread, but for set_clutch() (any thread)
-// and swap() (one other thread). While swap() runs, call step() and frame() alone.
+// and swap() (one other thread). While swap() runs, call step(), frame() and
+// guaranteed_m() alone.
 class Run {
  public:
   Run(Run&&) noexcept;
@@ -155,6 +156,12 @@ class Run {
 
   // The last step in full. Before the first one: a frame of zeros.
   const Frame& frame() const;
+
+  // How far apart the exact surfaces were at least in the last step: guarantee().tested_m of the
+  // files in use. 0 where nothing is guaranteed: a point in the interior, beyond a cropped side or
+  // nearer than the guard allows, an open seat, a lost file, or nothing tested yet. Where clutch or
+  // fault held the part, that of the pose at which it is held.
+  double guaranteed_m() const noexcept;
 
   // Where the part is after the last step; the identity before start().
   Pose world_from_part() const;

@@ -77,6 +77,11 @@ class Simulation {
   const Pshell& shell() const { return shell_; }
   const query::ContactQuery& query() const { return query_; }
 
+  // How far apart the exact surfaces are where the premises of that hold (run/separation.h); 0:
+  // nothing is guaranteed. Whoever opened the files sets it before the first step.
+  double guaranteed_m() const { return guaranteed_m_; }
+  void set_guaranteed_m(double guaranteed_m) { guaranteed_m_ = guaranteed_m; }
+
  private:
   Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
              const query::QueryOptions& query);
@@ -96,6 +101,7 @@ class Simulation {
   field::FieldSamples samples_;
   std::unique_ptr<field::FieldProbe> probe_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
+  double guaranteed_m_ = 0;
   bool astray_ = false;                  // a step was, by a file that was written to
   std::optional<Pose> world_from_seat_;  // of the centroid frame; none without a seat
 };

@@ -183,6 +183,30 @@ int forcelayer_step(forcelayer_runtime* runtime, const forcelayer_reading* readi
   return 0;
 }
 
+void forcelayer_last_state(const forcelayer_runtime* runtime, forcelayer_state* state,
+                           size_t state_bytes) {
+  const Run& run = runtime->run;
+  const Frame& frame = run.frame();
+  const StepReport& report = frame.result.report;
+  const bool tested = frame.input.valid == kInputValid && report.faults == 0;
+  const forcelayer_state known = {run.guaranteed_m(), report.outside_map, report.barred,
+                                  report.seat_open,   report.seated,      report.faults,
+                                  tested ? 1u : 0u};
+  std::memset(state, 0, state_bytes);
+  std::memcpy(state, &known, std::min(state_bytes, sizeof known));
+}
+
+void forcelayer_guarantee(const forcelayer_runtime* runtime, double* tested_m, double* swept_m) {
+  const SeparationGuarantee& guarantee = runtime->run.guarantee();
+  *tested_m = guarantee.tested_m.value_or(0);
+  *swept_m = guarantee.swept_m.value_or(0);
+}
+
+const char* forcelayer_warning(const forcelayer_runtime* runtime, uint32_t index) {
+  const auto& warnings = runtime->run.warnings();
+  return index < warnings.size() ? warnings[index].c_str() : nullptr;
+}
+
 void forcelayer_set_clutch(forcelayer_runtime* runtime, int pressed) {
   runtime->run.set_clutch(pressed != 0);
 }

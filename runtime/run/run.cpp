@@ -121,6 +121,7 @@ Result<OpenedFiles> prepare(Voxmap voxmap, Pshell shell, const RunRequest& reque
   const DistanceGuard guard{guarded ? guard_distance_m(scene) : 0,
                             opened.simulation->shell().surface_distance_terms()};
   opened.guarantee = separation_guarantee(scene, part, pose_error_m, guard);
+  opened.simulation->set_guaranteed_m(opened.guarantee.tested_m.value_or(0));
   if (!request.without_guarantee) {
     const Status ensured =
         require_guarantee(scene, part, pose_error_m, guard, request.part.string());
@@ -154,6 +155,38 @@ class HandedOverDevice final : public devices::Device {
   DeviceCapabilities capabilities_;
 };
 
+// The separation that was shown for the pose of the last frame.
+class ShownSeparation {
+ public:
+  void see(const Frame& frame, double guaranteed_m) noexcept {
+    const StepReport& report = frame.result.report;
+    constexpr std::uint32_t kHeld =
+        kFaultInvalidInput | kFaultNonFiniteInput | kFaultNonFiniteState;
+    if ((report.faults & ~kHeld) != 0) {
+      shown_m_ = 0;
+    } else if (frame.input.valid == kInputClutched || report.faults != 0) {
+      // No point was looked up: the counts say nothing.
+      const Pose& pose = report.world_from_center;
+      const bool same = frame.scene == scene_ && pose.position_m == tested_.position_m &&
+                        pose.orientation == tested_.orientation;
+      if (!same) shown_m_ = 0;
+    } else {
+      const bool holds =
+          report.interior + report.outside_map + report.barred + report.seat_open + report.seated ==
+          0;
+      shown_m_ = holds ? guaranteed_m : 0;
+      tested_ = report.world_from_center;
+      scene_ = frame.scene;
+    }
+  }
+  double shown_m() const noexcept { return shown_m_; }
+
+ private:
+  double shown_m_ = 0;
+  Pose tested_;
+  std::uint32_t scene_ = 0;
+};
+
 // The servo of a run between two calls of start().
 struct StartedServo {
   StartedServo(model::Simulation& simulation, const RunRequest& request, const State& start)
@@ -172,6 +205,7 @@ struct StartedServo {
     if (helped) servo.wake_helpers();
     servo.tick(frame);
     if (helped) servo.rest_helpers();
+    separation.see(frame, servo.simulation().guaranteed_m());
     statistics.count(frame);
     return device.wrench;
   }
@@ -180,6 +214,7 @@ struct StartedServo {
   loop::DeviceInput input;
   loop::Servo servo;
   loop::LoopStatistics statistics;
+  ShownSeparation separation;
   Frame frame;
   double stale_s;
   long long last_ns = 0;  // when the last step began
@@ -245,6 +280,10 @@ Wrench Run::step(const DeviceSample& reading) noexcept {
 const Frame& Run::frame() const {
   static const Frame none;
   return started() ? parts_->started->frame : none;
+}
+
+double Run::guaranteed_m() const noexcept {
+  return started() ? parts_->started->separation.shown_m() : 0;
 }
 
 Pose Run::world_from_part() const {

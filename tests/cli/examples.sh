@@ -33,6 +33,8 @@ grep -qE 'before: output 1, largest force [1-9]' embed_c.txt || fail "$(cat embe
 # Swapped in at z = 60 mm, away from the floor, and armed again.
 grep -qE 'at the end: output 1, part at z = 0\.060 m, last trip none' embed_c.txt ||
   fail "$(cat embed_c.txt)"
+grep -qE 'the surfaces were at least 0\.[0-9]+ mm apart in 1[0-9]{3} frames of 1500' embed_c.txt ||
+  fail "$(cat embed_c.txt)"
 status=0
 "$bin/example_embed_c" floor.vox none.pshell 2>error.txt || status=$?
 [ "$status" -eq 1 ] && grep -q 'none.pshell' error.txt || fail "status $status: $(cat error.txt)"

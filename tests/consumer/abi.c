@@ -47,12 +47,25 @@ AT(forcelayer_result, clearance, 116);
 AT(forcelayer_result, nearest_object, 120);
 AT(forcelayer_result, clearance_m, 128);
 
+SIZE(forcelayer_state, 32); /* fields may be appended: the caller says how large its own is */
+AT(forcelayer_state, guaranteed_m, 0);
+AT(forcelayer_state, outside_map, 8);
+AT(forcelayer_state, barred, 12);
+AT(forcelayer_state, seat_open, 16);
+AT(forcelayer_state, seated, 20);
+AT(forcelayer_state, faults, 24);
+AT(forcelayer_state, tested, 28);
+
 static_assert(FORCELAYER_MODEL_DEFAULT == 0 && FORCELAYER_MODEL_PAPER == 1, "models");
 static_assert(FORCELAYER_WAITING == 0 && FORCELAYER_ARMED == 1 && FORCELAYER_TRIPPED == 2,
               "output");
 static_assert(FORCELAYER_CLEARANCE_NONE == 0 && FORCELAYER_CLEARANCE_AT_LEAST == 1 &&
                   FORCELAYER_CLEARANCE_PROVEN == 2,
               "clearance");
+
+static_assert(FORCELAYER_FAULT_INVALID_INPUT == 1 && FORCELAYER_FAULT_NON_FINITE_INPUT == 2 &&
+                  FORCELAYER_FAULT_NON_FINITE_STATE == 4 && FORCELAYER_FAULT_FILE_LOST == 8,
+              "faults");
 
 /* Each function by its type. */
 void (*const default_options)(forcelayer_options*) = forcelayer_default_options;
@@ -62,6 +75,10 @@ int (*const start)(forcelayer_runtime*, const double*, const double*, const forc
                    char*, size_t) = forcelayer_start;
 int (*const step)(forcelayer_runtime*, const forcelayer_reading*,
                   forcelayer_result*) = forcelayer_step;
+void (*const last_state)(const forcelayer_runtime*, forcelayer_state*,
+                         size_t) = forcelayer_last_state;
+void (*const guarantee)(const forcelayer_runtime*, double*, double*) = forcelayer_guarantee;
+const char* (*const warning)(const forcelayer_runtime*, uint32_t) = forcelayer_warning;
 void (*const set_clutch)(forcelayer_runtime*, int) = forcelayer_set_clutch;
 const char* (*const object_name)(const forcelayer_runtime*, uint32_t) = forcelayer_object_name;
 const char* (*const last_trip)(const forcelayer_runtime*) = forcelayer_last_trip;

@@ -43,6 +43,8 @@ struct VoxelScene {
   } distances{};
   std::vector<std::uint8_t> codes;
 
+  bool tells_clearances = true;  // false: no free box says how far it is to the next brick
+
   bool has_distances() const { return distances.quantum_m > 0; }
 
   double zero_force_m() const {
@@ -325,6 +327,7 @@ class SceneFile {
   }
 
   std::uint32_t clearance(const Voxel& min, std::int64_t edge) const {
+    if (!scene_.tells_clearances) return 0;
     std::int64_t best = kMaxClearance;
     for (const Brick& brick : occupied_) {
       std::int64_t distance = 0;

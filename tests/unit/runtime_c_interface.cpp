@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -48,6 +49,15 @@ forcelayer_reading reading_at(const Pose& device_from_handle) {
   return reading;
 }
 
+// A ball up to z = 20 mm that its layers surround in the box, with distances.
+VoxelScene ball_scene() {
+  const glm::dvec3 center_m(0.12, 0.12, 0.005);
+  return distance_scene(
+      0.005, {0, 0, -8}, {48, 48, 40},
+      [&](const glm::dvec3& p) { return glm::length(p - center_m) - 0.015; }, 2,
+      DistanceDefinition(2));
+}
+
 // A slab whose force layer is z in [10, 15) mm, a ball of 20 mm and one of 30 mm.
 struct CInterface : BothModels {
   CInterface() {
@@ -78,6 +88,18 @@ struct CInterface : BothModels {
     if (handle_from_part != nullptr) grip = numbers(*handle_from_part);
     return forcelayer_start(runtime, world_from_part ? part.data() : nullptr,
                             handle_from_part ? grip.data() : nullptr, &first, error, sizeof error);
+  }
+  forcelayer_state state() const {
+    forcelayer_state last;
+    std::memset(&last, 0xff, sizeof last);
+    forcelayer_last_state(runtime, &last, sizeof last);
+    return last;
+  }
+  double guaranteed_m() const {
+    double tested_m = -1, swept_m = -1;
+    forcelayer_guarantee(runtime, &tested_m, &swept_m);
+    EXPECT_GE(tested_m, swept_m);
+    return tested_m;
   }
   int swap(const char* scene, const char* part, const Pose& world_from_part,
            double timeout_s = 60) {
@@ -165,18 +187,11 @@ TEST_P(CInterface, PlacesDeviceGripAndPart) {
 
 // A ball over a floor: measured near it, "at least" far away, and nothing by the paper's model.
 TEST_P(CInterface, TellsTheClearance) {
-  const DistanceDefinition definition(2);
-  const glm::dvec3 center_m(0.12, 0.12, 0.005);  // of a ball that its layers surround in the box
-  constexpr double kRadiusM = 0.015;
-  save_voxmap(folder / "distances.vox",
-              distance_scene(
-                  0.005, {0, 0, -8}, {48, 48, 40},
-                  [&](const glm::dvec3& p) { return glm::length(p - center_m) - kRadiusM; }, 2,
-                  definition));
+  save_voxmap(folder / "distances.vox", ball_scene());
   open("distances.vox");
   const bool tells = GetParam() == Model::kDefault;
   for (const double gap_m : {0.015, 0.05}) {  // beyond the force, which begins at 14.3 mm
-    const Pose place{{0.12, 0.12, center_m.z + kRadiusM + 0.02 + gap_m}, {1, 0, 0, 0}};
+    const Pose place{{0.12, 0.12, 0.02 + 0.02 + gap_m}, {1, 0, 0, 0}};
     const forcelayer_reading reading = reading_at(place);
     ASSERT_EQ(start(nullptr, nullptr, reading), 0) << error;
     forcelayer_result result;
@@ -248,6 +263,139 @@ TEST_P(CInterface, RefusesWhatIsNoPoseAndNoReading) {
   }
   EXPECT_EQ(start(&high, nullptr, sound), 0) << error;
   EXPECT_EQ(forcelayer_step(runtime, &sound, &result), 0);
+}
+
+// A program must see each frame in which the guarantee does not hold: no point in the interior is
+// not enough.
+TEST_P(CInterface, TellsWhetherTheGuaranteeHolds) {
+  options.max_force_n = options.max_torque_nm = 0;
+  open();
+  EXPECT_EQ(forcelayer_warning(runtime, 0), nullptr);
+  const double tested_m = guaranteed_m();
+  EXPECT_GT(tested_m, 0);
+  EXPECT_EQ(state().guaranteed_m, 0);  // no step yet
+  const Pose high{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
+  forcelayer_reading reading = reading_at(high);
+  ASSERT_EQ(start(&high, nullptr, reading), 0) << error;
+  EXPECT_EQ(state().guaranteed_m, 0);
+  forcelayer_result result;
+  const auto step = [&](int steps) {
+    for (int i = 0; i < steps; ++i) ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  };
+  const auto expect_held = [&](double shown_m, std::uint32_t faults) {
+    EXPECT_EQ(state().tested, 0u);
+    EXPECT_EQ(state().faults, faults);
+    EXPECT_EQ(state().guaranteed_m, shown_m);
+  };
+  step(5);
+  EXPECT_EQ(state().tested, 1u);
+  EXPECT_EQ(state().guaranteed_m, tested_m);
+  EXPECT_EQ(state().faults + state().outside_map + state().barred + state().seat_open, 0u);
+
+  // A program of an earlier header, and one of a later.
+  forcelayer_state short_one;
+  std::memset(&short_one, 0xff, sizeof short_one);
+  forcelayer_last_state(runtime, &short_one, sizeof short_one.guaranteed_m);
+  EXPECT_EQ(short_one.guaranteed_m, tested_m);
+  EXPECT_EQ(short_one.outside_map, ~0u);
+  std::array<forcelayer_state, 2> long_one;
+  std::memset(&long_one, 0xff, sizeof long_one);
+  forcelayer_last_state(runtime, long_one.data(), sizeof long_one);
+  EXPECT_EQ(long_one[0].guaranteed_m, tested_m);
+  EXPECT_EQ(long_one[1].guaranteed_m, 0);
+  EXPECT_EQ(long_one[1].tested, 0u);
+
+  // Held where it was tested: by the clutch, and by readings that are none.
+  forcelayer_set_clutch(runtime, 1);
+  step(100);
+  expect_held(tested_m, 0);
+  forcelayer_set_clutch(runtime, 0);
+  step(100);
+  EXPECT_EQ(state().tested, 1u);
+  reading.device_from_handle[0] = std::numeric_limits<double>::quiet_NaN();
+  step(20);
+  expect_held(tested_m, FORCELAYER_FAULT_INVALID_INPUT);
+  // Another place, where nothing has been tested.
+  const Pose higher{{0.1, 0.1, 0.2}, {1, 0, 0, 0}};
+  ASSERT_EQ(start(&higher, nullptr, reading_at(high)), 0) << error;
+  step(1);
+  expect_held(0, FORCELAYER_FAULT_INVALID_INPUT);
+}
+
+TEST_P(CInterface, TellsWhyTheGuaranteeDoesNotHold) {
+  forcelayer_result result;
+  const auto step_at = [&](const Pose& place) {
+    const forcelayer_reading reading = reading_at(place);
+    ASSERT_EQ(start(nullptr, nullptr, reading), 0) << error;
+    ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  };
+  // Beyond a cropped side, 8 mm below the slab's upper face: nothing is felt there.
+  const auto slab = [](Voxel v) { return v[2] <= 0; };
+  VoxelScene cropped = closed(offset_scene(0.005, {0, 0, -2}, {48, 40, 8}, 2, slab));
+  cropped.tells_clearances = false;  // none reaches across a cropped side
+  save_voxmap(folder / "cropped.vox", cropped, 63);
+  open("cropped.vox");
+  const double tested_m = guaranteed_m();
+  EXPECT_GT(tested_m, 0);
+  step_at({{0.1, 0.1, 0.08}, {1, 0, 0, 0}});
+  EXPECT_EQ(state().outside_map, 1u);  // the box ends at 30 mm, too
+  EXPECT_EQ(state().guaranteed_m, 0);
+  EXPECT_EQ(result.interior + result.contacts + result.clearance, 0u);
+
+  // Installed where it touches: 3 mm above a ball.
+  if (GetParam() == Model::kDefault) {
+    save_voxmap(folder / "distances.vox", ball_scene());
+    open("distances.vox");
+    EXPECT_GT(guaranteed_m(), 0);
+    step_at({{0.12, 0.12, 0.043}, {1, 0, 0, 0}});
+    EXPECT_EQ(result.interior, 0u);
+    EXPECT_EQ(state().seat_open, 1u);
+    EXPECT_GT(state().seated, 0u);
+    EXPECT_EQ(state().guaranteed_m, 0);
+    step_at({{0.12, 0.12, 0.1}, {1, 0, 0, 0}});
+    EXPECT_EQ(state().seat_open, 0u);
+    EXPECT_EQ(state().guaranteed_m, guaranteed_m());
+  }
+
+  // Inside.
+  options.without_guarantee = 1;
+  open();
+  step_at({{0.1, 0.1, 0.08}, {1, 0, 0, 0}});
+  EXPECT_EQ(state().guaranteed_m, guaranteed_m());
+  if (GetParam() == Model::kPaper) {
+    step_at({{0.1, 0.1, 0.02}, {1, 0, 0, 0}});
+    EXPECT_GT(result.interior, 0u);
+    EXPECT_EQ(state().guaranteed_m, 0);
+  }
+}
+
+// The guarantee of each pair of files goes with the frames of these, while another thread swaps.
+TEST_P(CInterface, TheGuaranteeIsThatOfTheFilesInUse) {
+  save_pshell(folder / "finer.pshell", sphere_part(0.03, 900, 0.003));
+  open();
+  const double before_m = guaranteed_m();
+  const Pose high{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
+  const forcelayer_reading reading = reading_at(high);
+  ASSERT_EQ(start(&high, nullptr, reading), 0) << error;
+  std::atomic<bool> swapped{false};
+  int failed = -1;
+  std::thread other([&] {
+    failed = swap("floor.vox", "finer.pshell", high);
+    swapped = true;
+  });
+  std::vector<double> seen_m;
+  forcelayer_result result;
+  for (int after = 0; after < 100; after += swapped ? 1 : 0) {
+    if (!swapped) machine::sleep_until_ns(machine::monotonic_ns() + 50'000);
+    if (forcelayer_step(runtime, &reading, &result) != 0) break;
+    if (seen_m.empty() || seen_m.back() != state().guaranteed_m) {
+      seen_m.push_back(state().guaranteed_m);
+    }
+  }
+  other.join();
+  ASSERT_EQ(failed, 0) << error;
+  EXPECT_GT(guaranteed_m(), before_m + 0.001);
+  EXPECT_EQ(seen_m, (std::vector<double>{before_m, 0, guaranteed_m()}));
 }
 
 std::string bytes_of(const std::string& path) {
@@ -350,6 +498,8 @@ TEST_P(CInterface, FilesThatAreWrittenToTripTheOutput) {
     ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
     EXPECT_EQ(result.output, unsigned{FORCELAYER_TRIPPED});
     EXPECT_EQ(result.force_n[2], 0);
+    EXPECT_EQ(state().faults, unsigned{FORCELAYER_FAULT_FILE_LOST});
+    EXPECT_EQ(state().guaranteed_m, 0);
   }
   EXPECT_NE(std::string(forcelayer_last_trip(runtime)).find("written to"), std::string::npos);
   forcelayer_close(runtime);
