@@ -184,8 +184,7 @@ class Stepper {
     return py::reinterpret_steal<py::object>(PySequence_GetItem(rows.ptr(), 0));
   }
 
-  py::array run(const Doubles& world_from_handle,
-                            const std::optional<Doubles>& velocity) {
+  py::array run(const Doubles& world_from_handle, const std::optional<Doubles>& velocity) {
     const auto handles = rows_of<7>(world_from_handle, "world_from_handle");
     std::span<const VelocityNumbers> velocities;
     if (velocity) velocities = rows_of<6>(*velocity, "handle_velocity");
@@ -466,7 +465,8 @@ A structured array with a row for each frame:
 
     t_s                 since start()
     world_from_handle, world_from_part   x y z qw qx qy qz
-    force_n, torque_nm  on the hand, world axes; the torque about the part's centroid
+    force_n, torque_nm  on the hand, world axes; the torque about the part's centroid ("max_torque_nm"
+                        of the report is about the handle)
     clearance_m, measured, nearest_object, nearest_point_m   as of Scene.clearance()
     depth_m             of the deepest contact
     interior, surface, proximity, contacts, guard_cuts, barred, seated   counts
@@ -495,8 +495,13 @@ True
 >>> first.tobytes() == simulation.step([0.2, 0.15, 0.29, 1, 0, 0, 0]).tobytes()
 True
 )")
-      .def_property_readonly("report", &Stepper::report,
-                             R"(The run since start(): a dict by the names of `voxrun --json`.
+      .def_property_readonly(
+          "report", &Stepper::report,
+          R"(The run since start(): a dict by the names of `voxrun --json`, which the page
+runtime/voxrun/report.md of the sources explains.
+
+"max_torque_nm" is about the handle, where the hand holds the part; "torque_nm" of a frame is about
+the part's centroid. They differ by the force times the arm between the two.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
@@ -557,7 +562,8 @@ True
 >>> bool(forcelayer.replay(scene, part, "run.flr").frames["t_s"][0] == 0)
 True
 )")
-      .def_readonly("report", &Replay::report, R"(A dict by the names of `voxrun --json`.
+      .def_readonly("report", &Replay::report,
+                    R"(A dict by the names of `voxrun --json`, as of Simulation.report.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.replay(scene, part, "run.flr").report["penetration_frames"]

@@ -99,10 +99,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "allows, where that is known; else all)");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
-      "contact (but in the seat), outside (of the map), seat (not left) or held (short "
-      "of the end of --pull): end with status 6 where it happened, as a run with penetration does "
-      "in any case; "
-      "repeatable");
+      "penetration (in any case), contact (but in the seat), outside (of the map), seat (not left) "
+      "or held (short of the end of --pull): end with status 6 where it happened; repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
       "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "

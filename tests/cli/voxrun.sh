@@ -189,6 +189,32 @@ wait $! || status=$?
 [ -s signal.json ] || fail "no report after SIGTERM"
 grep -q 'ended by signal 15' err.txt || fail "no reason after SIGTERM: $(cat err.txt)"
 
+# report.md has every key of the report, those inside too, and the parameters with their options and ranges; no others.
+expect 0 'clear' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --pull 0,0,10mm --as-fast-as-possible --json keys.json
+"$bin/voxrun" --help | tr -s ' \n' ' ' >help.txt
+python3 - "$FORCELAYER_SOURCE_DIR/runtime/voxrun/report.md" "$FORCELAYER_SOURCE_DIR/formats/command/README.md" <<'PYTHON'
+import json, re, sys
+page, common = (open(path).read() for path in sys.argv[1:])
+report = json.load(open("keys.json"))
+def keys(value):
+    for entry in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from keys(entry)
+    if isinstance(value, dict):
+        yield from value
+for named in ("device_capabilities", "miss_causes"):  # by other pages
+    report[named] = None
+named = set(re.findall(r"`(\w+)`", page + common.split("Every report begins")[1].split("\n\n")[0]))
+assert set(keys(report)) <= named, set(keys(report)) - named
+rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in re.findall(r"^\| `.*", page, re.MULTILINE)]
+tops = {key for row in rows for key in row} - set(report["parameters"])
+assert tops - {"device_counters"} <= set(report), tops - set(report)
+parameters = re.findall(r"^\| `(\w+)` \| `(--[\w-]+)` \| (\S+ to \S+) \| (.*) \|$", page, re.MULTILINE)
+assert {name for name, *_ in parameters} == set(report["parameter_reasons"]), parameters
+told = open("help.txt").read()
+for name, option, range_text, meaning in parameters:
+    assert re.search(rf"{option} NUMBER [^(]*(\([^)]*\)[^(]*)?\({re.escape(range_text)}\)", told), (option, range_text)
+PYTHON
+
 # The pose stream: something arrives while the loop runs.
 python3 - <<'PYTHON' &
 import socket, struct
