@@ -1,6 +1,8 @@
 // voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <glm/trigonometric.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,7 +14,9 @@
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report.h"
+#include "formats/command/text.h"
 #include "formats/command/version.h"
+#include "formats/path/path_edit.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
@@ -86,6 +90,22 @@ void warn_of_places(const Options& options, const Pshell& part,
   }
 }
 
+// Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
+// than here, by more than a tenth of what is required, or of a voxel where that is more. Less is
+// neither felt by a clearance nor told apart by the files.
+void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell& part,
+                       const std::vector<PathRow>& rows) {
+  const WideStep step = widest_step(rows, part.header().center_m);
+  if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
+  command::warn(
+      command::text("from %.3f to %.3f s the part turns by %.3g degrees in one step: its centroid "
+                    "goes straight, %.3f mm; if it is the frame's origin that does, the part is up "
+                    "to %.3f mm elsewhere: add rows between, or use voxinfo path --resample",
+                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+                    1e3 * step.way_m, 1e3 * step.aside_m),
+      options.quiet);
+}
+
 Status check(const Options& options) {
   const double begin_s = now_s();
   const auto scene = open_scene(options.scene);
@@ -97,6 +117,7 @@ Status check(const Options& options) {
   if (!allowed) return allowed.error();
   const auto rows = read_part_path(options.path, options.scene, options.part);
   if (!rows) return rows.error();
+  warn_of_wide_step(options, *scene, *part, *rows);
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
   command::ProgressLine line(options.quiet);
