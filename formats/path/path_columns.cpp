@@ -76,7 +76,7 @@ bool may_be_turn(std::string_view word) {
     if (word.ends_with(end)) return true;
   }
   constexpr char kWords[][7] = {"rot",   "quat", "orient", "euler", "angle",
-                                "pitch", "yaw",  "roll",   "rpy"};
+                                "pitch", "yaw",  "roll",   "rpy",   "headin"};
   while (true) {
     for (const auto& begin : kWords) {
       if (word.starts_with(begin)) return true;

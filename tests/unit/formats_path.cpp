@@ -141,6 +141,7 @@ TEST(Path, AColumnThatMayBeATurnIsReadOrRefused) {
                                   "w,n,n,n",
                                   "theta_rad,n,n,n",
                                   "euler_z,n,n,n",
+                                  "Heading,n,n,n",
                                   "angle,n,n,n",
                                   "RPY 1,n,n,n",
                                   "n,n,n,tilt_degrees",
