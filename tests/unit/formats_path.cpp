@@ -228,6 +228,27 @@ Matrix matrix_of(const std::array<double, 3>& turn_deg) {
   return all;
 }
 
+// The slow twin: three matrices, one after the other.
+TEST(Path, TurnsAreAboutTheWorldsAxesXThenYThenZ) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any_deg(-400, 400);
+  for (int trial = 0; trial < 50; ++trial) {
+    const std::array<double, 3> turn_deg{any_deg(random), any_deg(random), any_deg(random)};
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "t_s,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n0,0,0,0,%.17g,%.17g,%.17g\n", turn_deg[0],
+                  turn_deg[1], turn_deg[2]);
+    const auto [w, x, y, z] = only_row(text).orientation_wxyz;
+    const Matrix read{{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+    const Matrix wanted = matrix_of(turn_deg);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(read[i][j], wanted[i][j], 1e-14) << trial;
+    }
+  }
+}
+
 // Between two rows of turns: the slow twin, by matrices.
 TEST(Path, AStepOfHalfATurnIsRefusedButWhereTheNumbersStartAnew) {
   const auto read = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
