@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 constexpr const char* kMend =
     "a path has t_s,x_m,y_m,z_m and qw,qx,qy,qz or rx_deg,ry_deg,rz_deg, in these or other units";
-constexpr const char* kWanted = "give a CSV of poses, in UTF-8";
+constexpr const char* kWanted = "give a CSV file of poses, in UTF-8";
 constexpr std::size_t kMaxLine = 4096;  // bytes
 constexpr std::size_t kFlushBytes = 1 << 20;
 
@@ -161,9 +161,8 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
         return wrong(times);
       }
       if (const auto turn = open_turn(before, values, rows.back(), *row)) {
-        return wrong(
-            name_of(columns, *turn) + " turns by 180 degrees or more: which way round is not said",
-            "add rows between");
+        return wrong(name_of(columns, *turn) + " turns by 180 degrees or more in one step",
+                     "add rows between: which way round?");
       }
     }
     if (rows.size() == kMostPathRows) return wrong("is beyond 100 million rows");

@@ -91,8 +91,8 @@ void warn_of_places(const Options& options, const Pshell& part,
 }
 
 // Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
-// than here, by more than a tenth of what is required, or of a voxel where that is more. Less is
-// neither felt by a clearance nor told apart by the files.
+// than here, by more than a tenth of what is required, or of a voxel where that is more. Less
+// changes an answer by less than the slack that it has anyway.
 void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell& part,
                        const std::vector<PathRow>& rows) {
   const WideStep step = widest_step(rows, part.header().center_m);

@@ -264,7 +264,7 @@ TEST(Path, AStepOfHalfATurnIsRefusedButWhereTheNumbersStartAnew) {
     ASSERT_FALSE(rows) << to_deg;
     EXPECT_EQ(rows.error().where, "line 5");
     EXPECT_NE(rows.error().what.find("'rz_deg' turns by 180 degrees"), std::string::npos);
-    EXPECT_EQ(rows.error().mend, "add rows between");
+    EXPECT_EQ(rows.error().mend.find("add rows between"), 0u);
   }
   for (const double to_deg : {179.9, -179.9, 271.0, 359.0, -359.0}) {
     EXPECT_TRUE(read({0, 0, 0}, {0, 0, to_deg})) << to_deg;
