@@ -21,7 +21,7 @@ struct ProvenStretch {
   bool seated = false;    // the seat's objects do not count
 };
 
-// What the baked files say of the exact distance at one moment.
+// The bounds of the exact distance at one moment, by the baked files.
 struct ProvenMoment {
   double time_s = 0, least_m = 0;
   double most_m = 0;    // kNothingM where they do not say
