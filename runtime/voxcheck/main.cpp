@@ -85,7 +85,7 @@ void warn_of_places(const Options& options, const Pshell& part,
     warn("--seat: the part touches nothing there");
   }
   if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
-  if (result.at_least && result.seated.empty() && options.allow.empty()) {
+  if (result.clear() && result.at_least && result.seated.empty() && options.allow.empty()) {
     warn("the part is never near the scene: is it the part and the path of this scene?");
   }
 }
@@ -122,21 +122,33 @@ Status check(const Options& options) {
   const double read_s = now_s();
   command::ProgressLine line(options.quiet);
   const auto show = [&](double share) { line.show("checking the path", share); };
-  const clearance::CheckRequest request{options.clearance_m,     options.threads,   *allowed,
-                                        options.world_from_seat, options.felt_seat, show};
-  auto result = clearance::check_path(*scene, *part, path, request);
-  line.clear();
-  if (!result) {
-    Error error = result.error();
-    if (error.file.empty()) error.file = options.scene;
-    return error;
-  }
-  warn_of_places(options, *part, *result);
+  clearance::CheckRequest request{options.clearance_m,
+                                  options.threads,
+                                  *allowed,
+                                  options.world_from_seat,
+                                  options.felt_seat,
+                                  {},
+                                  show};
+  std::optional<clearance::CheckResult> result;
   std::optional<ExactAnswer> exact;
-  if (!options.meshes.empty()) {
+  do {
+    auto checked = clearance::check_path(*scene, *part, path, request);
+    line.clear();
+    if (!checked) {
+      Error error = checked.error();
+      if (error.file.empty()) error.file = options.scene;
+      return error;
+    }
+    result = std::move(*checked);
+    if (options.meshes.empty()) break;
     auto settled = settle_exactly(options, *allowed, *result);
     if (!settled) return settled.error();
     exact = std::move(*settled);
+    // The meshes may tell of the seat what the files cannot: then once more.
+  } while (leave_out_far(*exact, options.clearance_m, request.far_in_seat));
+  warn_of_places(options, *part, *result);
+  if (exact) {
+    for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
   return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
                        *rows, path);

@@ -153,7 +153,7 @@ check 0 opened.vox cover.pshell close.csv
 # The scene holds the part too: it is seated on itself, all over.
 "$bin/voxelize" "$data/gearbox.glb" --voxel-size 2mm -o whole.vox --quiet
 check 6 whole.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --felt-seat
-warns 'warning: every point of the part touches the scene: if the scene holds the part itself, bake it --without'
+warns "warning: every point of the part lies in the scene's force layer: bake it --without the part, or with smaller voxels"
 grep -A 1 '"warnings": \[' astray.json | grep -q 'never near the scene' || fail "the report does not warn"
 check 0 opened.vox cover.pshell astray.csv --quiet
 silent
