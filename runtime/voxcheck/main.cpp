@@ -1,6 +1,8 @@
 // voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <glm/trigonometric.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,7 +14,9 @@
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report.h"
+#include "formats/command/text.h"
 #include "formats/command/version.h"
+#include "formats/path/path_edit.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
@@ -81,9 +85,25 @@ void warn_of_places(const Options& options, const Pshell& part,
     warn("--seat: the part touches nothing there");
   }
   if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
-  if (result.at_least && result.seated.empty() && options.allow.empty()) {
+  if (result.clear() && result.at_least && result.seated.empty() && options.allow.empty()) {
     warn("the part is never near the scene: is it the part and the path of this scene?");
   }
+}
+
+// Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
+// than here, by more than a tenth of what is required, or of a voxel where that is more. Less
+// changes an answer by less than the slack that it has anyway.
+void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell& part,
+                       const std::vector<PathRow>& rows) {
+  const WideStep step = widest_step(rows, part.header().center_m);
+  if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
+  command::warn(
+      command::text("from %.3f to %.3f s the part turns by %.3g degrees in one step: its centroid "
+                    "goes straight, %.3f mm; if it is the frame's origin that does, the part is up "
+                    "to %.3f mm elsewhere: add rows between, or use voxinfo path --resample",
+                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+                    1e3 * step.way_m, 1e3 * step.aside_m),
+      options.quiet);
 }
 
 Status check(const Options& options) {
@@ -97,25 +117,38 @@ Status check(const Options& options) {
   if (!allowed) return allowed.error();
   const auto rows = read_part_path(options.path, options.scene, options.part);
   if (!rows) return rows.error();
+  warn_of_wide_step(options, *scene, *part, *rows);
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
   command::ProgressLine line(options.quiet);
   const auto show = [&](double share) { line.show("checking the path", share); };
-  const clearance::CheckRequest request{options.clearance_m,     options.threads,   *allowed,
-                                        options.world_from_seat, options.felt_seat, show};
-  auto result = clearance::check_path(*scene, *part, path, request);
-  line.clear();
-  if (!result) {
-    Error error = result.error();
-    if (error.file.empty()) error.file = options.scene;
-    return error;
-  }
-  warn_of_places(options, *part, *result);
+  clearance::CheckRequest request{options.clearance_m,
+                                  options.threads,
+                                  *allowed,
+                                  options.world_from_seat,
+                                  options.felt_seat,
+                                  {},
+                                  show};
+  std::optional<clearance::CheckResult> result;
   std::optional<ExactAnswer> exact;
-  if (!options.meshes.empty()) {
+  do {
+    auto checked = clearance::check_path(*scene, *part, path, request);
+    line.clear();
+    if (!checked) {
+      Error error = checked.error();
+      if (error.file.empty()) error.file = options.scene;
+      return error;
+    }
+    result = std::move(*checked);
+    if (options.meshes.empty()) break;
     auto settled = settle_exactly(options, *allowed, *result);
     if (!settled) return settled.error();
     exact = std::move(*settled);
+    // The meshes may tell of the seat what the files cannot: then once more.
+  } while (leave_out_far(*exact, options.clearance_m, request.far_in_seat));
+  warn_of_places(options, *part, *result);
+  if (exact) {
+    for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
   return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
                        *rows, path);
