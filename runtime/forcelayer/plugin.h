@@ -23,8 +23,8 @@ extern "C" {
 #define FORCELAYER_PLUGIN_RIGHT_HANDED 0x5248u /* "my frames are right-handed" */
 
 /* The device's description: the handshake. Zeroed before open(), which fills it in. A field left
- * zero says "none" or "not known", and what must be known (abi, si_units, right_handed, rate_hz,
- * limits of force and torque where axes are actuated) is refused as zero. */
+ * zero says "none" or "not known", and what must be known (abi, si_units, right_handed,
+ * sensed_axes, rate_hz, limits of force and torque where axes are actuated) is refused as zero. */
 typedef struct forcelayer_plugin_info {
   uint32_t abi;          /* FORCELAYER_PLUGIN_ABI that the plugin was built with */
   uint32_t si_units;     /* FORCELAYER_PLUGIN_SI_UNITS */
@@ -88,7 +88,8 @@ typedef struct forcelayer_plugin {
   int (*write)(void* device, const forcelayer_plugin_wrench* wrench);
 
   /* Push mode, instead of the two, for SDKs that own the servo thread: start it, call
-   * host->exchange() once a servo tick, and return once that says so. */
+   * host->exchange() once a servo tick, and return once that says so. Where it is given, the two
+   * are not called. */
   int (*run)(void* device, const forcelayer_plugin_host* host);
 
   /* The motors to zero, and disconnects. */

@@ -66,7 +66,8 @@ std::string_view object_name_of(const PoseDatagram& datagram);
 void set_object_name(PoseDatagram& datagram, std::string_view name);
 
 // The datagram in `bytes`, or nothing where magic, version or size are others, a number is not
-// finite, a quaternion is not of unit length to 1e-3, or the clearance is negative or of no kind.
+// finite, a quaternion is not of unit length to 1e-3, the output is no state, or the clearance is
+// negative or of no kind.
 std::optional<PoseDatagram> parse_pose_datagram(std::span<const std::byte> bytes);
 
 }  // namespace forcelayer

@@ -361,6 +361,7 @@ RunRequest request_of(const std::string& model, const std::optional<std::string>
                       double rate_hz, const std::map<std::string, double>& settings,
                       bool without_guarantee) {
   RunRequest request;
+  request.device.name = "the simulated device";
   const auto known = parse_model(model);
   if (!known) {
     throw Failure({ErrorCode::kUsage, "", "model", "'" + model + "' is no model",
@@ -411,6 +412,8 @@ True
 "tangent-plane"; None for the best that the file allows. `settings`: physical parameters by the
 names of `parameters`; the others are derived from voxel size, part and rate. Files that guarantee
 no separation are refused, unless `without_guarantee` is set.
+
+The hand holds a simulated device of 15 N and 0.1 N m, as in the paper.
 
 A frame lasts 1 / rate_hz seconds, whatever the clock says: the outcome depends on the arguments
 alone, to the last bit.

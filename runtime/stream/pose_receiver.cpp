@@ -29,10 +29,12 @@ Result<PoseReceiver> PoseReceiver::open(std::uint16_t port, const std::string& a
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(found, freeaddrinfo);
   const int descriptor = socket(found->ai_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0 || bind(descriptor, found->ai_addr, found->ai_addrlen) != 0) {
-    const std::string reason = std::strerror(errno);
+    const int reason = errno;
     if (descriptor >= 0) close(descriptor);
-    return Error{ErrorCode::kReadFailed, "", "UDP port " + std::to_string(port),
-                 "cannot be listened at: " + reason, "choose another port"};
+    const bool elsewhere = reason == EADDRNOTAVAIL;
+    return Error{ErrorCode::kReadFailed, "", "UDP " + address + " port " + std::to_string(port),
+                 std::string("cannot be listened at: ") + std::strerror(reason),
+                 elsewhere ? "give an address of this machine" : "choose another port"};
   }
   return PoseReceiver(descriptor);
 }

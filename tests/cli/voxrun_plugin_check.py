@@ -402,6 +402,8 @@ def refusals():
             ("late-watchdog", 5, "above 100 ms"),
             ("huge-force", 5, "a rating that no device in a hand has: max_force_n "),
             ("slow-motors", 5, "at least 50 Hz"),
+            ("no-axes", 5, "senses no axis"),
+            ("seventh-axis", 5, "one beyond the six"),
             ("silent", 5, "gives no readings; look at plug and power"),
             ("no-pose", 5, "reports no pose"),
             ("fault=unplug below", 5, "gives no readings (the plugin lost its device)"),
@@ -410,6 +412,7 @@ def refusals():
         error = finish(start(name, arguments), status)
         assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error
         assert all(force == 0 for _, force, _ in motors(name)), name
+    assert "does not open: it does not say why" in finish(start("mute", "open-mute"), 5)
     finish(start("allowed", "no-watchdog", ["--without-watchdog", "--duration", "100ms"]), 0)
     for plugin, text in (("none.so", "no such file"), ("floor.vox", "cannot be loaded")):
         arguments = command("x", "")

@@ -3,7 +3,8 @@
  *
  * Arguments, separated by spaces: log=FILE (required), fault=KIND, at=SECONDS, when=FILE, and for
  * the handshake no-si, left-handed, no-watchdog, late-watchdog, old-abi, huge-force, slow-motors;
- * silent (no reading ever), no-pose (a quaternion of zeros), open-hangs (for 100 s). KIND: unplug,
+ * silent (no reading ever), no-pose (a quaternion of zeros), open-hangs (for 100 s),
+ * open-mute (fails without a text), no-axes, seventh-axis. KIND: unplug,
  * freeze, blip (three readings missing), nan, absurd (millimeters from then on), mm (from the
  * start), uncalibrated, crash, hang, spin (never sleeps); wild (0xff over the memory that is shared
  * with the loop), wild-index (over the words that say where a value is), wild-force (over forces),
@@ -179,6 +180,7 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   value_of(arguments, "home=", home, sizeof home);
   if (facts[0] != 0) write_facts(facts, home);
   if (strstr(arguments, "open-hangs") != NULL) sleep_ms(100000);
+  if (strstr(arguments, "open-mute") != NULL) return 1;
   if (path[0] == 0) {
     snprintf(error, error_bytes, "needs log=FILE");
     return 1;
@@ -202,7 +204,8 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   info->si_units = strstr(arguments, "no-si") != NULL ? 0 : FORCELAYER_PLUGIN_SI_UNITS;
   info->right_handed =
       strstr(arguments, "left-handed") != NULL ? 0 : FORCELAYER_PLUGIN_RIGHT_HANDED;
-  info->sensed_axes = info->actuated_axes = 63;
+  info->sensed_axes = strstr(arguments, "no-axes") != NULL ? 0 : 63;
+  info->actuated_axes = strstr(arguments, "seventh-axis") != NULL ? 127 : 63;
   snprintf(info->name, sizeof info->name, "fault plugin");
   info->rate_hz = strstr(arguments, "slow-motors") != NULL ? 49 : 1000;
   info->max_force_n = strstr(arguments, "huge-force") != NULL ? 1e308 : 8;

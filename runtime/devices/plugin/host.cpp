@@ -165,7 +165,8 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   forcelayer_plugin_info info{};
   if (plugin->open(arguments, &info, &device, error.data(), error.size()) != 0) {
     error.back() = 0;
-    fail(link, std::string("does not open: ") + error.data());
+    fail(link,
+         std::string("does not open: ") + (error[0] != 0 ? error.data() : "it does not say why"));
     return 1;
   }
   link.info = info;

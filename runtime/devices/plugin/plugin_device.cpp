@@ -92,6 +92,9 @@ const char* flaw(const forcelayer_plugin_info& info) {
   if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
     return "does not promise right-handed frames";
   }
+  if (info.sensed_axes == 0 || ((info.sensed_axes | info.actuated_axes) & ~kAllAxes) != 0) {
+    return "senses no axis, or declares one beyond the six";
+  }
   // A slower one would hold a force for longer than the longest stale limit.
   const double least_hz = info.actuated_axes == 0 ? 1 : kLeastMotorsHz;
   if (!(info.rate_hz >= least_hz && info.rate_hz <= 100'000)) {
@@ -106,8 +109,8 @@ DeviceCapabilities capabilities_of(const forcelayer_plugin_info& info) {
   DeviceCapabilities c;
   c.name = text_of(info.name, sizeof info.name);
   if (c.name.empty()) c.name = "plugin";
-  c.sensed_axes = info.sensed_axes & kAllAxes;
-  c.actuated_axes = info.actuated_axes & kAllAxes;
+  c.sensed_axes = info.sensed_axes;
+  c.actuated_axes = info.actuated_axes;
   c.max_force_n = info.max_force_n;
   c.max_torque_nm = info.max_torque_nm;
   c.max_stiffness_n_per_m = info.max_stiffness_n_per_m;
