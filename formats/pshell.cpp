@@ -15,9 +15,9 @@ namespace {
 
 // The error for an element of a section that breaks its rule.
 Error entry_error(std::string_view name, const std::string& section, std::size_t index,
-                  std::string what) {
-  return {ErrorCode::kEntryInvalid, std::string(name), section + " entry " + std::to_string(index),
-          std::move(what), "bake or copy it again"};
+                  std::string_view what) {
+  return {ErrorCode::kEntryInvalid, name, section + " entry " + std::to_string(index), what,
+          "bake or copy it again"};
 }
 
 std::uint64_t ceil_div(std::uint64_t a, std::uint64_t b) { return a / b + (a % b != 0); }
@@ -105,7 +105,7 @@ Status check_section_sizes(const PshellHeader& h, std::span<const std::span<cons
     const std::uint64_t actual = all[i].size() / rules[i].element_bytes;
     if (actual == wanted) continue;
     return Error{
-        ErrorCode::kSectionInvalid, std::string(name), rules[i].name,
+        ErrorCode::kSectionInvalid, name, rules[i].name,
         std::to_string(actual) + " elements where the header asks for " + std::to_string(wanted),
         "bake or copy it again"};
   }
@@ -174,7 +174,7 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
 // Entries ascend, and what is proven grows with the distance at least as fast as the distance.
 Status check_losses(std::span<const DistanceLoss> losses, std::string_view name) {
   if (losses.size() > kMaxLosses) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "losses",
+    return Error{ErrorCode::kSectionInvalid, name, "losses",
                  std::to_string(losses.size()) + " entries; at most " + std::to_string(kMaxLosses) +
                      " are allowed",
                  "bake or copy it again"};

@@ -51,7 +51,7 @@ bool starts_with(std::span<const std::byte> bytes, const std::array<std::uint8_t
 Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
                   const std::array<std::uint8_t, 8>& magic) {
   const bool wants_voxmap = magic == kVoxmapMagic;
-  Error error{ErrorCode::kNotThisFormat, std::string(name), "byte 0",
+  Error error{ErrorCode::kNotThisFormat, name, "byte 0",
               wants_voxmap ? "not a Forcelayer .vox file" : "not a Forcelayer .pshell file",
               wants_voxmap ? "make one with voxelize" : "make one with pointshell"};
   if (starts_with(bytes, kPshellMagic)) {
@@ -76,7 +76,7 @@ Status check_magic(std::span<const std::byte> bytes, std::string_view name,
     return wrong_magic(bytes, name, magic);
   }
   if (bytes.size() >= sizeof(FileHeader)) return {};
-  return Error{ErrorCode::kTruncated, std::string(name), "header",
+  return Error{ErrorCode::kTruncated, name, "header",
                bytes.empty() ? "the file is empty"
                              : "the file ends after " + std::to_string(bytes.size()) +
                                    " bytes, inside its header",
@@ -167,11 +167,11 @@ Status check_size_and_features(std::span<const std::byte> bytes, std::string_vie
 }
 
 Error table_error(std::string_view name, const std::string& section, std::size_t index,
-                  std::string what) {
-  return {ErrorCode::kSectionInvalid, std::string(name),
+                  std::string_view what) {
+  return {ErrorCode::kSectionInvalid, name,
           "section table entry " + std::to_string(index) +
               (section.empty() ? "" : " (" + section + ")"),
-          std::move(what), "bake or copy it again"};
+          what, "bake or copy it again"};
 }
 
 // A table entry as the checks see it.
@@ -180,8 +180,8 @@ struct PlacedEntry {
   std::size_t index;
   const SectionRule* rule;  // null where this version does not know the section
 
-  Error error(std::string_view name, std::string what) const {
-    return table_error(name, rule ? rule->name : "", index, std::move(what));
+  Error error(std::string_view name, std::string_view what) const {
+    return table_error(name, rule ? rule->name : "", index, what);
   }
 };
 
@@ -222,7 +222,7 @@ Status check_padding(std::span<const std::byte> bytes, std::uint64_t begin, std:
                      std::string_view name) {
   for (std::uint64_t at = begin; at < end; ++at) {
     if (bytes[at] != std::byte{0}) {
-      return Error{ErrorCode::kSectionInvalid, std::string(name), "byte " + std::to_string(at),
+      return Error{ErrorCode::kSectionInvalid, name, "byte " + std::to_string(at),
                    "padding between sections is not zero", "bake or copy it again"};
     }
   }
@@ -244,7 +244,7 @@ Status check_required(std::span<const SectionEntry> table, std::span<const Secti
     const bool present = std::any_of(
         table.begin(), table.end(), [&](const SectionEntry& entry) { return entry.id == rule.id; });
     if (present || !rule.required) continue;
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+    return Error{ErrorCode::kSectionInvalid, name, "section table",
                  std::string("section ") + rule.name + " is missing", "bake or copy it again"};
   }
   return {};
@@ -260,8 +260,7 @@ Status check_file_header(std::span<const std::byte> bytes, std::string_view name
                          const HeaderRule& rule) {
   if (Status magic = check_magic(bytes, name, rule.magic); !magic) return magic;
   if (reinterpret_cast<std::uintptr_t>(bytes.data()) % kSectionAlignment != 0) {
-    return Error{ErrorCode::kInternal, std::string(name), "",
-                 "the bytes in memory are not 64-byte aligned", ""};
+    return Error{ErrorCode::kInternal, name, "", "the bytes in memory are not 64-byte aligned", ""};
   }
   const FileHeader header = read_file_header(bytes);
   if (Status version = check_version(header, name, rule); !version) return version;
@@ -291,7 +290,7 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
   }
   if (Status s = check_required(table, rules, name); !s) return s.error();
   if (end == header.file_bytes) return sections;
-  return Error{ErrorCode::kSectionInvalid, std::string(name), "section table",
+  return Error{ErrorCode::kSectionInvalid, name, "section table",
                "the last section ends at byte " + std::to_string(end) + " and the file at byte " +
                    std::to_string(header.file_bytes),
                "bake or copy it again"};
@@ -306,7 +305,7 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
     const std::uint64_t actual = *sum;
     if (actual == entry.checksum) continue;
     const SectionRule* rule = find_rule(rules, entry.id, read_file_header(bytes).minor);
-    return Error{ErrorCode::kChecksumMismatch, std::string(name),
+    return Error{ErrorCode::kChecksumMismatch, name,
                  rule ? rule->name : "section " + std::to_string(entry.id),
                  "the section is damaged: its checksum is " + hex(actual) + " and not " +
                      hex(entry.checksum),

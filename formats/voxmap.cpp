@@ -176,7 +176,7 @@ Status check_entries(std::span<const std::uint32_t> entries, const EntryRule& ru
                      std::string_view name, const char* section) {
   const std::size_t index = first_bad_entry(entries, rule);
   if (index == entries.size()) return {};
-  return Error{ErrorCode::kEntryInvalid, std::string(name),
+  return Error{ErrorCode::kEntryInvalid, name,
                std::string(section) + " entry " + std::to_string(index),
                describe_bad_entry(entries[index], rule), "bake or copy it again"};
 }
@@ -201,7 +201,7 @@ Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint
   const std::uint64_t wanted =
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
   if (directory.size() != wanted) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), sections.directory,
+    return Error{ErrorCode::kSectionInvalid, name, sections.directory,
                  std::to_string(directory.size()) + " entries where the header says " +
                      std::to_string(wanted),
                  "bake or copy it again"};
@@ -232,7 +232,7 @@ TreeView<kBits> view_of(const VoxmapHeader& h, const TreeSections& sections) {
 Status check_absent(const TreeSections& sections, const char* field, std::string_view name) {
   for (const std::span<const std::byte> bytes : sections.bytes) {
     if (bytes.empty()) continue;
-    return Error{ErrorCode::kSectionInvalid, std::string(name), sections.directory,
+    return Error{ErrorCode::kSectionInvalid, name, sections.directory,
                  std::string("the tree stands in a file whose ") + field + " is zero",
                  "bake or copy it again"};
   }
@@ -243,8 +243,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
                         std::string_view name) {
   if (forces.empty()) return {};
   const auto wrong = [&](const char* what) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "compliance", what,
-                 "bake or copy it again"};
+    return Error{ErrorCode::kSectionInvalid, name, "compliance", what, "bake or copy it again"};
   };
   if (!has_distances(h)) return wrong("stands in a file that stores no distances");
   const double deepest_m = h.zero_force_m + (h.distance_zero_code + 1.0) * h.distance_quantum_m;
@@ -256,8 +255,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     const float most = i == 0 ? 0.0f : kMostComplianceN;
     const double steep_n = kMostComplianceNPerM * h.distance_quantum_m;
     if (forces[i] >= least && forces[i] <= most && forces[i] - least <= steep_n) continue;
-    return Error{ErrorCode::kEntryInvalid, std::string(name),
-                 "compliance entry " + std::to_string(i),
+    return Error{ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
                  i == 0 ? "is not 0: the force begins at the zero-force surface"
                         : "is below the entry before it, above 1e6 N, or steeper than 1e12 N/m",
                  "bake or copy it again"};
@@ -337,9 +335,8 @@ Status Voxmap::read_trees(std::span<const std::span<const std::byte>> sections,
 
 Status Voxmap::read_names(std::span<const std::byte> names, std::string_view name) {
   const std::string_view text(reinterpret_cast<const char*>(names.data()), names.size());
-  const auto wrong = [&](std::string what) {
-    return Error{ErrorCode::kSectionInvalid, std::string(name), "object names", std::move(what),
-                 "bake or copy it again"};
+  const auto wrong = [&](std::string_view what) {
+    return Error{ErrorCode::kSectionInvalid, name, "object names", what, "bake or copy it again"};
   };
   if (!text.empty() && text.back() != '\0') return wrong("the last name has no end");
   const auto count = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\0'));

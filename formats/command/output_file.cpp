@@ -62,8 +62,8 @@ bool contains(const Range& range, std::string_view text) {
   return std::find(std::begin(range), std::end(range), text) != std::end(range);
 }
 
-Error refuse(const OutputFile& output, std::string what, std::string mend) {
-  return {ErrorCode::kUsage, *output.path, output.option, std::move(what), std::move(mend)};
+Error refuse(const OutputFile& output, std::string_view what, std::string_view mend) {
+  return {ErrorCode::kUsage, *output.path, output.option, what, mend};
 }
 
 // By any name or link. Where neither exists yet, by the name.

@@ -35,8 +35,8 @@ constexpr Unit kTimeUnits[] = {
     {"us", -6, 1}, {"ms", -3, 1}, {"s", 0, 1}, {"min", 0, 60}, {"h", 0, 3600}};
 constexpr Unit kForceUnits[] = {{"mN", -3, 1}, {"N", 0, 1}, {"kN", 3, 1}};
 
-Error usage(std::string what, std::string mend) {
-  return {ErrorCode::kUsage, "", "", std::move(what), std::move(mend)};
+Error usage(std::string_view what, std::string_view mend) {
+  return {ErrorCode::kUsage, "", "", what, mend};
 }
 
 std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }

@@ -132,13 +132,13 @@ class Choice {
   Choice(const RunRequest& request, DerivedParameters& derived)
       : request_(request), derived_(derived) {}
 
-  void set(std::string_view name, double value, std::string reason) {
+  void set(std::string_view name, double value, std::string_view reason) {
     const auto* info = std::find_if(std::begin(kTable), std::end(kTable),
                                     [&](const ParameterInfo& i) { return i.name == name; });
     const auto setting = request_.settings.find(std::string(name));
     const bool chosen = setting != request_.settings.end();
     derived_.values.*(info->member) = chosen ? setting->second : value;
-    derived_.reasons[std::string(name)] = chosen ? "set" : std::move(reason);
+    derived_.reasons[std::string(name)] = chosen ? "set" : reason;
   }
 
  private:
@@ -260,7 +260,7 @@ constexpr const char* kLinear = "stiffness over the motion scale squared";
 constexpr const char* kLinearDamping = "damping over the motion scale squared";
 
 // A damping that is critical, or what the device bears of it.
-void choose_damping(Choice& choice, const char* name, double critical, const std::string& why,
+void choose_damping(Choice& choice, const char* name, double critical, const char* why,
                     const char* what, const DeviceCapabilities& device, const Bound& bound) {
   const double borne = kBoundShare * bound.value;
   choice.set(name, std::min(critical, borne),

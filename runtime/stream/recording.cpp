@@ -63,8 +63,8 @@ class Reader {
   Reader(std::span<const std::byte> bytes, std::string name)
       : bytes_(bytes), name_(std::move(name)) {}
 
-  Error error(ErrorCode code, std::string where, std::string what) const {
-    return {code, name_, std::move(where), std::move(what), "record the run again"};
+  Error error(ErrorCode code, std::string_view where, std::string_view what) const {
+    return {code, name_, where, what, "record the run again"};
   }
 
   Result<RecordingHeader> header() const {

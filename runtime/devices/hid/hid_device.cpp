@@ -27,8 +27,8 @@ std::uint32_t microseconds(long long ns) { return static_cast<std::uint32_t>(ns 
 
 bool is_zero(const Wrench& w) { return w.force_n == glm::dvec3(0) && w.torque_nm == glm::dvec3(0); }
 
-Error refused(const HidDeviceInfo& info, std::string what, std::string mend) {
-  return {ErrorCode::kDeviceRefused, to_text(info), "", std::move(what), std::move(mend)};
+Error refused(const HidDeviceInfo& info, std::string_view what, std::string_view mend) {
+  return {ErrorCode::kDeviceRefused, to_text(info), "", what, mend};
 }
 
 // One application collection of ours, one input and one output report of 64 bytes, no numbers.

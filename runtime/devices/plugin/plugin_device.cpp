@@ -29,8 +29,8 @@ constexpr long long kUnopenedNs = 200'000'000;  // for a process that is still i
 constexpr const char* kSeeManual = "see runtime/devices/plugin/plugin.md";
 constexpr int kLinkDescriptor = 3;  // of the shared memory in the process
 
-Error failed(const PluginOptions& options, std::string what, std::string mend = "") {
-  return {ErrorCode::kDeviceFailed, options.library.string(), "", std::move(what), std::move(mend)};
+Error failed(const PluginOptions& options, std::string_view what) {
+  return {ErrorCode::kDeviceFailed, options.library.string(), "", what, ""};
 }
 
 std::string end_text(int status) {
