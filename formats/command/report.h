@@ -1,8 +1,10 @@
 // The report that --json asks for: the head that all commands share, and reports of failures.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/result.h"
@@ -28,11 +30,30 @@ void begin_report(const std::string& path, std::span<const std::string> inputs);
 // Has the report of a failure hold this warning. The report of a success names its own.
 void note_warning(const std::string& text);
 
+// Those that were noted.
+const std::vector<std::string>& noted_warnings();
+
 // Prints a warning on stderr, unless `quiet`, and notes it.
 void warn(const std::string& text, bool quiet);
 
 // Writes the error and its exit status into the report that was begun, beside what stands in it
 // already; nothing where none was. run_command() calls it.
 void report_failure(const Error& error);
+
+// Has report_failure() call `tell` first.
+void also_tell_failures(void (*tell)(const Error&));
+
+// As write_report() writes it.
+std::string json_text(const nlohmann::ordered_json& json);
+
+// Writes `text` to `path` atomically.
+Status write_text(const std::string& path, const std::string& text);
+
+// The file that the command line names behind `option`, before it is parsed; empty where none.
+std::string_view file_named_by(std::string_view option, int argc, char** argv);
+
+// Whether nothing is lost where `path` is written to but a file that begins so, with 80 letters at
+// most.
+bool may_replace(const std::string& path, std::string_view beginning);
 
 }  // namespace forcelayer::command

@@ -14,6 +14,9 @@
 
 namespace forcelayer::clearance {
 
+// Of travel from the seat, in voxels: an end of a path that is nearer is in the seat.
+inline constexpr double kSeatVoxels = 2;
+
 struct CheckRequest {
   double required_m = 0;                // between the exact surfaces
   unsigned threads = 1;                 // no answer depends on it

@@ -39,6 +39,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
+  command::add_choice(app, "--fail-on", options_.fail_on, {"far"},
+                      "far: a part that is never near the scene is not clear either; the path may "
+                      "be in another unit");
   app.add_option("--exact", options_.meshes,
                  "what the scene was baked from: settles with the meshes themselves what the files "
                  "leave open; repeatable")
