@@ -14,7 +14,7 @@
 
 namespace forcelayer::clearance {
 
-// Of travel from the seat, in voxels: an end of a path that is nearer is in the seat.
+// An end of a path is in the seat where it is less travel away, in voxels.
 inline constexpr double kSeatVoxels = 2;
 
 struct CheckRequest {

@@ -1,4 +1,4 @@
-// What hosts of merge requests read: a test result (JUnit), annotations (GitHub), issues (GitLab).
+// The files of hosts of merge requests: a test result (JUnit), annotations (GitHub), issues (GitLab).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -118,7 +118,7 @@ for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshel
   "$bin/$name" $words --nothing --json table.json 2>err.txt
   cmp -s press.csv table.json || fail "$call: the report of a wrong command line replaced another file"
 done
-# What is missing is looked up in the help of the command that lacks it.
+# The help that is named is that of the command that lacks something.
 for call in "voxinfo path" "forcelayer study a.glb#Pin -o study"; do
   read -r name word words <<<"$call"
   # shellcheck disable=SC2086  # words
