@@ -126,7 +126,7 @@ Json warning_issues(const Options& options) {
   return list;
 }
 
-std::vector<command::FailureFile> failure_files(const Options& options, int argc, char** argv) {
+std::vector<FailureFile> failure_files(const Options& options, int argc, char** argv) {
   const auto junit = [&options](const Error& error) -> std::string {
     if (is_verdict(error)) return "";
     return junit_text(options, TestEnd::kBroken, to_line(error), to_line(error) + "\n", 0);
@@ -141,9 +141,8 @@ std::vector<command::FailureFile> failure_files(const Options& options, int argc
     if (is_verdict(error)) return "";
     return annotation(options, "error", kName, to_line(error));
   };
-  std::vector<command::FailureFile> files{
-      {"--junit", {kJunitBeginning}, junit},
-      {"--code-quality", {"[]", "[\n  {\n    \"description\""}, issues}};
+  std::vector<FailureFile> files{{"--junit", {kJunitBeginning}, junit},
+                                 {"--code-quality", {"[]", "[\n  {\n    \"description\""}, issues}};
   for (int n = 1; n < argc; ++n) {
     if (argv[n] == std::string_view("--github")) {
       files.push_back({"--github", {}, lines, "/dev/stdout", true});

@@ -1,4 +1,5 @@
-// The files of hosts of merge requests: a test result (JUnit), annotations (GitHub), issues (GitLab).
+// The files of hosts of merge requests: a test result (JUnit), annotations (GitHub), issues
+// (GitLab).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/command/failure_files.h"
+#include "runtime/voxcheck/failure_files.h"
 #include "runtime/voxcheck/options.h"
 
 namespace forcelayer::voxcheck {
@@ -31,6 +32,6 @@ nlohmann::ordered_json issue(const Options& options, const char* check, const ch
 nlohmann::ordered_json warning_issues(const Options& options);
 
 // Where a failure is told, in place of an earlier verdict. `options` are looked at then.
-std::vector<command::FailureFile> failure_files(const Options& options, int argc, char** argv);
+std::vector<FailureFile> failure_files(const Options& options, int argc, char** argv);
 
 }  // namespace forcelayer::voxcheck

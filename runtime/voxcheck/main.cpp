@@ -9,7 +9,6 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
-#include "formats/command/failure_files.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
@@ -21,6 +20,7 @@
 #include "runtime/run/baked_files.h"
 #include "runtime/run/start_check.h"
 #include "runtime/voxcheck/exact.h"
+#include "runtime/voxcheck/failure_files.h"
 #include "runtime/voxcheck/hosts.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
@@ -49,8 +49,8 @@ Status prepare_outputs(Options& options) {
       {"--junit", &options.junit, FileKind::kExport},
       {"--code-quality", &options.code_quality, FileKind::kReport}};
   if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
-  command::check_failure_file("--junit", options.junit);
-  command::check_failure_file("--code-quality", options.code_quality);
+  check_failure_file("--junit", options.junit);
+  check_failure_file("--code-quality", options.code_quality);
   return {};
 }
 
@@ -168,7 +168,7 @@ int run(int argc, char** argv) {
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
-  command::tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);
+  tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();

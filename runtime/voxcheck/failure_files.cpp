@@ -1,20 +1,21 @@
-#include "formats/command/failure_files.h"
+#include "runtime/voxcheck/failure_files.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "formats/command/report.h"
 
-namespace forcelayer::command {
+namespace forcelayer::voxcheck {
 namespace {
 
 std::vector<FailureFile> told;  // of this process
 
 bool may_write(const FailureFile& file) {
   if (file.path.empty()) return false;
-  return file.checked ||
-         std::any_of(file.beginnings.begin(), file.beginnings.end(),
-                     [&](std::string_view beginning) { return may_replace(file.path, beginning); });
+  return file.checked || std::any_of(file.beginnings.begin(), file.beginnings.end(),
+                                     [&](std::string_view beginning) {
+                                       return command::may_replace(file.path, beginning);
+                                     });
 }
 
 void tell(const Error& error) {
@@ -22,7 +23,7 @@ void tell(const Error& error) {
     if (!may_write(file)) continue;
     const std::string text = file.text_of(error);
     if (text.empty()) continue;
-    const Status written = write_text(file.path, text);
+    const Status written = command::write_text(file.path, text);
     static_cast<void>(written);  // the command has failed already, and says so
   }
 }
@@ -32,9 +33,9 @@ void tell(const Error& error) {
 void tell_failures_in(std::vector<FailureFile> files, int argc, char** argv) {
   told = std::move(files);
   for (FailureFile& file : told) {
-    if (file.path.empty()) file.path = file_named_by(file.option, argc, argv);
+    if (file.path.empty()) file.path = command::file_named_by(file.option, argc, argv);
   }
-  also_tell_failures(tell);
+  command::also_tell_failures(tell);
 }
 
 void check_failure_file(std::string_view option, const std::string& path) {
@@ -45,4 +46,4 @@ void check_failure_file(std::string_view option, const std::string& path) {
   }
 }
 
-}  // namespace forcelayer::command
+}  // namespace forcelayer::voxcheck

@@ -10,7 +10,7 @@
 
 #include "formats/result.h"
 
-namespace forcelayer::command {
+namespace forcelayer::voxcheck {
 
 struct FailureFile {
   const char* option;                                // that names it
@@ -28,4 +28,4 @@ void tell_failures_in(std::vector<FailureFile> files, int argc, char** argv);
 // The file of `option` is `path`, and is checked: prepare_outputs() has passed it.
 void check_failure_file(std::string_view option, const std::string& path);
 
-}  // namespace forcelayer::command
+}  // namespace forcelayer::voxcheck
