@@ -10,6 +10,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/report_path.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/mapped_file.h"
@@ -66,40 +67,16 @@ Json head() {
 }
 
 Status write_json(const std::string& path, const Json& report) {
-  return write_text(path, json_text(report));
+  return write_text(path, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
-
-std::string json_text(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 Status write_text(const std::string& path, const std::string& text) {
   auto file = AtomicFile::create(path);
   if (!file) return file.error();
   if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
   return file->commit();
-}
-
-std::string_view file_named_by(std::string_view option, int argc, char** argv) {
-  std::string_view named;
-  for (int n = 1; n < argc; ++n) {
-    std::string_view argument = argv[n];
-    if (!argument.starts_with(option)) continue;
-    argument.remove_prefix(option.size());
-    if (argument.empty() && n + 1 < argc) named = argv[n + 1];
-    if (argument.starts_with('=')) named = argument.substr(1);
-  }
-  return named == "-" ? "/dev/stdout" : named;
-}
-
-bool may_replace(const std::string& path, std::string_view beginning) {
-  std::error_code failure;
-  if (!fs::is_regular_file(path, failure)) return !fs::is_directory(path, failure);
-  char there[80] = {};
-  std::ifstream(path, std::ios::binary).read(there, sizeof there);
-  return std::string_view(there, sizeof there).starts_with(beginning);
 }
 
 void expect_report(int argc, char** argv) { expected = file_named_by("--json", argc, argv); }

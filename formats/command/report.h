@@ -1,10 +1,8 @@
 // The report that --json asks for: the head that all commands share, and reports of failures.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "formats/result.h"
@@ -43,17 +41,7 @@ void report_failure(const Error& error);
 // Has report_failure() call `tell` first.
 void also_tell_failures(void (*tell)(const Error&));
 
-// As write_report() writes it.
-std::string json_text(const nlohmann::ordered_json& json);
-
 // Writes `text` to `path` atomically.
 Status write_text(const std::string& path, const std::string& text);
-
-// The file that the command line names behind `option`, before it is parsed; empty where none.
-std::string_view file_named_by(std::string_view option, int argc, char** argv);
-
-// Whether nothing is lost where `path` is written to but a file that begins so, with 80 letters at
-// most.
-bool may_replace(const std::string& path, std::string_view beginning);
 
 }  // namespace forcelayer::command

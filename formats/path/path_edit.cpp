@@ -48,27 +48,51 @@ Vector center_of(const PathRow& row, const Vector& center_m) {
 
 }  // namespace
 
-PathFacts path_facts(std::span<const PathRow> rows) {
+PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>& center_m) {
   PathFacts facts;
   facts.poses = rows.size();
   facts.begin_s = rows.front().time_s;
   facts.end_s = rows.back().time_s;
-  facts.low_m = facts.high_m = rows.front().position_m;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  Vector before = facts.low_m = facts.high_m = center_of(rows.front(), center_m);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const Vector here = center_of(rows[i], center_m);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      facts.low_m[axis] = std::min(facts.low_m[axis], rows[i].position_m[axis]);
-      facts.high_m[axis] = std::max(facts.high_m[axis], rows[i].position_m[axis]);
+      facts.low_m[axis] = std::min(facts.low_m[axis], here[axis]);
+      facts.high_m[axis] = std::max(facts.high_m[axis], here[axis]);
     }
-    if (i == 0) continue;
-    const double step_m = length(difference(rows[i].position_m, rows[i - 1].position_m));
+    const double step_m = length(difference(here, before));
     const double turn_rad = angle_between(rows[i - 1].orientation_wxyz, rows[i].orientation_wxyz);
     facts.way_m += step_m;
     facts.turn_rad += turn_rad;
     facts.most_step_m = std::max(facts.most_step_m, step_m);
     facts.most_turn_rad = std::max(facts.most_turn_rad, turn_rad);
     facts.most_mps = std::max(facts.most_mps, step_m / (rows[i].time_s - rows[i - 1].time_s));
+    before = here;
   }
   return facts;
+}
+
+WideStep widest_step(std::span<const PathRow> rows, const std::array<double, 3>& center_m) {
+  WideStep widest;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const Quaternion& from = rows[i].orientation_wxyz;
+    const Quaternion turn = product(rows[i + 1].orientation_wxyz, conjugate(from));
+    const Vector axis{turn[1], turn[2], turn[3]}, arm = rotated(from, center_m);
+    const double sine = length(axis);  // of half the angle
+    if (!(sine > 0)) continue;
+    const double radius_m =
+        length({axis[1] * arm[2] - axis[2] * arm[1], axis[2] * arm[0] - axis[0] * arm[2],
+                axis[0] * arm[1] - axis[1] * arm[0]}) /
+        sine;
+    const double turn_rad = angle_between(from, rows[i + 1].orientation_wxyz);
+    const double quarter = std::sin(turn_rad / 4);
+    const double aside_m = radius_m * 2 * quarter * quarter;  // 1 - cos(turn / 2)
+    if (!(aside_m > widest.aside_m)) continue;
+    widest = {i, turn_rad,
+              length(difference(center_of(rows[i + 1], center_m), center_of(rows[i], center_m))),
+              aside_m};
+  }
+  return widest;
 }
 
 PathRow pose_at(std::span<const PathRow> rows, double time_s,
@@ -90,17 +114,20 @@ PathRow pose_at(std::span<const PathRow> rows, double time_s,
 
 std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m) {
-  std::vector<PathRow> samples;
-  const double begin_s = rows.front().time_s, end_s = rows.back().time_s;
-  const double count = std::ceil((end_s - begin_s) / period_s - 1e-9);
-  for (double n = 0; n < count; ++n) {
-    // Late times are coarse: two may be the same double.
-    const double time_s = begin_s + n * period_s;
-    if (time_s >= end_s) break;
-    if (!samples.empty() && time_s == samples.back().time_s) continue;
-    samples.push_back(pose_at(rows, time_s, center_m));
+  std::vector<PathRow> samples{rows.front()};
+  const double begin_s = rows.front().time_s;
+  const double least_s = 1e-9 * period_s;  // a sample that is nearer to a row is the row
+  double n = 1;
+  for (const PathRow& row : rows.subspan(1)) {
+    for (; begin_s + n * period_s < row.time_s - least_s; ++n) {
+      // Late times are coarse: two may be the same double.
+      const double time_s = begin_s + n * period_s;
+      if (time_s > samples.back().time_s + least_s) {
+        samples.push_back(pose_at(rows, time_s, center_m));
+      }
+    }
+    samples.push_back(row);
   }
-  samples.push_back(rows.back());
   return samples;
 }
 

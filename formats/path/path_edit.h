@@ -12,15 +12,27 @@ namespace forcelayer {
 struct PathFacts {
   std::size_t poses = 0;
   double begin_s = 0, end_s = 0;
-  double way_m = 0;                           // of the frame's origin
+  double way_m = 0;                           // of the point, straight between rows
   double turn_rad = 0;                        // summed up
   double most_step_m = 0, most_turn_rad = 0;  // between two rows
   double most_mps = 0;
-  std::array<double, 3> low_m{}, high_m{};  // the box of the origin
+  std::array<double, 3> low_m{}, high_m{};  // the box of the point at the rows
 };
 
-// `rows`: at least one, as read_path() gives them.
-PathFacts path_facts(std::span<const PathRow> rows);
+// The facts of the point `center_m` of the part (part frame). `rows`: at least one, as read_path()
+// gives them.
+PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>& center_m = {});
+
+// Between two rows the centroid goes straight. A CAD program may have the frame's origin go
+// straight, or turn the part about it; then all of the part is elsewhere in between, by
+// `aside_m` at most: the height of the arc about the origin over its chord.
+struct WideStep {
+  std::size_t row = 0;                          // and the next
+  double turn_rad = 0, way_m = 0, aside_m = 0;  // the way is that of the centroid
+};
+
+// The step in which that is farthest; one without a way where no step is.
+WideStep widest_step(std::span<const PathRow> rows, const std::array<double, 3>& center_m);
 
 // The pose at a time. Between two rows the point `center_m` of the part (part frame) goes straight
 // and the orientation turns the short way round, both evenly; voxcheck and voxrun do the same with
@@ -28,8 +40,8 @@ PathFacts path_facts(std::span<const PathRow> rows);
 PathRow pose_at(std::span<const PathRow> rows, double time_s,
                 const std::array<double, 3>& center_m);
 
-// A row every `period_s` from the first time on, and the last row; fewer where times are so late
-// that doubles are farther apart. All of them are in memory.
+// All rows, so that no corner is lost, and between them one every `period_s` from the first time
+// on; fewer where times are so late that doubles are farther apart. All of them are in memory.
 std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m);
 

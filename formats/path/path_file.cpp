@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <span>
 #include <system_error>
@@ -12,25 +13,21 @@ namespace forcelayer {
 namespace {
 
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+constexpr const char* kMend =
+    "a path has t_s,x_m,y_m,z_m and qw,qx,qy,qz or rx_deg,ry_deg,rz_deg, in these or other units";
+constexpr const char* kWanted = "give a CSV file of poses, in UTF-8";
 constexpr std::size_t kMaxLine = 4096;  // bytes
 constexpr std::size_t kFlushBytes = 1 << 20;
 
-Error line_error(const std::filesystem::path& path, std::size_t line, std::string what) {
-  return {ErrorCode::kUsage, path.string(), "line " + std::to_string(line), std::move(what),
-          "a path has the columns t_s,x_m,y_m,z_m,qw,qx,qy,qz, in these or other units"};
-}
-
 std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) {
-    text.remove_suffix(1);
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t' || text.front() == '\r')) {
+    text.remove_prefix(1);
   }
   return text;
 }
 
 // A finite number. Where cells are not separated by commas, a comma may stand in it for the point.
 bool parse_number(std::string_view cell, char separator, double& number) {
-  cell = without_blanks(cell);
   if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
   char with_point[64];
   if (separator != ',' && cell.find(',') != std::string_view::npos) {
@@ -42,32 +39,39 @@ bool parse_number(std::string_view cell, char separator, double& number) {
   return failure == std::errc{} && end == cell.data() + cell.size() && std::isfinite(number);
 }
 
-// The length of the first cell: up to the separator, but for one in quotes.
-std::size_t cell_length(std::string_view line, char separator) {
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') quoted = !quoted;
-    if (line[i] == separator && !quoted) return i;
+// Reads the values of a line, in SI units. Returns the mistake where it has one; empty: none.
+std::string parse_line(std::string_view line, const PathColumns& columns,
+                       PathColumns::Values& values) {
+  const std::size_t wanted = columns.value_of.size();
+  std::size_t cells = 0;
+  for (; line.data(); ++cells) {
+    const std::string_view cell = take_cell(line, columns.separator);
+    if (cells >= wanted || columns.value_of[cells] == columns.kOther) continue;
+    const auto at = static_cast<std::size_t>(columns.value_of[cells]);
+    if (parse_number(cell, columns.separator, values[at]) &&
+        std::isfinite(values[at] *= columns.factor[at])) {
+      continue;
+    }
+    return name_of(columns, at) + " is " + in_quotes(cell) + ", no finite number like -1.5e-3";
   }
-  return line.size();
+  if (cells == wanted) return {};
+  return "has " + std::to_string(cells) + " cells, not the header's " + std::to_string(wanted);
 }
 
-// The values of a line, in SI units. False where there are more or fewer cells than the header has,
-// or no numbers.
-bool parse_line(std::string_view line, const PathColumns& columns,
-                std::array<double, PathColumns::kValues>& values) {
-  for (std::size_t cell = 0; cell < columns.cells; ++cell) {
-    const std::size_t length = cell_length(line, columns.separator);
-    if (const int value = columns.value_of[cell]; value >= 0) {
-      const auto at = static_cast<std::size_t>(value);
-      if (!parse_number(line.substr(0, length), columns.separator, values[at])) return false;
-      values[at] *= columns.factor[at];
-      if (!std::isfinite(values[at])) return false;
-    }
-    if (length == line.size()) return cell + 1 == columns.cells;
-    line.remove_prefix(length + 1);
+// The kind of a file that is none of ours, by its first line; nullptr: it may be.
+const char* other_kind(std::string_view line) {
+  constexpr struct {
+    char begin[5], name[12];
+  } kKinds[] = {{"{", "JSON"},
+                {"[", "JSON"},
+                {"PK\3\4", "a workbook"},
+                {"\211FLV", "a .vox"},
+                {"\211FLP", "a .pshell"},
+                {"\211FLR", "a recording"}};
+  for (const auto& kind : kKinds) {
+    if (without_blanks(line).starts_with(kind.begin)) return kind.name;
   }
-  return false;
+  return line.find('\0') != std::string_view::npos ? "UTF-16 or binary" : nullptr;
 }
 
 // Lines of a file, one after the other, without holding more of it than one.
@@ -77,7 +81,8 @@ class LineReader {
 
   // False at the end. A line that is too long is an error of ok().
   bool next(std::string_view& line) {
-    if (too_long_ || !(file_.getline(buffer_.data(), kMaxLine + 1) || file_.gcount() > 0)) {
+    if (!(file_.getline(buffer_.data(), kMaxLine + 1) || file_.gcount() > 0)) {
+      ended_ = true;
       return false;
     }
     ++number_;
@@ -92,6 +97,7 @@ class LineReader {
     return true;
   }
   std::size_t number() const { return number_; }
+  bool ended() const { return ended_; }
   bool too_long() const { return too_long_; }
   bool failed() const { return file_.bad() || (!file_.eof() && number_ == 0); }
 
@@ -99,7 +105,7 @@ class LineReader {
   std::ifstream file_;
   std::array<char, kMaxLine + 1> buffer_{};
   std::size_t number_ = 0;
-  bool too_long_ = false;
+  bool ended_ = false, too_long_ = false;
 };
 
 bool is_within_limits(const PathRow& row) {
@@ -118,48 +124,58 @@ bool is_comment(std::string_view line) {
 Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf of) {
   std::error_code failure;
   if (!std::filesystem::exists(path, failure) || std::filesystem::is_directory(path, failure)) {
-    return Error{ErrorCode::kFileNotFound, path.string(), "", "no such file",
-                 "give a CSV file of poses"};
+    return Error{ErrorCode::kFileNotFound, path.string(), "", "no such file", kWanted};
   }
   LineReader lines(path);
+  const auto wrong = [&](std::string_view what, const char* mend = "") {
+    const std::size_t line = lines.number() + (lines.ended() ? 1 : 0);
+    return Error{ErrorCode::kUsage, path.string(), "line " + std::to_string(line), what, mend};
+  };
   PathColumns columns;
+  PathColumns::Values before{};
   std::vector<PathRow> rows;
-  bool has_header = false;
   for (std::string_view line; lines.next(line);) {
-    if (is_comment(line)) continue;
-    if (!has_header) {
-      if (const auto wrong = read_path_header(line, of, columns)) {
-        return line_error(path, lines.number(), *wrong);
+    if (lines.number() == 1) {
+      if (const char* const kind = other_kind(line)) {
+        return wrong(std::string("is ") + kind, kWanted);
       }
-      has_header = true;
+    }
+    if (is_comment(line)) continue;
+    if (columns.value_of.empty()) {
+      if (line.starts_with("sep=")) continue;  // of a spreadsheet
+      const std::string mistake = read_path_header(line, of, columns);
+      if (!mistake.empty()) return wrong(mistake, kMend);
       continue;
     }
-    std::array<double, PathColumns::kValues> values{};
-    if (!parse_line(line, columns, values)) {
-      return line_error(path, lines.number(),
-                        "is not " + std::to_string(columns.cells) +
-                            " cells with finite numbers where the header wants them");
-    }
+    PathColumns::Values values{};
+    const std::string mistake = parse_line(line, columns, values);
+    if (!mistake.empty()) return wrong(mistake);
     const auto row = path_row(columns, values);
-    if (!row) return line_error(path, lines.number(), "has a quaternion without direction");
-    if (!is_within_limits(*row)) {
-      return line_error(path, lines.number(), "is farther than 1e9 m, or than 1e12 s");
+    if (!row) return wrong("has a quaternion without direction");
+    if (!is_within_limits(*row)) return wrong("is farther than 1e9 m, or than 1e12 s");
+    if (!rows.empty()) {
+      if (!(row->time_s > rows.back().time_s)) {
+        char times[96];
+        std::snprintf(times, sizeof times, "%.15g s is not later than %.15g s before it",
+                      row->time_s, rows.back().time_s);
+        return wrong(times);
+      }
+      if (const auto turn = open_turn(before, values, rows.back(), *row)) {
+        return wrong(name_of(columns, *turn) + " turns by 180 degrees or more in one step",
+                     "add rows between: which way round?");
+      }
     }
-    if (!rows.empty() && !(row->time_s > rows.back().time_s)) {
-      return line_error(path, lines.number(), "is not later than the line before");
-    }
-    if (rows.size() == kMostPathRows) {
-      return line_error(path, lines.number(), "is beyond 100 million rows");
-    }
+    if (rows.size() == kMostPathRows) return wrong("is beyond 100 million rows");
     rows.push_back(*row);
+    before = values;
   }
-  if (lines.too_long()) return line_error(path, lines.number(), "is longer than 4096 bytes");
+  if (lines.too_long()) return wrong("is longer than 4096 bytes");
   if (lines.failed()) {
     return Error{ErrorCode::kReadFailed, path.string(), "", "cannot be read", ""};
   }
   if (rows.empty()) {
-    return line_error(path, lines.number() + 1,
-                      has_header ? "is missing: there are no poses" : "is missing: the header");
+    return wrong(columns.value_of.empty() ? "is missing: the header"
+                                          : "is missing: there are no poses");
   }
   return rows;
 }

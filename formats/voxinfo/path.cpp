@@ -5,6 +5,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/quantity.h"
+#include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/path/path_edit.h"
 #include "formats/pshell.h"
@@ -14,19 +15,20 @@ namespace {
 
 constexpr double kShortestPeriodS = 1e-6;
 
-std::string summary_of(const PathFacts& f, const std::string& path) {
+std::string summary_of(const PathFacts& f, const std::string& path, const char* point) {
   using command::text;
-  return text("%s: %zu poses from %.6g to %.6g s; a way of %.6g m and turns of %.6g rad in all\n",
-              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, f.way_m, f.turn_rad) +
+  return text("%s: %zu poses from %.6g to %.6g s; a way of %.6g m for %s, turns of %.6g rad\n",
+              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, f.way_m, point, f.turn_rad) +
          text("  between two poses at most %.6g mm and %.6g rad; at most %.6g m/s\n",
               f.most_step_m * 1e3, f.most_turn_rad, f.most_mps) +
-         text("  the frame's origin in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", f.low_m[0],
-              f.low_m[1], f.low_m[2], f.high_m[0], f.high_m[1], f.high_m[2]);
+         text("  %s in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", point, f.low_m[0], f.low_m[1],
+              f.low_m[2], f.high_m[0], f.high_m[1], f.high_m[2]);
 }
 
-nlohmann::ordered_json report_of(const PathFacts& f) {
+nlohmann::ordered_json report_of(const PathFacts& f, const std::array<double, 3>& center_m) {
   return {{"schema_version", 1},
           {"poses", f.poses},
+          {"point_m", center_m},
           {"begin_s", f.begin_s},
           {"end_s", f.end_s},
           {"way_m", f.way_m},
@@ -48,7 +50,8 @@ Status write_path(const std::vector<PathRow>& rows, const std::string& path) {
 }
 
 // The path as it is to be written.
-Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<PathRow> rows) {
+Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<PathRow> rows,
+                                    const std::array<double, 3>& center_m) {
   if (!request.period.empty()) {
     const auto period_s = command::parse_duration(request.period);
     if (!period_s) {
@@ -59,16 +62,10 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
     if (!(*period_s >= kShortestPeriodS)) {
       return Error{ErrorCode::kUsage, "", "--resample", "must be a microsecond or more", ""};
     }
-    const double wanted = (rows.back().time_s - rows.front().time_s) / *period_s;
-    if (wanted >= static_cast<double>(kMostPathRows)) {
+    const double between = (rows.back().time_s - rows.front().time_s) / *period_s;
+    if (between + static_cast<double>(rows.size()) >= static_cast<double>(kMostPathRows)) {
       return Error{ErrorCode::kUsage, "", "--resample", "makes more than 100 million rows",
                    "give a longer period"};
-    }
-    std::array<double, 3> center_m{};
-    if (!request.shell.empty()) {
-      const auto shell = Pshell::open(request.shell);
-      if (!shell) return shell.error();
-      center_m = shell->header().center_m;
     }
     rows = resampled(rows, *period_s, center_m);
   }
@@ -78,22 +75,38 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
 }  // namespace
 
 Status handle_path(const PathRequest& request) {
-  auto rows = read_path(request.path, request.of == "handle" ? PathOf::kHandle : PathOf::kPart);
+  const bool of_part = request.of != "handle";
+  auto rows = read_path(request.path, of_part ? PathOf::kPart : PathOf::kHandle);
   if (!rows) return rows.error();
   if (request.output.empty() && (request.reverse || !request.period.empty())) {
     return Error{ErrorCode::kUsage, "", "-o", "names no file for the new path", "give -o OUT.csv"};
   }
+  std::array<double, 3> center_m{};
+  if (!request.shell.empty()) {
+    if (!of_part) {
+      return Error{ErrorCode::kUsage, "", "--part", "goes with --of part alone", "leave it out"};
+    }
+    const auto shell = Pshell::open(request.shell);
+    if (!shell) return shell.error();
+    center_m = shell->header().center_m;
+  } else if (of_part && !request.period.empty() && path_facts(*rows).turn_rad > 0) {
+    command::warn(
+        "between rows the frame's origin goes straight; voxcheck has the part's centroid go "
+        "straight: give --part for that",
+        request.quiet);
+  }
   if (!request.output.empty()) {
-    rows = edited(request, std::move(*rows));
+    rows = edited(request, std::move(*rows), center_m);
     if (!rows) return rows.error();
     if (Status s = write_path(*rows, request.output); !s) return s;
   }
-  const PathFacts facts = path_facts(*rows);
+  const PathFacts facts = path_facts(*rows, center_m);
   if (!request.json.empty()) {
-    if (Status s = command::write_report(request.json, report_of(facts)); !s) return s;
+    if (Status s = command::write_report(request.json, report_of(facts, center_m)); !s) return s;
   }
   if (!request.quiet) {
-    std::cout << summary_of(facts, request.output.empty() ? request.path : request.output);
+    std::cout << summary_of(facts, request.output.empty() ? request.path : request.output,
+                            request.shell.empty() ? "the frame's origin" : "the centroid");
   }
   return {};
 }

@@ -13,6 +13,7 @@ namespace {
 
 // Fronts at the far end of what is stored must be so far from the mesh, in voxels (front.h).
 constexpr double kFarEnough = 2.7;
+constexpr double kInterpolated = 0.5;  // voxels: a distance is no farther below that of its place
 
 // Blocks with and without distances that are searched for: 100 MB, 50 MB. Beyond that all are read
 // anew.
@@ -112,7 +113,9 @@ double CenterDistances::side_distance(const glm::dvec3& place) const {
   return inside;
 }
 
-bool CenterDistances::is_unknown(const glm::dvec3& place) const { return side_distance(place) < 0; }
+bool CenterDistances::is_of_side(const glm::dvec3& place, double voxels) const {
+  return side_distance(place) < voxels + kInterpolated;
+}
 
 double CenterDistances::free_around(const glm::dvec3& p) const {
   const double side = side_distance(p);

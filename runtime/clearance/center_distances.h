@@ -28,8 +28,8 @@ class CenterDistances {
   // and beyond a cropped side.
   double free_around(const glm::dvec3& place) const;
 
-  // Whether the place lies beyond a cropped side.
-  bool is_unknown(const glm::dvec3& place) const;
+  // Whether a distance at() of the place is that to a cropped side, or the place lies beyond it.
+  bool is_of_side(const glm::dvec3& place, double voxels) const;
 
   // The object nearest to a place, and an upper bound of its distance, in voxels, both from the
   // voxels next to the mesh. The bound is infinity where the search finds no mesh.

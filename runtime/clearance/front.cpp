@@ -15,6 +15,15 @@ constexpr std::size_t kPadding = 16;                  // voxels of a front are l
 
 }  // namespace
 
+LeftOut with_objects(LeftOut left_out, std::span<const std::uint32_t> objects) {
+  for (const std::uint32_t object : objects) {
+    if (object == 0) continue;  // not named
+    left_out.resize(std::max<std::size_t>(left_out.size(), object + std::size_t{1}), 0);
+    left_out[object] = 1;
+  }
+  return left_out;
+}
+
 double reach_voxels(const VoxmapHeader& h) {
   return (static_cast<double>(kMostDistanceCode) - h.distance_zero_code) * h.distance_quantum_m /
          h.voxel_size_m;

@@ -23,6 +23,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -34,6 +35,8 @@ using BrickIndex = std::array<std::int32_t, 3>;  // of voxels 8 b to 8 b + 7 fro
 
 // Numbers of objects that are left out, as a table.
 using LeftOut = std::vector<std::uint8_t>;
+// The table with more objects; 0 names none.
+LeftOut with_objects(LeftOut left_out, std::span<const std::uint32_t> objects);
 
 // Voxels of one brick in structure of arrays, padded with voxels that are far away. In voxels.
 struct Front {

@@ -145,8 +145,8 @@ CenterDistances::Nearest PartDistance::nearest(const glm::dvec3& place_m) {
   return distances_.nearest(to_voxels(place_m));
 }
 
-bool PartDistance::is_unknown(const glm::dvec3& place_m) const {
-  return distances_.is_unknown(to_voxels(place_m));
+bool PartDistance::is_of_side(const glm::dvec3& place_m, double voxels) const {
+  return distances_.is_of_side(to_voxels(place_m), voxels);
 }
 
 // Whether no point in the sphere can be below the limit. `closely`: by distances too.

@@ -44,7 +44,8 @@ class PartDistance {
 
   // The object nearest to a place, and an upper bound of its distance.
   CenterDistances::Nearest nearest(const glm::dvec3& place_m);
-  bool is_unknown(const glm::dvec3& place_m) const;
+  // Whether a point's distance there is that to a cropped side.
+  bool is_of_side(const glm::dvec3& place_m, double voxels) const;
 
   // How far this arithmetic may misplace a point, m.
   double rounding_m() const { return rounding_m_; }

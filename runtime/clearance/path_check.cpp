@@ -10,6 +10,7 @@
 #include "runtime/clearance/required_distance.h"
 #include "runtime/clearance/seat_stretch.h"
 #include "runtime/clearance/share_out.h"
+#include "runtime/query/enclosed_object.h"
 
 namespace forcelayer::clearance {
 namespace {
@@ -45,6 +46,7 @@ class Check {
   Walked walk(const LeftOut& left_out, const Moment& from, const Moment& to) const;
 
   double clearance_m(double voxels) const { return required_.clearance_m(voxels); }
+  const RequiredDistance& required() const { return required_; }
   CheckedMoment checked(PartDistance& part, const Sample& sample) const;
   CheckedMoment checked(const LeftOut& left_out, const Sample& sample) const {
     PartDistance part(voxmap_, shell_, left_out, cap_voxels());
@@ -134,7 +136,7 @@ CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
   moment.most_m = std::numeric_limits<double>::infinity();
   if (sample.least.point == LeastDistance::kNone) return moment;
   moment.point_m = part.place_m(path_.world_from_center(sample.moment), sample.least.point);
-  moment.beyond_side = part.is_unknown(moment.point_m);
+  moment.beyond_side = part.is_of_side(moment.point_m, sample.least.voxels);
   if (moment.beyond_side) return moment;
   const auto nearest = part.nearest(moment.point_m);
   moment.object = nearest.object;
@@ -190,15 +192,6 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
   std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
                 std::ceil(1e5 * request.required_m / (0.9 * kMostCapVoxels)) / 100);
   return Error{ErrorCode::kUsage, "", "--clearance", what, mend};
-}
-
-LeftOut with_seat(LeftOut left_out, const SeatStretch& seat) {
-  for (const field::SeatObject& object : seat.objects()) {
-    if (object.object == 0) continue;
-    left_out.resize(std::max<std::size_t>(left_out.size(), object.object + 1u), 0);
-    left_out[object.object] = 1;
-  }
-  return left_out;
 }
 
 bool is_same(const Moment& a, const Moment& b) { return a.pose == b.pose && a.share == b.share; }
@@ -277,12 +270,17 @@ class PathParts {
 
   void add_seated(CheckResult& result, SeatStretch& seat, const Moment& from, const Moment& to,
                   const Taken& taken) {
-    const LeftOut left_out = with_seat(request_.allowed, seat);
+    const LeftOut left_out = with_objects(request_.allowed, result.seat_objects);
+    const std::size_t first_piece = result.curve.size();
     result.seated.push_back(
         {path_.time_s(from), path_.time_s(to), path_.travel_m(to) - path_.travel_m(from),
          check_.clearance_m(taken.least_voxels), check_.checked(request_.allowed, taken.nearest)});
     add(result, left_out, check_.walk(left_out, from, to));
-    const std::uint32_t first = first_that_counts(seat);
+    for (std::size_t n = first_piece; n < result.curve.size(); ++n) {
+      CurvePiece& piece = result.curve[n];
+      piece.clearance_m = std::min(piece.clearance_m, result.seated.back().clearance_m);
+    }
+    const std::uint32_t first = first_that_counts(result.seat_objects);
     if (first == 0) return;
     Violation in_seat;
     in_seat.from_s = in_seat.worst.time_s = path_.time_s(from);
@@ -303,11 +301,9 @@ class PathParts {
   }
 
   // The first object of the seat that is not allowed to be near; 0 where there is none.
-  std::uint32_t first_that_counts(const SeatStretch& seat) const {
-    for (const field::SeatObject& object : seat.objects()) {
-      const bool allowed =
-          object.object < request_.allowed.size() && request_.allowed[object.object] != 0;
-      if (!allowed) return object.object;
+  std::uint32_t first_that_counts(std::span<const std::uint32_t> seat_objects) const {
+    for (const std::uint32_t object : seat_objects) {
+      if (object >= request_.allowed.size() || request_.allowed[object] == 0) return object;
     }
     return 0;
   }
@@ -318,8 +314,9 @@ class PathParts {
     result.violations.insert(result.violations.end(), found.begin(), found.end());
     for (const Piece& piece : walked.pieces) {
       least_voxels_ = std::min(least_voxels_, piece.least_voxels);
-      result.curve.push_back({path_.time_s(piece.from), path_.time_s(piece.to),
-                              check_.clearance_m(piece.least_voxels)});
+      const double clearance_m = check_.clearance_m(piece.least_voxels);
+      result.curve.push_back(
+          {path_.time_s(piece.from), path_.time_s(piece.to), clearance_m, clearance_m});
     }
     result.clearance_m = check_.clearance_m(least_voxels_);
     const bool is_first = result.moments_tested == 0;
@@ -327,7 +324,9 @@ class PathParts {
     const bool is_nearer = walked.nearest.least.voxels < nearest_voxels_;
     if (is_first || (is_measured && (result.at_least || is_nearer))) {
       result.least = check_.checked(left_out, walked.nearest);
-      result.at_least = !is_measured;
+      // A bound that no object is known to be near.
+      result.at_least =
+          !is_measured || (!result.least.beyond_side && !std::isfinite(result.least.most_m));
       nearest_voxels_ = walked.nearest.least.voxels;
     }
     result.moments_tested += walked.tested;
@@ -344,6 +343,35 @@ class PathParts {
   double least_voxels_ = std::numeric_limits<double>::infinity();
   double nearest_voxels_ = std::numeric_limits<double>::infinity();
 };
+
+using NoObjects = std::span<const field::SeatObject>;
+
+// An object that lies wholly inside the part as the path begins is no distance away. Unless the
+// surfaces meet there, it stays inside until they do.
+void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
+                       const CheckRequest& request, std::span<const field::SeatObject> seat,
+                       CheckResult& result) {
+  std::vector<std::uint32_t> felt;
+  for (const field::SeatObject& object : seat) felt.push_back(object.object);
+  for (std::uint32_t object = 1; object < request.allowed.size(); ++object) {
+    if (request.allowed[object] != 0) felt.push_back(object);
+  }
+  const double begin_s = path.time_s({0, 0}), end_s = path.time_s({path.poses() - 1, 0});
+  for (const Violation& v : result.violations) {
+    if (v.from_s <= begin_s && v.clearance_m == 0 && v.of_distance()) return;
+  }
+  const auto inside =
+      query::find_enclosed_object(voxmap, shell, path.world_from_center({0, 0}), felt);
+  if (!inside) return;
+  Violation violation;
+  violation.from_s = violation.worst.time_s = begin_s;
+  violation.to_s = end_s;
+  violation.worst.most_m = std::numeric_limits<double>::infinity();
+  violation.worst.object = inside->object;
+  violation.worst.point_m = inside->world_m;
+  violation.object_inside = true;
+  result.violations.push_back(violation);
+}
 
 }  // namespace
 
@@ -365,7 +393,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
     auto found = SeatStretch::find(voxmap, shell, in_seat);
     if (!found) return found.error();
     seat.emplace(std::move(*found));
-    for (const auto& object : seat->objects()) result.seat_objects.push_back(object.object);
+    result.seat_objects = seat->near_objects(check.required(), request.far_in_seat);
     result.seat_points = field::points_in_seat(seat->objects());
   }
   PathParts parts(check, path, request, voxmap.voxel_size_m());
@@ -373,6 +401,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   result.poses = path.poses();
   result.way_m = path.travel_m({path.poses() - 1, 0});
   parts.add_to(result, seat ? &*seat : nullptr);
+  add_object_inside(voxmap, shell, path, request, seat ? seat->objects() : NoObjects{}, result);
   return result;
 }
 

@@ -25,6 +25,8 @@ struct CheckRequest {
   // Whether a seat is clear where shell points feel nothing. Between them an object may have
   // features that are narrower than twice the covering radius.
   bool felt_seat_is_enough = false;
+  // Objects known to be as far away as required where the part is installed: none is of the seat.
+  LeftOut far_in_seat{};
   // Is called now and then with the share of a walk along the path that is done, in one thread.
   std::function<void(double)> progress{};
 };
@@ -36,7 +38,7 @@ struct CheckedMoment {
   double time_s = 0;
   std::uint32_t object = 0;  // the nearest; 0: not known
   glm::dvec3 point_m{0};     // of the part's surface there, world
-  bool beyond_side = false;  // the point lies beyond a cropped side: nothing is known
+  bool beyond_side = false;  // so near lies a cropped side, beyond which nothing is known
 };
 
 // A stretch in which less than the required clearance is proven.
@@ -49,16 +51,21 @@ struct Violation {
   // --exact how deep it is.
   double depth_m = 0;
   bool unsettled_seat = false;  // nothing was felt, but `worst.object` may be too narrow for that
-  bool of_seat() const { return pushed_into_seat || unsettled_seat; }
+  // `worst.object` lies wholly inside the part where the path begins: no shell point is near it.
+  bool object_inside = false;
+  // Whether what is too near is a distance that the files prove.
+  bool of_distance() const { return !pushed_into_seat && !unsettled_seat && !object_inside; }
 };
 
 // Clearance that is proven from one time to another.
 struct CurvePiece {
   double from_s = 0, to_s = 0, clearance_m = 0;
+  double but_seat_m = 0;  // while the part is in its seat, of objects that are not of it
 };
 
 // A stretch in which only objects of the seat are nearer than required: as long as the part has not
-// once been as far from all objects as that.
+// once been as far from all objects as that. An object that is as far away where the part is
+// installed is not of the seat.
 struct SeatedStretch {
   double from_s = 0, to_s = 0;
   double way_m = 0;        // a bound on how far any point of the part travels in it
@@ -69,14 +76,15 @@ struct SeatedStretch {
 struct CheckResult {
   bool clear() const { return violations.empty(); }
 
-  double clearance_m = 0;  // proven along the whole path
+  double clearance_m = 0;  // proven along the whole path, but in the seat to its objects
   bool at_least = false;   // nothing was near enough for `least` to be measured
   CheckedMoment least;
   std::vector<Violation> violations;
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;
+  // Objects that may be nearer than required where the part is installed.
   std::vector<std::uint32_t> seat_objects;
-  std::uint64_t seat_points = 0;  // shell points that touch them where the part is installed
+  std::uint64_t seat_points = 0;  // shell points that feel an object there
   double way_m = 0;  // a bound on how far any point of the part travels along the whole path
   std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
 };

@@ -1,5 +1,6 @@
 #include "runtime/clearance/seat_stretch.h"
 
+#include "runtime/clearance/part_distance.h"
 #include "runtime/field/field_probe.h"
 
 namespace forcelayer::clearance {
@@ -30,6 +31,7 @@ struct SeatStretch::Parts {
   field::FieldSamples samples;
   field::ContactSet contacts;
   std::unique_ptr<field::FieldProbe> probe;
+  Pose in_seat;  // world_from_center
   std::uint64_t looked_up = 0;
 };
 
@@ -50,11 +52,28 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
     return error;
   }
   stretch.parts_->probe->open_seat(true);
+  stretch.parts_->in_seat = world_from_center;
   return stretch;
 }
 
 std::span<const field::SeatObject> SeatStretch::objects() const {
   return parts_->probe->seat().objects();
+}
+
+std::vector<std::uint32_t> SeatStretch::near_objects(const RequiredDistance& required,
+                                                     const LeftOut& far) const {
+  const Voxmap& voxmap = parts_->query.voxmap();
+  std::vector<std::uint32_t> near;
+  for (const field::SeatObject& object : objects()) {
+    const std::uint32_t number = object.object;
+    if (number < far.size() && far[number] != 0) continue;
+    LeftOut others(voxmap.header().object_count + std::size_t{1}, 1);
+    others[number] = 0;
+    PartDistance part(voxmap, parts_->query.shell(), others, required.voxels() + 1);
+    const LeastDistance least = part.at(parts_->in_seat, 0, required.voxels(), required.voxels());
+    if (least.voxels < required.voxels()) near.push_back(number);
+  }
+  return near;
 }
 
 bool SeatStretch::is_pushed_in(const Pose& world_from_center, const LeftOut& left_out) {

@@ -12,6 +12,7 @@
 #include "formats/voxmap.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/clearance/front.h"
+#include "runtime/clearance/required_distance.h"
 #include "runtime/field/seat.h"
 
 namespace forcelayer::clearance {
@@ -27,6 +28,11 @@ class SeatStretch {
   ~SeatStretch();
 
   std::span<const field::SeatObject> objects() const;
+
+  // The numbers of those that are not proven to be `required` away where the part is installed, nor
+  // are among `far`: only they may be nearer than that while it is in its seat.
+  std::vector<std::uint32_t> near_objects(const RequiredDistance& required,
+                                          const LeftOut& far = {}) const;
 
   // A shell point that the open seat's guard would bar from where it is.
   struct PushedIn {

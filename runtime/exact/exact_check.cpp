@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <map>
 #include <memory>
 
@@ -11,6 +13,7 @@
 #include "runtime/clearance/center_path.h"
 #include "runtime/exact/exact_walk.h"
 #include "runtime/exact/seat_walk.h"
+#include "runtime/exact/stored_side.h"
 #include "runtime/exact/surfaces.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/path_source.h"
@@ -28,6 +31,7 @@ using voxcheck::ExactViolation;
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
 // The same of a depth in a seat, and how wide cracks of a mesh may be that do not open it.
 constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
+constexpr double kLeastSeatDepthVoxels = 2 * kDepthVoxels;
 // How much deeper than installed the part may go: as the guard of a run lets a shell point
 // (FieldProbe::find_seat), beside a step of the stored distances.
 constexpr double kSeatGiveVoxels = 0.25;
@@ -39,6 +43,7 @@ class ExactCheck {
              const std::vector<PathRow>& rows, const Surface& scene, const Surface& part,
              command::ProgressLine& line)
       : request_(request),
+        side_of_part_(voxmap, shell),
         line_(line),
         rows_(rows),
         part_(part),
@@ -60,6 +65,13 @@ class ExactCheck {
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
+    if (!(seat_depth_m_ >= kLeastSeatDepthVoxels * voxel_m_)) {
+      return Error{ErrorCode::kUsage, "", "--seat-depth",
+                   command::text("is below %.3g mm, as closely as depths are told in this scene",
+                                 1e3 * kLeastSeatDepthVoxels * voxel_m_),
+                   "give that or more, or bake with smaller voxels"};
+    }
+    if (Status sound = hold_against_files(); !sound) return sound.error();
     add_violations(answer);
     add_seat(answer);
     add_seated(answer);
@@ -67,16 +79,73 @@ class ExactCheck {
     add_least(answer);
     answer.moments += walk_.measured();
     if (const auto& found = walk_.contradiction()) {
-      return Error{ErrorCode::kFilesDoNotMatch, request_.scene, "--exact",
-                   command::text("at %.3f s the meshes are %.6f mm apart, and the files prove %.6f "
-                                 "mm: they were baked from others",
-                                 found->time_s, 1e3 * found->exact_m, 1e3 * found->proven_m),
-                   "name the inputs of the bakes"};
+      return contradiction(found->time_s, found->exact_m, "prove", found->proven_m);
     }
     return answer;
   }
 
  private:
+  Error contradiction(double time_s, double exact_m, const char* say, double said_m) const {
+    return Error{ErrorCode::kFilesDoNotMatch, request_.scene, "--exact",
+                 command::text("at %.3f s the meshes are %.6f mm apart, and the files %s %.6f mm: "
+                               "they were baked from others",
+                               time_s, 1e3 * exact_m, say, 1e3 * said_m),
+                 "name the inputs of the bakes, and their units"};
+  }
+
+  // An error where the meshes are nearer than the files prove, or farther than they say. Of the
+  // distance to fewer objects than all, the upper bound holds for all the more.
+  Status hold_against_files() {
+    for (const voxcheck::ProvenMoment& said : request_.moments) {
+      const Moment moment = path_.at(said.time_s);
+      const double counted_m = walk_.at(moment, said.seated).measured.distance_m;
+      if (counted_m + rounding_m_ < said.least_m) {
+        return contradiction(said.time_s, counted_m, "prove", said.least_m);
+      }
+      const double exact_m = walk_.at(moment, false).measured.distance_m;
+      if (exact_m > said.most_m + rounding_m_ && !lies_inside(moment, exact_m, false)) {
+        return contradiction(said.time_s, exact_m, "say at most", said.most_m);
+      }
+    }
+    return {};
+  }
+
+  // Where some objects do not count, a mesh that counts has to hold the point: deep inside, the
+  // scene does not tell of which object.
+  bool lies_inside(const Moment& moment, double distance_m, bool seated) {
+    const bool all_count = request_.allowed.empty() && !seated;
+    return side_of_part_.is_inside(
+        path_.world_from_center(moment), distance_m, margin_m_,
+        [&](const glm::dvec3& place_m) { return all_count || is_held(place_m, seated); });
+  }
+
+  // Whether a place lies inside of a solid object that counts.
+  bool is_held(const glm::dvec3& place_m, bool seated) {
+    if (boxes_.empty()) find_boxes();
+    return std::any_of(boxes_.begin(), boxes_.end(), [&](const auto& entry) {
+      const auto& [object, box] = entry;
+      const auto& seat = request_.seat;
+      if (seated && std::find(seat.begin(), seat.end(), object) != seat.end()) return false;
+      if (glm::any(glm::lessThan(place_m, box.low_m))) return false;
+      if (glm::any(glm::greaterThan(place_m, box.high_m))) return false;
+      const Bodies& bodies = other_of(object).bodies;
+      return are_solid(bodies) && std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) {
+               return body->holds(vec3_of(place_m));
+             });
+    });
+  }
+
+  void find_boxes() {
+    for (std::size_t n = 0; n < all_.triangles.size(); ++n) {
+      const glm::dvec3& first = all_.vertices_m[all_.triangles[n][0]];
+      Box& box = boxes_.try_emplace(all_.object[n], Box{first, first}).first->second;
+      for (const auto vertex : all_.triangles[n]) {
+        box.low_m = glm::min(box.low_m, all_.vertices_m[vertex]);
+        box.high_m = glm::max(box.high_m, all_.vertices_m[vertex]);
+      }
+    }
+  }
+
   // Shows task `n` of some on the terminal.
   Progress shown(const char* stage, std::size_t n, std::size_t tasks) {
     const auto whole = static_cast<double>(tasks);
@@ -117,16 +186,30 @@ class ExactCheck {
     return moment;
   }
 
-  void add_violation(std::vector<Piece> pieces, ExactAnswer& answer) {
+  // Pieces that follow each other, in which the part is too near.
+  struct Near {
+    std::vector<Piece> pieces;
+    std::optional<Sample> inside;  // a moment at which it lies inside of a solid
+  };
+
+  void add_violation(Near near, ExactAnswer& answer) {
     ExactViolation violation;
-    violation.from_s = path_.time_s(pieces.front().from);
-    violation.to_s = path_.time_s(pieces.back().to);
-    const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_);
-    violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
-    violation.worst = exact_moment(least.sample);
+    violation.from_s = path_.time_s(near.pieces.front().from);
+    violation.to_s = path_.time_s(near.pieces.back().to);
+    violation.inside = near.inside.has_value();
+    Sample worst;
+    if (near.inside) {
+      worst = *near.inside;
+      worst.measured.distance_m = 0;
+    } else {
+      const auto least = walk_.least(std::move(near.pieces), kWithinVoxels * voxel_m_);
+      violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
+      worst = least.sample;
+    }
+    violation.worst = exact_moment(worst);
     violation.graze =
         !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
-    take(least.sample);
+    take(worst);
     if (violation.meets()) look_into(violation);
     answer.violations.push_back(violation);
   }
@@ -182,23 +265,58 @@ class ExactCheck {
     if (!nearest_ || distance(sample) < distance(*nearest_)) nearest_ = sample;
   }
 
+  // The pieces of a stretch in which the part is too near by the meshes, and those in which it lies
+  // inside of a solid.
+  std::vector<Near> near_pieces(const Piece& whole) {
+    std::vector<Near> near;
+    Moment begin = whole.from;
+    const auto look_until = [&](const Moment& end, bool is_all) {
+      if (path_.time_s(begin) >= path_.time_s(end) && !is_all) return;
+      if (const auto& inside = inside_between(begin, end, whole.seated)) {
+        near.push_back({{{begin, end, 0, whole.seated}}, inside});
+      }
+    };
+    for (const Piece& piece :
+         walk_.nearer_than(whole, request_.required_m + margin_m_, kResolutionVoxels * voxel_m_)) {
+      look_until(piece.from, false);
+      near.push_back({{piece}, {}});
+      begin = piece.to;
+      side_.reset();
+    }
+    look_until(whole.to, near.empty());
+    return near;
+  }
+
+  // A moment at which the part lies inside of a solid, between two between which it is not too
+  // near: there its side does not change, and none since it was told last.
+  const std::optional<Sample>& inside_between(const Moment& from, const Moment& to, bool seated) {
+    if (!side_ || side_->until_s != path_.time_s(from) || side_->seated != seated) {
+      const Sample& middle = walk_.at(path_.middle(from, to), seated);
+      side_ = Side{0, seated, {}};
+      if (lies_inside(middle.moment, middle.measured.distance_m, seated)) side_->inside = middle;
+    }
+    side_->until_s = path_.time_s(to);
+    return side_->inside;
+  }
+
   // Cuts the stretches that are too near by the files down to those that are by the meshes.
   void add_violations(ExactAnswer& answer) {
-    std::vector<Piece> pieces;  // that follow each other
+    Near so_far;
     for (std::size_t n = 0; n < request_.stretches.size(); ++n) {
       const voxcheck::ProvenStretch& stretch = request_.stretches[n];
       if (!stretch.too_near) continue;
       walk_.tell(shown("measuring the clearance", n, request_.stretches.size()));
-      const auto nearer = walk_.nearer_than(piece_of(stretch), request_.required_m + margin_m_,
-                                            kResolutionVoxels * voxel_m_);
-      for (const Piece& piece : nearer) {
+      for (Near& near : near_pieces(piece_of(stretch))) {
+        const Piece& piece = near.pieces.front();
+        auto& pieces = so_far.pieces;
         const bool follows = !pieces.empty() && pieces.back().seated == piece.seated &&
                              path_.time_s(pieces.back().to) == path_.time_s(piece.from);
-        if (!follows && !pieces.empty()) add_violation(std::move(pieces), answer), pieces = {};
+        if (!follows && !pieces.empty()) add_violation(std::move(so_far), answer), so_far = {};
         pieces.push_back(piece);
+        if (near.inside) so_far.inside = near.inside;
       }
     }
-    if (!pieces.empty()) add_violation(std::move(pieces), answer);
+    if (!so_far.pieces.empty()) add_violation(std::move(so_far), answer);
   }
 
   // Settles the objects of the seat: how deep the part goes into them while it is there.
@@ -220,6 +338,9 @@ class ExactCheck {
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
     seat.installed_m = std::max(0.0, walk.at_pose(installed, -1).found_m);
+    if (seat.installed_m == 0) {
+      seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
+    }
     seat.allowed_m = seat.installed_m + seat_depth_m_;
     for (const auto& [from_s, to_s] : request_.seated) {
       const auto deeper = walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m,
@@ -280,6 +401,7 @@ class ExactCheck {
   }
 
   const ExactRequest& request_;
+  StoredSide side_of_part_;
   command::ProgressLine& line_;
   const std::vector<PathRow>& rows_;
   const Surface& part_;
@@ -290,9 +412,19 @@ class ExactCheck {
   MeshPair everything_, seated_;
   clearance::CenterPath path_;
   ExactWalk walk_;
+  struct Box {
+    glm::dvec3 low_m, high_m;
+  };
+  std::map<std::uint32_t, Box> boxes_;                      // of the objects; empty until asked for
   std::map<std::uint32_t, std::unique_ptr<Other>> others_;  // those that were asked for
   Bodies part_bodies_;
   std::optional<Sample> nearest_;  // so far
+  struct Side {
+    double until_s = 0;
+    bool seated = false;
+    std::optional<Sample> inside;
+  };
+  std::optional<Side> side_;  // of the part, told last
 };
 
 }  // namespace

@@ -126,10 +126,12 @@ clearance::LeftOut numbers_of(const Scene& scene, const std::vector<std::string>
   return left_out;
 }
 
-py::dict dict_of(const Scene& scene, const clearance::CheckedMoment& moment) {
+// `clearance_m`: proven for more than this moment, where it is of more.
+py::dict dict_of(const Scene& scene, const clearance::CheckedMoment& moment, double clearance_m) {
   py::dict d;
-  d["clearance_m"] = moment.clearance_m;
-  d["most_m"] = moment.most_m;
+  d["clearance_m"] = clearance_m;
+  d["at_most_m"] =
+      std::isfinite(moment.most_m) ? py::object(py::float_(moment.most_m)) : py::object(py::none());
   d["t_s"] = moment.time_s;
   d["object"] = moment.object == 0 ? py::object(py::none())
                                    : py::str(std::string(scene.map.object_name(moment.object)));
@@ -142,8 +144,9 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
   d["verdict"] = result.clear() ? "clear" : "not clear";
   d["required_clearance_m"] = required_m;
   d["clearance_m"] = result.clearance_m;
-  d["least_clearance"] =
-      result.at_least ? py::object(py::none()) : py::object(dict_of(scene, result.least));
+  d["least_clearance"] = result.at_least
+                             ? py::object(py::none())
+                             : py::object(dict_of(scene, result.least, result.clearance_m));
   py::list violations;
   for (const clearance::Violation& violation : result.violations) {
     py::dict v;
@@ -152,7 +155,8 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
     v["clearance_m"] = violation.clearance_m;
     v["pushed_into_seat"] = violation.pushed_into_seat;
     v["seat_not_settled"] = violation.unsettled_seat;
-    v["worst"] = dict_of(scene, violation.worst);
+    v["object_inside"] = violation.object_inside;
+    v["worst"] = dict_of(scene, violation.worst, violation.clearance_m);
     violations.append(v);
   }
   d["violations"] = violations;
@@ -163,7 +167,7 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
     s["to_s"] = stretch.to_s;
     s["way_m"] = stretch.way_m;
     s["clearance_m"] = stretch.clearance_m;
-    s["nearest"] = dict_of(scene, stretch.nearest);
+    s["nearest"] = dict_of(scene, stretch.nearest, stretch.clearance_m);
     seated.append(s);
   }
   d["seated"] = seated;
@@ -387,15 +391,17 @@ part is installed; in its seat, features of the objects there that are narrower 
 covering radius are not felt: it is not clear, unless `felt_seat` says that this is enough. A dict:
 
     verdict           "clear" or "not clear"
-    clearance_m       proven along the whole path, meters
-    least_clearance   where it is, outside of the seat: clearance_m, most_m (the exact clearance is
-                      no more), t_s, object, point_m; None where nothing is near
-    violations        a dict each: from_s, to_s, clearance_m, worst (as least_clearance),
-                      pushed_into_seat, seat_not_settled
+    clearance_m       proven along the whole path, but in the seat to its objects, meters
+    least_clearance   the same, and where it is least: clearance_m, at_most_m (the exact clearance
+                      of that moment is no more; None: not known), t_s, object, point_m; None where
+                      nothing is near
+    violations        a dict each: from_s, to_s, clearance_m (proven for all of it), worst (as
+                      least_clearance), pushed_into_seat, seat_not_settled, object_inside (the part,
+                      from the beginning on)
     seated            a dict each: from_s, to_s in which only objects of the seat are nearer than
                       required; way_m, a bound on how far any point of the part goes then;
                       clearance_m, proven for all of it; nearest (as least_clearance)
-    curve             a structured array: from_s, to_s, clearance_m
+    curve             a structured array: from_s, to_s, clearance_m (to all objects, in the seat too)
 
 `threads`: 0 for all; no answer depends on it. Other Python threads run meanwhile.
 

@@ -31,8 +31,8 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
 
 std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points) {
   if (seat_points != shell.header().point_count) return {};
-  return "every point of the part touches the scene: if the scene holds the part itself, bake it "
-         "--without";
+  return "every point of the part lies in the scene's force layer: bake it --without the part, or "
+         "with smaller voxels";
 }
 
 }  // namespace forcelayer

@@ -17,7 +17,7 @@ namespace forcelayer {
 // object.
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center);
 
-// A warning where every shell point touches an object of the seat: the scene may hold the part.
+// A warning where every shell point feels an object of the seat: the scene may hold the part.
 std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points);
 
 }  // namespace forcelayer

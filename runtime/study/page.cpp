@@ -105,7 +105,8 @@ std::string facts_table(const Page& page) {
   if (!seat.empty()) table += row("seated on", seat);
   for (const Json& s : v.value("seat_depths", Json::array())) {
     table += row("deepest in " + s["object"].get<std::string>(),
-                 mm(s["deepest_m"]) + "; " + mm(s["installed_m"]) + " where it is installed, " +
+                 mm(s["deepest_m"]) + "; where it is installed " +
+                     (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away, " : mm(s["installed_m"]) + ", ") +
                      mm(s["allowed_m"]) + " allowed");
   }
   for (const Json& s : v["seated"]) {
@@ -137,10 +138,11 @@ std::string violations_table(const Json& violations) {
   for (const Json& v : violations) {
     std::string how = clearance(v);
     if (v.contains("exact_m") && v["exact_m"] == 0) {
-      how = "the surfaces meet";
+      how = v.value("inside", false) ? "all of the part is inside" : "the surfaces meet";
       if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
     }
     if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
+    if (v.value("object_inside", false)) how = "it lies inside the part";
     if (v.value("seat_not_settled", false)) how = "not settled in its seat";
     if (v.value("graze", false)) how += ", a graze";
     table += text("<tr><td>%.3f</td><td>%.3f</td><td>", v["from_s"].get<double>(),

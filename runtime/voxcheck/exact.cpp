@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "formats/command/program.h"
-#include "formats/command/report.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -12,6 +11,25 @@ namespace {
 using clearance::CheckedMoment;
 using clearance::CheckResult;
 using clearance::Violation;
+
+// The moments of which the files tell most: the least clearance, and the worst of each violation.
+std::vector<ProvenMoment> moments_of(const CheckResult& result) {
+  std::vector<ProvenMoment> moments;
+  const auto add = [&](const CheckedMoment& moment) {
+    if (moment.beyond_side) return;
+    const double most_m = std::isfinite(moment.most_m) ? moment.most_m : kNothingM;
+    bool seated = false;
+    for (const auto& stretch : result.seated) {
+      seated |= moment.time_s >= stretch.from_s && moment.time_s <= stretch.to_s;
+    }
+    moments.push_back({moment.time_s, moment.clearance_m, most_m, seated});
+  };
+  add(result.least);
+  for (const Violation& v : result.violations) {
+    if (v.of_distance()) add(v.worst);
+  }
+  return moments;
+}
 
 ExactRequest request_of(const Options& options, const clearance::LeftOut& allowed,
                         const CheckResult& result) {
@@ -48,15 +66,16 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
     return piece.from_s >= stretch.from_s && piece.to_s <= stretch.to_s;
   };
   for (const clearance::CurvePiece& piece : result.curve) {
-    ProvenStretch stretch{piece.from_s, piece.to_s, piece.clearance_m};
+    ProvenStretch stretch{piece.from_s, piece.to_s, piece.but_seat_m};
     for (const auto& v : result.violations) {
-      stretch.too_near |= !v.of_seat() && lies_in(piece, v);
+      stretch.too_near |= v.of_distance() && lies_in(piece, v);
     }
     for (const auto& seated : result.seated) stretch.seated |= lies_in(piece, seated);
     // A stretch that is clear and cannot have the least distance need not be measured.
     if (!stretch.too_near && request.most_m && stretch.proven_m > *request.most_m) continue;
     request.stretches.push_back(stretch);
   }
+  request.moments = moments_of(result);
   return request;
 }
 
@@ -95,6 +114,7 @@ void take(const ExactAnswer& answer, CheckResult& result) {
   }
   for (Violation v : result.violations) {
     if (v.pushed_into_seat && !is_settled(answer, v.worst.object)) violations.push_back(v);
+    if (v.object_inside) violations.push_back(v);
     const ExactSeat* open = v.unsettled_seat ? first_open(answer) : nullptr;
     if (open == nullptr) continue;
     v.worst.object = open->object;
@@ -129,9 +149,17 @@ Result<ExactAnswer> settle_exactly(const Options& options, const clearance::Left
   }
   auto answer = exact_answer(end->output);
   if (!answer) return answer;
-  for (const std::string& warning : answer->warnings) command::warn(warning, options.quiet);
   take(*answer, result);
   return answer;
+}
+
+bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::LeftOut& far_in_seat) {
+  std::vector<std::uint32_t> far;
+  for (const ExactSeat& seat : answer.seat) {
+    if (seat.gap_m >= required_m + answer.margin_m) far.push_back(seat.object);
+  }
+  far_in_seat = clearance::with_objects(std::move(far_in_seat), far);
+  return !far.empty();
 }
 
 }  // namespace forcelayer::voxcheck

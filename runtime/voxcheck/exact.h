@@ -15,4 +15,8 @@ namespace forcelayer::voxcheck {
 Result<ExactAnswer> settle_exactly(const Options& options, const clearance::LeftOut& allowed,
                                    clearance::CheckResult& result);
 
+// Adds those objects of the seat that are as far away as required where the part is installed, by
+// the meshes. Whether there are any: the path has to be checked again.
+bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::LeftOut& far_in_seat);
+
 }  // namespace forcelayer::voxcheck

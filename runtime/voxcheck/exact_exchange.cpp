@@ -6,11 +6,13 @@ namespace forcelayer::voxcheck {
 // Found by their arguments alone, so not in a nameless namespace.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
-                                   pushed_into_seat, depth_m, depth_at_most_m)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, installed_m, allowed_m, deepest_m, settled)
+                                   pushed_into_seat, depth_m, depth_at_most_m, inside)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
+                                   settled)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, seat,
                                    seated, moments, warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, least_m, most_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
 namespace {
@@ -77,6 +79,7 @@ std::string text_of(const ExactRequest& r) {
               {"allowed", r.allowed},
               {"seat", r.seat},
               {"stretches", r.stretches},
+              {"moments", r.moments},
               {"seated", r.seated},
               {"seat_pose", r.seat_pose},
               {"seat_depth_m", or_null(r.seat_depth_m)},
@@ -106,6 +109,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("allowed").get_to(r.allowed);
         json.at("seat").get_to(r.seat);
         json.at("stretches").get_to(r.stretches);
+        json.at("moments").get_to(r.moments);
         json.at("seated").get_to(r.seated);
         json.at("seat_pose").get_to(r.seat_pose);
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));

@@ -12,11 +12,20 @@
 
 namespace forcelayer::voxcheck {
 
+inline constexpr double kNothingM = 1e100;  // farther away than any mesh
+
 // A stretch of a path, and the clearance that the baked files prove for all of it.
 struct ProvenStretch {
   double from_s = 0, to_s = 0, proven_m = 0;
   bool too_near = false;  // less than required is proven
   bool seated = false;    // the seat's objects do not count
+};
+
+// The bounds of the exact distance at one moment, by the baked files.
+struct ProvenMoment {
+  double time_s = 0, least_m = 0;
+  double most_m = 0;    // kNothingM where they do not say
+  bool seated = false;  // the seat's objects do not count in `least_m`
 };
 
 struct ExactRequest {
@@ -31,6 +40,7 @@ struct ExactRequest {
   std::optional<double> most_m;  // and what the exact one is no more than then, where known
   std::vector<std::uint32_t> allowed, seat;   // objects of the scene, by number
   std::vector<ProvenStretch> stretches;       // in the order of time, without gaps
+  std::vector<ProvenMoment> moments;          // to hold the meshes against
   std::vector<std::array<double, 2>> seated;  // from, to: when the part is in its seat, s
   std::array<double, 7> seat_pose{};          // world_from_part: m, then w, x, y, z
   // How much deeper than installed the part may go into an object of its seat; without: as deep as
@@ -38,8 +48,6 @@ struct ExactRequest {
   std::optional<double> seat_depth_m;
   bool quiet = false;  // no line of progress on the terminal
 };
-
-inline constexpr double kNothingM = 1e100;  // farther away than any mesh
 
 // The surfaces at one moment, as the meshes have them.
 struct ExactMoment {
@@ -61,13 +69,16 @@ struct ExactViolation {
   // that meet elsewhere it is the deepest of a few moments, found coarsely; 0 where one of the two
   // has no inside.
   double depth_m = 0, depth_at_most_m = 0;
+  // All of the part was inside of a solid for a while, where its surface met none.
+  bool inside = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
 };
 
 // How deep the part goes into an object of its seat, as the meshes have it.
 struct ExactSeat {
   std::uint32_t object = 0;
-  double installed_m = 0;  // how deep it and the part lie in each other where that is installed
+  double gap_m = 0;        // how far it and the part are apart where that is installed
+  double installed_m = 0;  // how deep they lie in each other there
   double allowed_m = 0;    // how deep they may
   double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing

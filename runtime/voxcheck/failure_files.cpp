@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "formats/command/report.h"
+#include "formats/command/report_path.h"
 
 namespace forcelayer::voxcheck {
 namespace {

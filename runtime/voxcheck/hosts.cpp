@@ -135,7 +135,7 @@ std::vector<FailureFile> failure_files(const Options& options, int argc, char** 
     if (is_verdict(error)) return "";
     Json list = warning_issues(options);
     list.insert(list.begin(), issue(options, kName, "critical", to_line(error)));
-    return command::json_text(list);
+    return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   };
   const auto lines = [&options](const Error& error) -> std::string {
     if (is_verdict(error)) return "";

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <glm/trigonometric.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/command/version.h"
+#include "formats/path/path_edit.h"
 #include "runtime/clearance/path_check.h"
 #include "runtime/query/query_kernel.h"
 #include "runtime/run/baked_files.h"
@@ -113,6 +115,22 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
   if (is_never_near(result, part, options.allow)) warn(never_near_text("path"));
 }
 
+// Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
+// than here, by more than a tenth of what is required, or of a voxel where that is more. Less
+// changes an answer by less than the slack that it has anyway.
+void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell& part,
+                       const std::vector<PathRow>& rows) {
+  const WideStep step = widest_step(rows, part.header().center_m);
+  if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
+  command::warn(
+      command::text("from %.3f to %.3f s the part turns by %.3g degrees in one step: its centroid "
+                    "goes straight, %.3f mm; if it is the frame's origin that does, the part is up "
+                    "to %.3f mm elsewhere: add rows between, or use voxinfo path --resample",
+                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+                    1e3 * step.way_m, 1e3 * step.aside_m),
+      options.quiet);
+}
+
 Status check(const Options& options) {
   const double begin_s = now_s();
   const auto scene = open_scene(options.scene);
@@ -124,25 +142,38 @@ Status check(const Options& options) {
   if (!allowed) return allowed.error();
   const auto rows = read_part_path(options.path, options.scene, options.part);
   if (!rows) return rows.error();
+  warn_of_wide_step(options, *scene, *part, *rows);
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
   command::ProgressLine line(options.quiet);
   const auto show = [&](double share) { line.show("checking the path", share); };
-  const clearance::CheckRequest request{options.clearance_m,     options.threads,   *allowed,
-                                        options.world_from_seat, options.felt_seat, show};
-  auto result = clearance::check_path(*scene, *part, path, request);
-  line.clear();
-  if (!result) {
-    Error error = result.error();
-    if (error.file.empty()) error.file = options.scene;
-    return error;
-  }
-  warn_of_places(options, *scene, *part, path, *result);
+  clearance::CheckRequest request{options.clearance_m,
+                                  options.threads,
+                                  *allowed,
+                                  options.world_from_seat,
+                                  options.felt_seat,
+                                  {},
+                                  show};
+  std::optional<clearance::CheckResult> result;
   std::optional<ExactAnswer> exact;
-  if (!options.meshes.empty()) {
+  do {
+    auto checked = clearance::check_path(*scene, *part, path, request);
+    line.clear();
+    if (!checked) {
+      Error error = checked.error();
+      if (error.file.empty()) error.file = options.scene;
+      return error;
+    }
+    result = std::move(*checked);
+    if (options.meshes.empty()) break;
     auto settled = settle_exactly(options, *allowed, *result);
     if (!settled) return settled.error();
     exact = std::move(*settled);
+    // The meshes may tell of the seat what the files cannot: then once more.
+  } while (leave_out_far(*exact, options.clearance_m, request.far_in_seat));
+  warn_of_places(options, *scene, *part, path, *result);
+  if (exact) {
+    for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
   return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
                        *rows, path);

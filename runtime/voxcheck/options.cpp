@@ -19,8 +19,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
-  app.add_option("path", options_.path,
-                 "poses of the part over time: a CSV, a trace or a recording of voxrun")
+  app.add_option(
+         "path", options_.path,
+         "poses of the part over time: a CSV, a trace or a recording of voxrun; from one to "
+         "the next its centroid goes straight and it turns the short way round, both evenly")
       ->required();
   app.add_option("--clearance", clearance_,
                  "that is required of the exact surfaces, default 12.7mm");

@@ -22,6 +22,7 @@ struct Shown {
   const CheckedMoment& moment;
   const ExactMoment* exact = nullptr;
   const clearance::Violation* deep = nullptr;  // how deep it goes into something is known
+  bool object_inside = false;                  // the object lies inside the part
 };
 
 Shown shown_of(const Report& report) {
@@ -30,7 +31,7 @@ Shown shown_of(const Report& report) {
     const auto& worst = worst_of(report.result);
     const ExactViolation* exact = exact_of(report, worst);
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
-            worst.depth_m > 0 ? &worst : nullptr};
+            worst.depth_m > 0 ? &worst : nullptr, worst.object_inside};
   }
   const bool known = report.exact && report.exact->least.exact_m < kNothingM;
   return {report.result.least, known ? &report.exact->least : nullptr};
@@ -48,6 +49,7 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
     object = {p[0], p[1], p[2]};
     words = text("%.3f mm", 1e3 * shown.exact->exact_m);
   }
+  if (shown.object_inside) words = "inside the part";
   if (shown.deep != nullptr) words = text("%.3f mm deep", 1e3 * shown.deep->depth_m);
   std::vector<std::string> options{"--measure", point_text(part) + "," + point_text(object),
                                    "--measure-words", words};

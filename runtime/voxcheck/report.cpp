@@ -27,11 +27,12 @@ double ceil_nm_in_mm(double length_m) { return std::ceil(length_m * 1e9) / 1e6; 
 
 // Depths that were found, rounded down: they are no more than the true ones.
 std::string meeting_text(const Report& report, const ExactViolation& exact) {
-  std::string line = "the surfaces meet";
+  const std::string name = escaped(object_name(report.scene, exact.worst.object));
+  std::string line = exact.inside ? "all of the part is inside" : "the surfaces meet";
+  if (exact.inside && !name.empty()) line += " of " + name;
   if (exact.depth_m > 0) line += text(", at least %.3f mm deep", floor_mm(exact.depth_m));
-  if (exact.worst.object == 0) return line;
-  return line + (exact.depth_m > 0 ? " in " : ": ") +
-         escaped(object_name(report.scene, exact.worst.object));
+  if (exact.inside || name.empty()) return line;
+  return line + (exact.depth_m > 0 ? " in " : ": ") + name;
 }
 
 std::string exact_text(const Report& report, const ExactViolation& exact) {
@@ -82,13 +83,22 @@ std::string unsettled_text(const Report& report, const Violation& v) {
       object.c_str(), ceil_mm(narrowest_felt_m(report)));
 }
 
+std::string inside_text(const Report& report, const Violation& v) {
+  const std::string object = escaped(object_name(report.scene, v.worst.object));
+  return (object.empty() ? "an object" : object) + " lies inside the part";
+}
+
 // One violation, from its time on.
 std::string violation_text(const Report& report, const Violation& v) {
   std::string line = text("%.3f to %.3f s: ", v.from_s, v.to_s);
   if (v.pushed_into_seat) return line + pushed_text(report, v);
   if (v.unsettled_seat) return line + unsettled_text(report, v);
+  if (v.object_inside) return line + inside_text(report, v) + ", " + place_text(v.worst);
   if (v.worst.beyond_side)
-    return line + "beyond a cropped side of the scene, where nothing is known";
+    return line +
+           text("%.3f mm to a cropped side of the scene, beyond which nothing is known, ",
+                floor_mm(v.clearance_m)) +
+           place_text(v.worst);
   if (const ExactViolation* exact = exact_of(report, v)) {
     if (exact->meets()) return line + meeting_text(report, *exact) + ", " + place_text(v.worst);
     return line + exact_text(report, *exact) + to_object(report.scene, v.worst.object) + ", " +
@@ -188,6 +198,7 @@ Json seat_depths_json(const Report& report) {
   Json list = Json::array();
   for (const ExactSeat& seat : report.exact->seat) {
     list.push_back({{"object", object_name(report.scene, seat.object)},
+                    {"gap_m", seat.gap_m},
                     {"installed_m", seat.installed_m},
                     {"deepest_m", seat.deepest_m},
                     {"allowed_m", seat.allowed_m},
@@ -202,11 +213,13 @@ Json violation_json(const Report& report, const Violation& v) {
   json["beyond_cropped_side"] = v.worst.beyond_side;
   json["pushed_into_seat"] = v.pushed_into_seat;
   json["seat_not_settled"] = v.unsettled_seat;
+  json["object_inside"] = v.object_inside;
   if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report, v)) {
     if (v.depth_m > 0) json["depth_at_most_m"] = exact->depth_at_most_m;
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
+    json["inside"] = exact->inside;
   }
   return json;
 }
@@ -214,13 +227,15 @@ Json violation_json(const Report& report, const Violation& v) {
 // A violation in a few words.
 std::string gist_of(const Report& report, const Violation& v) {
   if (v.unsettled_seat) return "its seat is not settled";
+  if (v.object_inside) return inside_text(report, v);
   if (v.pushed_into_seat) {
     return "pushed too deep into " + escaped(object_name(report.scene, v.worst.object));
   }
-  if (v.worst.beyond_side) return "beyond a cropped side of the scene";
+  if (v.worst.beyond_side) return "beside a cropped side of the scene";
   const ExactViolation* exact = exact_of(report, v);
   const std::string to = to_object(report.scene, v.worst.object);
   if (exact == nullptr) return text("%.3f mm proven", floor_mm(v.clearance_m)) + to;
+  if (exact->inside) return "all of the part is inside";
   if (exact->meets()) return "the surfaces meet";
   if (exact->graze) return "a graze" + to;
   return text("%.3f mm exact", 1e3 * exact->worst.exact_m) + to;
@@ -243,8 +258,11 @@ std::string seat_mend(const Report& report, const PathRow& first, const PathRow&
   if (report.options.world_from_seat) return "";
   const auto any = [&](const auto& is_so) {
     const auto& all = report.result.violations;
-    return std::any_of(all.begin(), all.end(),
-                       [&](const Violation& v) { return !v.worst.beyond_side && is_so(v); });
+    return std::any_of(all.begin(), all.end(), [&](const Violation& v) {
+      const ExactViolation* exact = exact_of(report, v);
+      const bool is_inside = v.object_inside || (exact != nullptr && exact->inside);
+      return !v.worst.beyond_side && !is_inside && is_so(v);
+    });
   };
   const bool begins = any([&](const Violation& v) { return v.from_s <= first.time_s; });
   const bool ends = any([&](const Violation& v) { return v.to_s >= last.time_s; });
@@ -255,7 +273,7 @@ std::string seat_mend(const Report& report, const PathRow& first, const PathRow&
 
 // Whether nothing is too near, but only because nothing is near at all.
 bool is_refused_as_far(const Report& report) {
-  return report.options.fail_on == "far" && report.result.clear() &&
+  return report.options.fail_on == "far" &&
          is_never_near(report.result, report.part, report.options.allow);
 }
 

@@ -38,7 +38,7 @@ std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> obj
 
 bool is_never_near(const clearance::CheckResult& result, const Pshell& part,
                    std::span<const std::string> allow) {
-  return result.at_least && result.seated.empty() && allow.empty() &&
+  return result.clear() && result.at_least && result.seated.empty() && allow.empty() &&
          result.clearance_m > 2 * part.header().bounding_radius_m;
 }
 

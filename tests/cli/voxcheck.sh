@@ -170,10 +170,37 @@ printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0,0,0\n' >there_and_back.csv
 check 0 opened.vox cover.pshell there_and_back.csv --clearance 1mm "${felt[@]}"
 says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s and from 1\.[0-9]{3} to 2\.000 s; else clear'
 silent
+# A turn whose unit is missing, and one whose way round is not said, are no path: the part would be checked otherwise.
+printf 't_s,x_m,y_m,z_m,rx,ry,rz\n0,0,0,0.2,0,0,0\n1,0,0,0.2,0,0,90\n' >unitless.csv
+check 2 opened.vox cover.pshell unitless.csv
+errs "unitless\.csv: line 1: has 'rx', which may be a turn and is not read: rename it; .*rx_deg,ry_deg,rz_deg"
+printf 't_s,x_m,y_m,z_m,rz_deg\n0,0,0,0.2,0\n1,0,0,0.2,181\n' >around.csv
+check 2 opened.vox cover.pshell around.csv
+errs "around\.csv: line 3: 'rz_deg' turns by 180 degrees or more.*; add rows between"
+# A part that turns far from one row to the next, about a point that is not its centroid: that is said, once. Every
+# row of the resampled path is near the next.
+python3 - <<'PYTHON'
+def write(name, degrees):
+    with open(name, "w") as file:
+        print("t_s,x_m,y_m,z_m,ry_deg", file=file)
+        for n, turn in enumerate(degrees):
+            print(f"{n / (len(degrees) - 1)},0,0,1,{turn}", file=file)
+write("pivot.csv", [0, 30, 150])
+write("fine.csv", [1.25 * n for n in range(121)])
+PYTHON
+check 0 opened.vox cover.pshell pivot.csv --json pivot.json
+grep '^voxcheck: warning: from ' err.txt >warnings.txt || true
+warns 'from 0.500 to 1.000 s the part turns by 120 degrees in one step: its centroid goes straight, '
+grep -A 1 '"warnings": \[' pivot.json | grep -q '120 degrees in one step' || fail "the report does not warn of a wide step"
+check 0 opened.vox cover.pshell fine.csv
+! grep -q 'in one step' err.txt || fail "warned of small steps: $(cat err.txt)"
+"$bin/voxinfo" path pivot.csv --resample 5ms -o close.csv --quiet
+check 0 opened.vox cover.pshell close.csv
+! grep -q 'in one step' err.txt || fail "warned of resampled steps: $(cat err.txt)"
 # The scene holds the part too: it is seated on itself, all over.
 "$bin/voxelize" "$data/gearbox.glb" --voxel-size 2mm -o whole.vox --quiet
 check 6 whole.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --felt-seat
-warns 'warning: every point of the part touches the scene: if the scene holds the part itself, bake it --without'
+warns "warning: every point of the part lies in the scene's force layer: bake it --without the part, or with smaller voxels"
 grep -A 1 '"warnings": \[' astray.json | grep -q 'never near the scene' || fail "the report does not warn"
 check 0 opened.vox cover.pshell astray.csv --quiet
 silent

@@ -224,6 +224,40 @@ grep -aq __asan_init "$voxinfo" && addresses_kib=unlimited  # a sanitizer holds 
 "$voxinfo" path path.csv --resample 10s -o coarse.csv >out || fail "resample: $(cat out)"
 expect_equal "rows of 10 s" "$(wc -l <coarse.csv)" 22
 
+# All rows stay, so that no dip is lost.
+printf 't_s,x_mm,y_mm,z_mm\n0,0,0,30\n1,0,0,4\n2,0,0,30\n' >dip.csv
+"$voxinfo" path dip.csv --resample 375ms -o dips.csv >out || fail "resample: $(cat out)"
+expect_equal "times" "$(cut -d, -f1 dips.csv | paste -sd,)" t_s,0,0.375,0.75,1,1.125,1.5,1.875,2
+expect_equal "the dip" "$(sed -n 5p dips.csv)" 1,0,0,0.004,1,0,0,0
+# A part that turns about its frame's origin: with --part its centroid's way is told and goes straight between rows,
+# without it the origin's, and that this is not how voxcheck moves it.
+printf 't_s,x_m,y_m,z_m,rz_deg\n0,0,0,0,0\n1,0,0,0,90\n' >pivot.csv
+"$voxinfo" path pivot.csv >out
+grep -q "a way of 0 m for the frame's origin, turns of 1.5708 rad" out || fail "origin: $(cat out)"
+"$voxinfo" path pivot.csv --part "$golden/v2.pshell" --json pivot.json >out
+python3 - "$golden/v2.pshell" <<'PYTHON' || fail "centroid: $(cat out)"
+import json, math, re, subprocess, sys
+report = json.load(open("pivot.json"))
+x, y, z = report["point_m"]
+way_m = math.sqrt(2) * math.hypot(x, y)
+assert way_m > 1e-3 and abs(report["way_m"] - way_m) < 1e-12 and report["high_m"][2] == report["low_m"][2], report
+told = re.search("a way of ([0-9.]+) m for the centroid", open("out").read())[1]
+assert abs(float(told) - way_m) < 1e-5 * way_m, told
+PYTHON
+"$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err
+expect_equal "no warning" "$(cat err)" ""
+"$voxinfo" path pivot.csv --resample 500ms -o about.csv --json about.json >out 2>err
+grep -q "^voxinfo: warning: between rows the frame's origin goes straight; voxcheck has .* give --part" err || fail "origin: $(cat err)"
+grep -q 'give --part for that' about.json || fail "the report does not warn"
+expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
+[ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
+"$voxinfo" path path.csv --resample 10s -o coarse.csv --quiet 2>err
+expect_equal "no warning without turns" "$(cat err)" ""
+expect_refused 2 "goes with --of part alone" "$voxinfo" path pivot.csv --of handle --part "$golden/v2.pshell"
+# Other files are told by their kind.
+expect_refused 2 "is a .vox" "$voxinfo" path "$golden/v2.vox"
+expect_refused 2 "is JSON" "$voxinfo" path pivot.json
+
 # A file that could not be written is not there, and an old file stays.
 echo old >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv

@@ -54,7 +54,7 @@ python3 corners.py up.csv || fail "it has corners: $(cat up.csv)"
 # The scene holds the part too: that is said before the search.
 "$bin/voxelize" "$gearbox" --voxel-size 2mm -o whole.vox --quiet
 plan 2 whole.vox cover.pshell --clearance 1mm --time 0.5s -o no.csv
-errs '^voxplan: warning: every point of the part touches the scene: .* --without'
+errs '^voxplan: warning: every point of the part lies in the scene.s force layer: .* --without'
 
 # A pin goes exactly straight along its bore, as a hand would draw it.
 "$bin/voxelize" "$gearbox" --without Pin --voxel-size 1mm -o rest.vox --quiet

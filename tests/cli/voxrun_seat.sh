@@ -203,7 +203,7 @@ errs '--seat: the part touches nothing there'
 
 # The scene holds the part too: it is seated on itself, all over.
 run 0 whole.vox cover.pshell --motion rest.csv
-errs 'warning: every point of the part touches the scene: .* --without'
+errs 'warning: every point of the part lies in the scene.s force layer: .* --without'
 run 0 bolted.vox cover.pshell --motion rest.csv
 grep -q 'every point' err.txt && fail "a part that is held is no part of the scene"
 

@@ -1,9 +1,12 @@
 // Paths as files: which headers are read, and other paths made of one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <random>
+#include <span>
 
 #include "formats/path/path_edit.h"
 #include "formats/path/path_file.h"
@@ -40,6 +43,13 @@ TEST(Path, HeadersNameUnits) {
       {"t_s,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n1,2,3,4,0,0,180\n", {1, {2, 3, 4}, {0, 0, 0, 1}}},
       {"t_s,x_m,y_m,z_m,rx_rad,ry_deg,rz_deg\n1,2,3,4,1.5707963267948966,0,90\n",
        {1, {2, 3, 4}, {0.5, 0.5, 0.5, 0.5}}},
+      {"t_s;x_m;y_m;z_m;rz_deg\n1;2;3;4;180\n", {1, {2, 3, 4}, {0, 0, 0, 1}}},
+      {"sep=;\r\nt [s];X (mm);y/m;z_m;Rx [deg];ry [\xc2\xb0]\n1;\"2000,0\";\"3\"; 4 ;0;180\n",
+       {1, {2, 3, 4}, {0, 0, 1, 0}}},
+      {"t_s,\"x_m\",\"y_m\",\"z_m\",\"a, b\"\n\"1\",\"2\",\" 3\",\"+4\",\"c, d\"\n",
+       {1, {2, 3, 4}, {1, 0, 0, 0}}},
+      {"t_s\tx_m\ty_m\tz_m\tn\n1\t2\t 3 \t4\t\n", {1, {2, 3, 4}, {1, 0, 0, 0}}},
+      {"size \",t_s,x_m,y_m,\"z_m\"\n3/4\" bolt,1,2,3,\t\"4\" \n", {1, {2, 3, 4}, {1, 0, 0, 0}}},
       {"t_s,part_x_m,part_y_m,part_z_m,part_qw,part_qx,part_qy,part_qz,"
        "handle_x_m,handle_y_m,handle_z_m,handle_qw,handle_qx,handle_qy,handle_qz,name\n"
        "1,2,3,4,1,0,0,0,5,6,7,1,0,0,0,\"a,\"\"b\"\"\"\n",
@@ -54,7 +64,7 @@ TEST(Path, HeadersNameUnits) {
       EXPECT_NEAR(row.orientation_wxyz[i], c.row.orientation_wxyz[i], 1e-12);
     }
   }
-  EXPECT_EQ(only_row(cases[8].text, PathOf::kHandle).position_m[0], 5);
+  EXPECT_EQ(only_row(std::rbegin(cases)->text, PathOf::kHandle).position_m[0], 5);
 }
 
 TEST(Path, WhatIsNoneSaysWhy) {
@@ -64,11 +74,22 @@ TEST(Path, WhatIsNoneSaysWhy) {
       {"t_s,x,y,z\n0,0,0,0\n", "line 1", "x_mm"},
       {"x_m,y_m,z_m\n0,0,0\n", "line 1", "t_s"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy\n0,0,0,0,1,0,0\n", "line 1", "qz"},
-      {"t_s,x_m,y_m,z_m,rx_deg,rz_deg\n0,0,0,0,1,0\n", "line 1", "ry_deg"},
       {"# nothing\n", "line 2", "header"},
-      {"t_s,x_m,y_m,z_m\n0,0,0\n", "line 2", "4 cells"},
-      {"t_s;x_m;y_m;z_m\n0;0;1,2,3;0\n", "line 2", "numbers"},
-      {"t_s,x_m,y_m,z_m\n0,0,0,0\n# c\n0,1,1,1\n", "line 4", "later"},
+      {"t_s x_m y_m z_m\n0 0 0 0\n", "line 1", "no comma, semicolon or tab"},
+      {"t_s,x_m,y_m,z_m\n0,0,0\n", "line 2", "has 3 cells, not the header's 4"},
+      {"t_s,x_m,y_m,z_m\n0,0,0,0,\n", "line 2", "has 5 cells"},
+      {"t_s;x_m;y_m;z_m\n0;0;1,2,3;0\n", "line 2", "'y_m' is '1,2,3', no finite number"},
+      {"t_s,X_mm ,y_m,z_m\n0,00:00:01,0,0\n", "line 2", "'X_mm' is '00:00:01', no"},
+      {"t_s,x_m,y_m,z_m\n0,0,0, \n", "line 2", "'z_m' is '', no finite number"},
+      {"t_s,x_m,y_m,z_m\n0,\xe2\x88\x92"
+       "1,\x1b[2J,0\n",
+       "line 2",
+       "'\xe2\x88\x92"
+       "1', no finite"},
+      {"t_s,x_m,y_m,z_m\n0,1,\x1b[2J,0\n", "line 2", "'\\x1b[2J', no finite"},
+      {"t_s,x_m,y_m,z_m\n0,0,0,0\n# c\n0,1,1,1\n", "line 4", "0 s is not later than 0 s before it"},
+      {"t_ms,x_m,y_m,z_m\n1700000000123,0,0,0\n1700000000122,1,1,1\n", "line 3",
+       "1700000000.122 s is not later than 1700000000.123 s"},
       {"t_s,x_m,y_m,z_m\n0,1e400,0,0\n", "line 2", "finite"},
       {"t_s,x_mm,y_m,z_m\n0,1e12,0,0\n1,-1.001e12,0,0\n", "line 3", "1e9 m"},
       {"t_s,x_m,y_m,z_m\n0,0,0,1e308\n", "line 2", "1e9 m"},
@@ -81,6 +102,197 @@ TEST(Path, WhatIsNoneSaysWhy) {
     EXPECT_EQ(rows.error().where, c.where) << c.text;
     EXPECT_NE(rows.error().what.find(c.what), std::string::npos) << rows.error().what;
   }
+}
+
+// A cell is shown up to 40 bytes, and not within a character.
+TEST(Path, ALongCellIsShortened) {
+  const std::string cell = std::string(39, 'x') + "\xc3\xbc" + std::string(1000, 'y');
+  const auto rows = read_text("t_s,x_m,y_m,z_m\n0," + cell + ",0,0\n");
+  ASSERT_FALSE(rows);
+  EXPECT_NE(rows.error().what.find("'" + std::string(39, 'x') + "...'"), std::string::npos)
+      << rows.error().what;
+}
+
+// A turn that would not be read is none that is left out: the part would be checked unturned.
+TEST(Path, AColumnThatMayBeATurnIsReadOrRefused) {
+  const std::string begin = "t_s,x_m,y_m,z_m,", rows = "\n0,0,0,0,1,1,1,1\n1,0,0,0,1,1,1,1\n";
+  for (const char* const names : {"rx,ry,rz,n",
+                                  "rx_deg,ry_deg,rz,n",
+                                  "rx_grad,ry_grad,rz_grad,n",
+                                  "Rx [gon],n,n,n",
+                                  "rx_m,n,n,n",
+                                  "rx_\xb0,n,n,n",
+                                  "r_x,n,n,n",
+                                  "rzdeg,n,n,n",
+                                  "q_w,q_x,q_y,q_z",
+                                  "q0,q1,q2,q3",
+                                  "quat_w,quat_x,quat_y,quat_z",
+                                  "orientation.w,n,n,n",
+                                  "pose.orientation.w,n,n,n",
+                                  "tcp_rx,n,n,n",
+                                  "tool_q_w,n,n,n",
+                                  "rotx,n,n,n",
+                                  "Rotation X,n,n,n",
+                                  "roll,n,n,n",
+                                  "n,pitch_deg,n,n",
+                                  "yaw_rad,n,n,n",
+                                  "a,b,c,n",
+                                  "a_deg,b_deg,c_deg,n",
+                                  "w,n,n,n",
+                                  "theta_rad,n,n,n",
+                                  "euler_z,n,n,n",
+                                  "Heading,n,n,n",
+                                  "angle,n,n,n",
+                                  "RPY 1,n,n,n",
+                                  "n,n,n,tilt_degrees",
+                                  "part_qw,part_qx,part_qy,part_qz",
+                                  "part_rz_deg,n,n,n"}) {
+    const auto read = read_text(begin + names + rows);
+    ASSERT_FALSE(read) << names;
+    EXPECT_EQ(read.error().where, "line 1") << names;
+    EXPECT_NE(read.error().what.find("may be a turn and is not read"), std::string::npos)
+        << names << ": " << read.error().what;
+    EXPECT_NE(read.error().mend.find("rx_deg"), std::string::npos) << names;
+  }
+  // Those that have the prefix of a trace's other pose, and what is no turn.
+  for (const char* const names :
+       {"handle_qw,handle_rz_deg,handle_rx,note", "force_x_n,torque_x_nm,step_ns,output",
+        "radius_mm,r_m,quality,controller", "triangle,vx_mps,wx_radps,j1", "x,y,z,t",
+        "part_name,n,n,n"}) {
+    const auto read = read_text(begin + names + rows);
+    EXPECT_TRUE(read) << names << ": " << to_line(read.error());
+  }
+  // In a trace, names without a prefix are none of the pose's.
+  const std::string trace = "t_s,part_x_m,part_y_m,part_z_m,";
+  EXPECT_FALSE(read_text(trace + "rx_deg,ry_deg,rz_deg,n" + rows));
+  EXPECT_FALSE(read_text(trace + "part_rx,n,n,n" + rows));
+  EXPECT_TRUE(read_text(trace + "part_rx_deg,x_mm,handle_roll,n" + rows));
+}
+
+TEST(Path, NoValueIsGivenTwice) {
+  const std::string rows = "\n0,0,0,0,0,0,0,1,1\n";
+  const struct {
+    const char *header, *names[2];
+  } cases[] = {
+      {"t_s,x_m,y_m,z_m,X_mm,n,n,n,n", {"'x_m'", "'X_mm'"}},
+      {"t_s,x_mm,y_m,z_m,x_mm,n,n,n,n", {"'x_mm'", "beside 'x_mm'"}},
+      {"t_s,x_mm,y_m,z_m,time_ms,n,n,n,n", {"'t_s'", "'time_ms'"}},
+      {"t_s,x_mm,y_m,z_m,rx_deg,rx_rad,n,n,n", {"'rx_deg'", "'rx_rad'"}},
+      {"t_s,x_m,y_m,z_m,qx,qy,qz,qw,rz_deg", {"'qw'", "'rz_deg'"}},
+      {"t_s,part_x_m,part_y_m,part_z_m,part_x_cm,x_m,n,n,n", {"'part_x_m'", "'part_x_cm'"}},
+  };
+  for (const auto& c : cases) {
+    const auto read = read_text(c.header + rows);
+    ASSERT_FALSE(read) << c.header;
+    EXPECT_EQ(read.error().where, "line 1") << c.header;
+    for (const char* const name : c.names) {
+      EXPECT_NE(read.error().what.find(name), std::string::npos) << read.error().what;
+    }
+  }
+}
+
+TEST(Path, OtherFilesAreToldByTheirKind) {
+  const std::string utf16("\xff\xfet\0_\0s\0,\0x\0\n\0", 16);
+  const std::pair<std::string, const char*> cases[] = {
+      {" {\"t_s\": 0}\n", "JSON"},
+      {"[[0, 0, 0, 0]]\n", "JSON"},
+      {utf16, "UTF-16"},
+      {"\211FLV\r\n\x1a\n", ".vox"},
+      {"\211FLP\r\n\x1a\n", ".pshell"},
+      {"\211FLR\r\n\x1a\n", "recording"},
+      {"PK\3\4\n", "workbook"},
+  };
+  for (const auto& [text, kind] : cases) {
+    const auto read = read_text(text);
+    ASSERT_FALSE(read) << kind;
+    EXPECT_EQ(read.error().code, ErrorCode::kUsage) << kind;
+    EXPECT_NE(read.error().what.find(kind), std::string::npos) << read.error().what;
+  }
+}
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+// Rz Ry Rx.
+Matrix matrix_of(const std::array<double, 3>& turn_deg) {
+  Matrix all{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
+    const double c = std::cos(turn_deg[axis] * M_PI / 180),
+                 s = std::sin(turn_deg[axis] * M_PI / 180);
+    for (std::size_t column = 0; column < 3; ++column) {
+      const double x = all[a][column], y = all[b][column];
+      all[a][column] = c * x - s * y;
+      all[b][column] = s * x + c * y;
+    }
+  }
+  return all;
+}
+
+// The slow twin: three matrices, one after the other.
+TEST(Path, TurnsAreAboutTheWorldsAxesXThenYThenZ) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any_deg(-400, 400);
+  for (int trial = 0; trial < 50; ++trial) {
+    const std::array<double, 3> turn_deg{any_deg(random), any_deg(random), any_deg(random)};
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "t_s,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n0,0,0,0,%.17g,%.17g,%.17g\n", turn_deg[0],
+                  turn_deg[1], turn_deg[2]);
+    const auto [w, x, y, z] = only_row(text).orientation_wxyz;
+    const Matrix read{{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+    const Matrix wanted = matrix_of(turn_deg);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(read[i][j], wanted[i][j], 1e-14) << trial;
+    }
+  }
+}
+
+// Between two rows of turns: the slow twin, by matrices.
+TEST(Path, AStepOfHalfATurnIsRefusedButWhereTheNumbersStartAnew) {
+  const auto read = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    char text[512];
+    std::snprintf(text, sizeof text,
+                  "t_s,x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n0,0,0,0,0,0,0\n# c\n"
+                  "1,0,0,0,%.17g,%.17g,%.17g\n2,0,0,0,%.17g,%.17g,%.17g\n",
+                  a[0], a[1], a[2], b[0], b[1], b[2]);
+    return read_text(text);
+  };
+  for (const double to_deg : {180.0, 181.0, -181.0, 360.0, 540.0, -360.0, -180.0}) {
+    const auto rows = read({0, 0, 0}, {0, 0, to_deg});
+    ASSERT_FALSE(rows) << to_deg;
+    EXPECT_EQ(rows.error().where, "line 5");
+    EXPECT_NE(rows.error().what.find("'rz_deg' turns by 180 degrees"), std::string::npos);
+    EXPECT_EQ(rows.error().mend.find("add rows between"), 0u);
+  }
+  for (const double to_deg : {179.9, -179.9, 271.0, 359.0, -359.0}) {
+    EXPECT_TRUE(read({0, 0, 0}, {0, 0, to_deg})) << to_deg;
+  }
+  EXPECT_TRUE(read({0, 0, 179}, {0, 0, -179}));
+  EXPECT_TRUE(read({10, 89, 20}, {-170, 89, -160})) << "beside the pole";
+  int refused = 0, anew = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any_deg(-179, 179), step_deg(-30, 30);
+    std::array<double, 3> a{any_deg(random), any_deg(random), any_deg(random)}, b = a;
+    for (double& turn_deg : b) turn_deg += step_deg(random);
+    b[random() % 3] += 180.0 * (static_cast<double>(random() % 5) - 2);
+    if (random() % 2 == 0) b = {b[0] + 180, 180 - b[1], b[2] - 180};  // the same, otherwise
+    const Matrix from = matrix_of(a), to = matrix_of(b);
+    double trace = 0, most_deg = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      most_deg = std::max(most_deg, std::abs(b[i] - a[i]));
+      for (std::size_t j = 0; j < 3; ++j) trace += from[i][j] * to[i][j];
+    }
+    const double angle_deg = std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / M_PI;
+    const bool wanted = most_deg < 180 || (most_deg < 360 && angle_deg <= 90);
+    EXPECT_EQ(read(a, b).ok(), wanted) << "seed " << seed << ": " << most_deg << ", " << angle_deg;
+    refused += !wanted;
+    anew += wanted && most_deg >= 180;
+  }
+  EXPECT_GT(refused, 40);
+  EXPECT_GT(anew, 40);
 }
 
 TEST(Path, WhatIsWrittenIsReadBack) {
@@ -189,6 +401,99 @@ TEST(Path, IsResampledAboutACenterAndReversed) {
   EXPECT_EQ(back[0].time_s, 0);
   EXPECT_NEAR(back[1].time_s, 0.1, 1e-15);
   EXPECT_EQ(back[4].position_m, samples[0].position_m);
+}
+
+// No corner and no dip is lost, however the period falls; rows are as they were.
+TEST(Path, AResampledPathHasAllItsRows) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> any(-1, 1);
+    std::vector<PathRow> rows;
+    double time_s = any(random) * 10;
+    for (std::size_t i = random() % 6 + 1; i > 0; --i) {
+      PathRow row{time_s, {any(random), any(random), any(random)}, {1, 0, 0, 0}};
+      if (random() % 2 == 0) row.orientation_wxyz = {0.6, 0, 0.8, 0};
+      rows.push_back(row);
+      // Some of them at a sample's time, but for rounding.
+      time_s += random() % 2 == 0 ? 0.1 * static_cast<double>(random() % 9 + 1) : 1.1 + any(random);
+    }
+    const std::array<double, 3> center_m{any(random), any(random), any(random)};
+    const auto samples = resampled(rows, 0.1, center_m);
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (i > 0) {
+        const double step_s = samples[i].time_s - samples[i - 1].time_s;
+        ASSERT_GT(step_s, 1e-11) << "seed " << seed;
+        ASSERT_LT(step_s, 0.1 + 1e-9) << "seed " << seed;
+      }
+      if (row < rows.size() && samples[i].time_s == rows[row].time_s) {
+        ASSERT_EQ(samples[i].position_m, rows[row].position_m) << "seed " << seed;
+        ASSERT_EQ(samples[i].orientation_wxyz, rows[row].orientation_wxyz) << "seed " << seed;
+        ++row;
+      } else {
+        const double n = (samples[i].time_s - rows[0].time_s) / 0.1;
+        ASSERT_NEAR(n, std::round(n), 1e-9) << "seed " << seed;
+        const PathRow there = pose_at(rows, samples[i].time_s, center_m);
+        ASSERT_EQ(samples[i].position_m, there.position_m) << "seed " << seed;
+      }
+    }
+    EXPECT_EQ(row, rows.size()) << "seed " << seed;
+  }
+}
+
+// The facts are those of the point that is asked for: a part that turns about its frame's origin.
+TEST(Path, FactsAreThoseOfAPoint) {
+  const std::vector<PathRow> rows = {{0, {0, 0, 0}, {1, 0, 0, 0}},
+                                     {1, {0, 0, 0}, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}};
+  EXPECT_EQ(path_facts(rows).way_m, 0);
+  const auto facts = path_facts(rows, {2, 0, 1});
+  EXPECT_NEAR(facts.way_m, 2 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(facts.most_mps, 2 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(facts.high_m[0], 2, 1e-15);
+  EXPECT_NEAR(facts.high_m[1], 2, 1e-15);
+  EXPECT_EQ(facts.low_m[2], 1);
+}
+
+// The slow twin: both ways, looked at in many places.
+TEST(Path, AWideStepIsWhereTheOriginOrTheCentroidGoesStraight) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> any;
+    std::vector<PathRow> rows;
+    for (int i = 0; i < 4; ++i) {
+      PathRow row{double(i), {any(random), any(random), any(random)}, {1, 0, 0, 0}};
+      auto& q = row.orientation_wxyz;
+      for (double& part : q) part = any(random);
+      const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+      for (double& part : q) part /= norm;
+      rows.push_back(row);
+    }
+    rows[3].orientation_wxyz = rows[2].orientation_wxyz;  // no turn
+    const std::array<double, 3> center_m{any(random), any(random), any(random)};
+    double aside_m = 0;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (int n = 0; n <= 100; ++n) {
+        const double time_s = double(i) + 0.01 * n;
+        const PathRow a = pose_at(rows, time_s, center_m), b = pose_at(rows, time_s, {});
+        const double apart_m =
+            std::hypot(a.position_m[0] - b.position_m[0], a.position_m[1] - b.position_m[1],
+                       a.position_m[2] - b.position_m[2]);
+        if (apart_m > aside_m + 1e-12) {
+          aside_m = apart_m;
+          at = i;
+        }
+      }
+    }
+    const WideStep step = widest_step(rows, center_m);
+    EXPECT_EQ(step.row, at) << "seed " << seed;
+    EXPECT_NEAR(step.aside_m, aside_m, 1e-12) << "seed " << seed;
+    EXPECT_NEAR(step.way_m, path_facts(std::span(rows).subspan(at, 2), center_m).way_m, 1e-12);
+    EXPECT_NEAR(step.turn_rad, path_facts(std::span(rows).subspan(at, 2)).turn_rad, 1e-12);
+  }
+  const std::vector<PathRow> still = {{0, {0, 0, 0}, {1, 0, 0, 0}}, {1, {1, 0, 0}, {1, 0, 0, 0}}};
+  EXPECT_EQ(widest_step(still, {1, 2, 3}).aside_m, 0);
+  EXPECT_EQ(widest_step(std::span(still).first(1), {1, 2, 3}).aside_m, 0);
 }
 
 // Seconds since 1970 are doubles 2.4e-7 s apart: a sample at 1.0000002 s is one at the end. Those

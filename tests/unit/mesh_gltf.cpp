@@ -102,6 +102,20 @@ TEST(GltfReader, TakesAllRootsWhereThereIsNoScene) {
   EXPECT_EQ(read_bytes(as_glb(json, gltf_binary(mesh)), ".glb")->instances.size(), 2u);
 }
 
+// A child of 1.5 was read as 1, one of -1 as 2^64 - 1, and one of 80 digits undefined.
+TEST(GltfReader, RefusesNodesThatAreNoWholeNumbers) {
+  const mesh::Mesh mesh = cube();
+  for (const std::string& child : {std::string("1.5"), std::string("-1"), std::string(80, '7'),
+                                   std::string("\"1\""), std::string("null")}) {
+    const std::string json = gltf_json(mesh, R"([{"children":[)" + child + R"(]},{"mesh":0}])");
+    const auto read = read_bytes(as_glb(json, gltf_binary(mesh)), ".glb");
+    ASSERT_FALSE(read) << child;
+    EXPECT_EQ(read.error().what, "is not a whole number from 0") << child;
+  }
+  const std::string json = gltf_json(mesh, R"([{"children":[1.0]},{"mesh":0}])");
+  EXPECT_EQ(read_bytes(as_glb(json, gltf_binary(mesh)), ".glb")->instances.size(), 1u);
+}
+
 std::string base64(const std::string& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

@@ -199,17 +199,21 @@ std::uint64_t GltfDocument::count(const char* list) const {
 
 std::uint64_t GltfDocument::index(const nlohmann::json& object, const char* key) const {
   const auto found = object.find(key);
-  if (found != object.end() && found->is_number_unsigned()) return found->get<std::uint64_t>();
-  if (found != object.end() && found->is_number_float()) {
-    const double number = found->get<double>();
+  if (found == object.end()) fail(ErrorCode::kMeshUnreadable, key, "is missing");
+  return whole_number(*found, key);
+}
+
+std::uint64_t GltfDocument::whole_number(const nlohmann::json& json, const char* key) const {
+  if (json.is_number_unsigned()) return json.get<std::uint64_t>();
+  if (json.is_number_float()) {
+    const double number = json.get<double>();
     // Some writers print whole numbers as 12.0.
     if (number >= 0 && number < 9e15 &&
         number == static_cast<double>(static_cast<std::uint64_t>(number))) {
       return static_cast<std::uint64_t>(number);
     }
   }
-  fail(ErrorCode::kMeshUnreadable, key,
-       found == object.end() ? "is missing" : "is not a whole number from 0");
+  fail(ErrorCode::kMeshUnreadable, key, "is not a whole number from 0");
 }
 
 std::uint64_t GltfDocument::index_or(const nlohmann::json& object, const char* key,

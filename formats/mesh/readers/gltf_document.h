@@ -30,6 +30,8 @@ class GltfDocument {
 
   // A whole number from 0 in `object`; throws where it is something else, or missing.
   std::uint64_t index(const nlohmann::json& object, const char* key) const;
+  // One of a list; `key` is the list's.
+  std::uint64_t whole_number(const nlohmann::json& json, const char* key) const;
   std::uint64_t index_or(const nlohmann::json& object, const char* key,
                          std::uint64_t missing) const;
 

@@ -86,7 +86,7 @@ std::vector<std::uint64_t> GltfNodes::indices(const nlohmann::json& object, cons
   const auto list = object.find(key);
   if (list == object.end()) return found;
   for (const auto& entry : *list) {
-    found.push_back(entry.get<std::uint64_t>());
+    found.push_back(document_.whole_number(entry, key));
     document_.element("nodes", found.back());
   }
   return found;

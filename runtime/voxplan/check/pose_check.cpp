@@ -26,13 +26,9 @@ double clear_cap_voxels(const Problem& problem, double required_voxels) {
   return required_voxels + 2 <= reach ? reach : cap_voxels(problem, required_voxels);
 }
 
-LeftOut with_seat(LeftOut left_out, const std::optional<SeatStretch>& seat) {
-  if (!seat) return left_out;
-  for (const field::SeatObject& object : seat->objects()) {
-    left_out.resize(std::max<std::size_t>(left_out.size(), object.object + 1u), 0);
-    if (object.object != 0) left_out[object.object] = 1;
-  }
-  return left_out;
+LeftOut with_seat(const LeftOut& left_out, const std::optional<SeatStretch>& seat,
+                  const clearance::RequiredDistance& required) {
+  return seat ? clearance::with_objects(left_out, seat->near_objects(required)) : left_out;
 }
 
 // The straight motion between two poses of the centroid frame.
@@ -61,7 +57,7 @@ PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
     : problem_(problem),
       required_(problem.scene, problem.part, problem.clearance_m),
       seat_(std::move(seat)),
-      but_seat_(with_seat(problem.allowed, seat_)),
+      but_seat_(with_seat(problem.allowed, seat_, required_)),
       clear_(problem.scene, problem.part, problem.allowed,
              clear_cap_voxels(problem, required_.voxels())),
       in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}

@@ -15,6 +15,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(facts.poses > 0 && facts.end_s >= facts.begin_s,
                   "a path has poses, and they ascend");
     fuzz::require(reversed(*path).size() == path->size(), "a reversed path has the same poses");
+    fuzz::require(std::isfinite(widest_step(*path, {1, 2, 3}).aside_m), "lengths are finite");
+    if (facts.end_s > facts.begin_s) {
+      const auto samples = resampled(*path, (facts.end_s - facts.begin_s) / 7, {1, 2, 3});
+      fuzz::require(samples.size() >= path->size() && samples.size() <= path->size() + 7,
+                    "a resampled path has all its poses");
+    }
   }
   const auto script = devices::MotionScript::read(file.path());
   if (!script) {

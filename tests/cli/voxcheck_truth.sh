@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# voxcheck on boxes whose clearance is known by hand: what is inside of what, walls beside a seat, meshes of another bake.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+
+# check STATUS ARGUMENTS...: that exit status; what was said is in out.txt and err.txt.
+check() {
+  local wanted=$1 status=0
+  shift
+  "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
+}
+says() { grep -qE -e "$1" out.txt || fail "not said: '$1': $(cat out.txt err.txt)"; }
+errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
+
+python3 - <<'END'
+import json
+def box(name, low, high):  # mm
+    corners = [[(low, high)[n >> axis & 1][axis] for axis in range(3)] for n in range(8)]
+    faces = "1 3 4 2, 5 6 8 7, 1 2 6 5, 3 7 8 4, 1 5 7 3, 2 4 8 6".split(", ")
+    with open(name + ".obj", "w") as file:
+        file.writelines("v %r %r %r\n" % tuple(corner) for corner in corners)
+        file.writelines("f " + face + "\n" for face in faces)
+def scene(name, **parts):
+    with open(name + ".json", "w") as file:
+        json.dump({"parts": [{"name": key, "mesh": mesh + ".obj", "units": "mm", "translation": [0, 0, f"{up}mm"]}
+                             for key, (mesh, up) in parts.items()]}, file)
+def path(name, *rows):
+    with open(name + ".csv", "w") as file:
+        file.write("t_s,x_mm,y_mm,z_mm\n" + "".join("%g,%g,%g,%g\n" % row for row in rows))
+box("floor", (-50, -50, -10), (50, 50, 0))
+box("wall", (60, -50, -10), (70, 50, 60))
+box("part", (-5, -5, -5), (5, 5, 5))
+box("older", (-3, -3, -1), (3, 3, 1))
+box("deeper", (-5, -5, -9), (5, 5, 5))
+scene("room", floor=("floor", 0), wall=("wall", 0))
+scene("raised", floor=("floor", 2.5), wall=("wall", 0))
+scene("sunk", floor=("floor", -5), wall=("wall", 0))
+path("over", (0, -30, 0, 30), (1, -30, 0, 8), (2, 48, 0, 8), (3, 48, 0, 30))  # 3 mm above the floor, 7 before the wall
+# A cube on a floor, 2.5 mm beside a wall: up, on a way that goes sideways by that much.
+box("stand", (-30, -30, -10), (30, 30, 0))
+box("beside", (7.5, -30, 0), (17.5, 30, 40))
+box("cube", (-5, -5, 0), (5, 5, 10))
+scene("corner", Floor=("stand", 0), Wall=("beside", 0))
+for name, x in ("into", 2.7), ("close", 2.45), ("clear", 1):
+    path(name, (0, 0, 0, 0), (0.1, x, 0, 3), (0.9, x, 0, 27), (1, x, 0, 45))
+# Solids, and what lies wholly inside of them.
+box("solid", (-50, -50, -50), (50, 50, 50))
+box("core", (-20, -20, -20), (20, 20, 20))
+box("sheet", (-5, -5, -0.4), (5, 5, 0.4))
+box("bead", (-3, -3, -3), (3, 3, 3))
+scene("nested", outer=("solid", 0), inner=("core", 0))
+scene("beads", bead=("bead", 0), other=("bead", 100))
+path("inside", (0, 0, 0, 0), (1, 10, 0, 0))
+path("moment", (0, 0, 0, 0))
+path("through", (0, -100, 0, 0), (1, 100, 0, 0))
+path("skin", (0, 0, 0, 49), (1, 10, 0, 49))
+path("between", (0, 35, 0, 0), (1, 36, 0, 0))
+path("side", (0, 0, 0, 30), (1, 0, 0, 12), (2, 15, 0, 12), (3, 15, 0, 30))
+END
+fine=(--voxel-size 1mm --quiet)
+for name in room corner nested beads; do "$bin/voxelize" $name.json "${fine[@]}" -o $name.vox || fail "bake $name"; done
+"$bin/voxelize" solid.obj --units mm "${fine[@]}" -o solid.vox || fail "bake solid"
+for name in part cube sheet core; do
+  "$bin/pointshell" $name.obj --units mm "${fine[@]}" -o $name.pshell || fail "bake $name"
+done
+
+# An object that lies inside the part is no distance away, though no point of the shell is near it.
+check 6 beads.vox core.pshell inside.csv --clearance 1mm --json bead.json
+says '^  0\.000 to 1\.000 s: bead lies inside the part, at 0\.000 s'
+errs 'not proven: bead lies inside the part$'
+python3 -c 'import json; [v] = json.load(open("bead.json"))["violations"]; assert v["object_inside"] and v["object"] == "bead", v' ||
+  fail "the report: $(cat bead.json)"
+check 0 beads.vox core.pshell inside.csv --clearance 1mm --allow bead
+says 'at least [0-9.]+ mm, nothing is nearer$'
+
+# A cropped side is told as such, not as an object; an object that is allowed is not the nearest.
+"$bin/voxelize" room.json "${fine[@]}" --roi -40mm,-40mm,-20mm,20mm,40mm,80mm -o cropped.vox || fail "bake cropped"
+check 6 cropped.vox part.pshell side.csv --clearance 1mm
+says 's: 0\.000 mm to a cropped side of the scene, beyond which nothing is known, at 2\.000 s'
+check 0 room.vox part.pshell over.csv --clearance 1mm --allow floor --allow wall --json all.json
+says 'at least [0-9.]+ mm, nothing is nearer$'
+python3 -c 'import json; assert json.load(open("all.json"))["least_clearance"]["at_least"]' || fail "all are allowed, and one is near"
+
+# In its seat too the curve is of all objects.
+check 0 corner.vox cube.pshell clear.csv --clearance 0.8mm --seat 0,0,0m --felt-seat --csv curve.csv
+[ "$(sed -n 2p curve.csv | cut -d, -f3)" = 0 ] || fail "it stands on the floor: $(head -n 3 curve.csv)"
+
+if [ -x "$bin/voxcheck-exact" ]; then
+  # Meshes that are nearer or farther than the files say are not those that were baked.
+  exact=(room.vox part.pshell over.csv --part-units mm)
+  check 0 "${exact[@]}" --clearance 2mm --exact room.json --part part.obj
+  check 6 "${exact[@]}" --clearance 5mm --exact room.json --part part.obj
+  says '3\.000 mm exact to floor'
+  for wrong in 'raised part' 'room deeper'; do
+    check 4 "${exact[@]}" --clearance 2mm --exact "${wrong% *}.json" --part "${wrong#* }.obj"
+    errs 'at 1\.000 s the meshes are 0\.[05]00000 mm apart, and the files prove 2\.[0-9]+ mm: they were baked from others'
+  done
+  for wrong in 'sunk part' 'room older'; do
+    check 4 "${exact[@]}" --clearance 5mm --exact "${wrong% *}.json" --part "${wrong#* }.obj"
+    errs 'at 1\.000 s the meshes are [78]\.000000 mm apart, and the files say at most 3\.[0-9]+ mm: they were baked from others'
+  done
+  check 4 room.vox part.pshell over.csv --clearance 5mm --exact room.json --part part.obj --part-units in
+  errs 'name the inputs of the bakes, and their units$'
+
+  # A part that is all inside of a solid is far from its surface, and not clear.
+  solid=(--clearance 1mm --exact solid.obj --part part.obj --units mm)
+  for path in inside moment; do
+    check 6 solid.vox part.pshell $path.csv "${solid[@]}" --json $path.json
+    says 's: all of the part is inside of solid, at least 4[0-9]\.[0-9]+ mm deep'
+    errs 'not kept: all of the part is inside$'
+  done
+  check 6 solid.vox part.pshell through.csv "${solid[@]}" --json through.json
+  "$bin/pointshell" sheet.obj --units mm "${fine[@]}" -o sheet.pshell
+  check 6 solid.vox sheet.pshell skin.csv --clearance 0.3mm --exact solid.obj --part sheet.obj --units mm
+  says 's: all of the part is inside of solid, at least 1\.[34]'
+  # Nor where another object may be met anywhere; only there it is.
+  nested=(nested.vox part.pshell --clearance 1mm --exact nested.json --part part.obj --part-units mm)
+  check 6 "${nested[@]}" inside.csv --allow outer
+  says 's: all of the part is inside of inner'
+  check 0 "${nested[@]}" between.csv --allow outer
+  says '^clear: .* 10\.000 mm exact to inner'
+  check 6 "${nested[@]}" between.csv --allow inner
+  says 's: all of the part is inside of outer'
+  # The same box as a room that is full of air.
+  "$bin/voxelize" solid.obj --units mm "${fine[@]}" --free-seed 0,0,0m -o hollow.vox || fail "bake hollow"
+  check 0 hollow.vox part.pshell inside.csv "${solid[@]}"
+  says '^clear: .* 35\.000 mm exact to solid'
+  python3 - <<'END' || fail "the reports: $(cat inside.json through.json)"
+import json
+[v] = json.load(open("inside.json"))["violations"]
+assert v["inside"] and v["exact_m"] == 0 and 0.045 <= v["depth_m"] <= v["depth_at_most_m"] < 0.056, v
+[v] = json.load(open("through.json"))["violations"]  # 1 mm before the one side to 1 mm behind the other
+assert v["inside"] and abs(v["from_s"] - 0.22) < 1e-3 and abs(v["to_s"] - 0.78) < 1e-3, v
+END
+
+  # A wall that is as far away as required, where the part is installed, is not of its seat: whatever the voxels.
+  for size in 1 2 4; do
+    "$bin/voxelize" corner.json --voxel-size ${size}mm --quiet -o corner$size.vox
+    "$bin/pointshell" cube.obj --units mm --voxel-size ${size}mm --quiet -o cube$size.pshell
+    seat=(--seat 0,0,0m --exact corner.json --part cube.obj --part-units mm --json corner$size.json)
+    check 6 corner$size.vox cube$size.pshell into.csv "${seat[@]}" --clearance 0.8mm
+    says '^seated on Floor from 0\.000 to .*: 0\.800 mm required; not kept in 1 stretch$'
+    says 'the surfaces meet, at least 0\.(19|20)[0-9] mm deep in Wall, at 0\.'
+    check 6 corner$size.vox cube$size.pshell close.csv "${seat[@]}" --clearance 0.8mm
+    says 's: 0\.050 mm exact to Wall, at 0\.'
+    check 0 corner$size.vox cube$size.pshell clear.csv "${seat[@]}" --clearance 0.8mm
+    # One that is nearer is.
+    check 0 corner$size.vox cube$size.pshell clear.csv "${seat[@]}" --clearance 2.6mm
+    says '^seated on Floor, Wall from '
+    python3 - $size <<'END' || fail "the seat: $(cat corner$size.json)"
+import json, sys
+floor, wall = json.load(open(f"corner{sys.argv[1]}.json"))["seat_depths"]
+assert floor["gap_m"] == 0 and abs(wall["gap_m"] - 0.0025) < 1e-8 and wall["installed_m"] == 0, (floor, wall)
+END
+  done
+  check 2 corner1.vox cube1.pshell clear.csv "${seat[@]}" --clearance 0.8mm --seat-depth 0mm
+  errs -- '--seat-depth: is below 0\.0625 mm'
+fi
+finish
