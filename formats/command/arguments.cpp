@@ -20,6 +20,12 @@ std::string with_default(const char* help, double number) {
   return help + std::string(text);
 }
 
+// In place of CLI11's "--seat: At Most 1 required but received 2".
+std::string in_plain_words(std::string what) {
+  const std::size_t at = what.find(" At Most 1 required but");
+  return at == what.npos ? what : what.replace(at, what.npos, " is given more than once");
+}
+
 }  // namespace
 
 void set_version(CLI::App& app, const std::string& facts) {
@@ -46,10 +52,13 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
   } catch (const CLI::Success& done) {  // --help, --version
     exit_code = app.exit(done);
   } catch (const CLI::ParseError& wrong) {
-    std::string mend = "see " + app.get_name() + " --help";
-    const std::string meant = did_you_mean(app);
-    if (!meant.empty()) mend = meant;
-    const Error error{ErrorCode::kUsage, "", "", wrong.what(), mend};
+    std::string mend = did_you_mean(app);
+    if (mend.empty()) {
+      mend = "see " + app.get_name();
+      for (const CLI::App* const sub : app.get_subcommands()) mend += " " + sub->get_name();
+      mend += " --help";
+    }
+    const Error error{ErrorCode::kUsage, "", "", in_plain_words(wrong.what()), mend};
     exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   }
   return false;

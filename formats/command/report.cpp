@@ -10,6 +10,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/report_path.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/mapped_file.h"
@@ -30,17 +31,8 @@ struct Begun {
   Json written;
 };
 Begun begun;
-std::string expected;  // path of a report that was not begun
-
-// Whether nothing but a report is lost where a report is written to `path`.
-bool may_report_to(const std::string& path) {
-  constexpr std::string_view kBeginning = "{\n  \"schema_version\"";
-  std::error_code failure;
-  if (!fs::is_regular_file(path, failure)) return !fs::is_directory(path, failure);
-  char there[kBeginning.size()] = {};
-  std::ifstream(path, std::ios::binary).read(there, sizeof there);
-  return std::string_view(there, sizeof there) == kBeginning;
-}
+std::string expected;                      // path of a report that was not begun
+void (*tell_too)(const Error&) = nullptr;  // of also_tell_failures()
 
 // As the baked files' own checksums: XXH3, 64 bits. Null where it is no file that can be read.
 Json hash_of(const std::string& path) {
@@ -75,26 +67,19 @@ Json head() {
 }
 
 Status write_json(const std::string& path, const Json& report) {
-  auto file = AtomicFile::create(path);
-  if (!file) return file.error();
-  const std::string text = report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
-  return file->commit();
+  return write_text(path, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
 
-void expect_report(int argc, char** argv) {
-  constexpr std::string_view kOption = "--json";
-  for (int n = 1; n < argc; ++n) {
-    const std::string_view argument = argv[n];
-    if (!argument.starts_with(kOption)) continue;
-    if (argument.size() == kOption.size() && n + 1 < argc) expected = argv[n + 1];
-    if (argument.substr(kOption.size()).starts_with('='))
-      expected = argument.substr(kOption.size() + 1);
-  }
-  if (expected == "-") expected = "/dev/stdout";
+Status write_text(const std::string& path, const std::string& text) {
+  auto file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status written = file->write(std::as_bytes(std::span(text))); !written) return written;
+  return file->commit();
 }
+
+void expect_report(int argc, char** argv) { expected = file_named_by("--json", argc, argv); }
 
 void expect_no_report() { expected.clear(); }
 
@@ -123,8 +108,15 @@ void warn(const std::string& text, bool quiet) {
   std::fprintf(stderr, "%s: warning: %s\n", program_invocation_short_name, escaped(text).c_str());
 }
 
+const std::vector<std::string>& noted_warnings() { return begun.warnings; }
+
+void also_tell_failures(void (*tell)(const Error&)) { tell_too = tell; }
+
 void report_failure(const Error& error) {
-  if (begun.path.empty() && !expected.empty() && may_report_to(expected)) begun.path = expected;
+  if (tell_too != nullptr) tell_too(error);
+  if (begun.path.empty() && !expected.empty() && may_replace(expected, "{\n  \"schema_version\"")) {
+    begun.path = expected;
+  }
   if (begun.path.empty()) return;
   const bool stream = begun.path.starts_with("/dev/");  // what is written there cannot be replaced
   if (stream && !begun.written.is_null()) return;

@@ -28,11 +28,20 @@ void begin_report(const std::string& path, std::span<const std::string> inputs);
 // Has the report of a failure hold this warning. The report of a success names its own.
 void note_warning(const std::string& text);
 
+// Those that were noted.
+const std::vector<std::string>& noted_warnings();
+
 // Prints a warning on stderr, unless `quiet`, and notes it.
 void warn(const std::string& text, bool quiet);
 
 // Writes the error and its exit status into the report that was begun, beside what stands in it
 // already; nothing where none was. run_command() calls it.
 void report_failure(const Error& error);
+
+// Has report_failure() call `tell` first.
+void also_tell_failures(void (*tell)(const Error&));
+
+// Writes `text` to `path` atomically.
+Status write_text(const std::string& path, const std::string& text);
 
 }  // namespace forcelayer::command

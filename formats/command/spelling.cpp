@@ -23,6 +23,22 @@ std::size_t spelling_distance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
+std::string without_first_numbers(std::string_view name) {
+  constexpr std::string_view kFirst = "[1]";
+  std::string text;
+  for (std::size_t start = 0; start <= name.size();) {
+    const std::size_t end = std::min(name.find('/', start), name.size());
+    std::string_view label = name.substr(start, end - start);
+    if (label.size() > kFirst.size() && label.ends_with(kFirst)) {
+      label.remove_suffix(kFirst.size());
+    }
+    text.append(label);
+    if (end < name.size()) text += '/';
+    start = end + 1;
+  }
+  return text;
+}
+
 void NearestNames::add(const std::string& path) {
   constexpr std::size_t kListed = 5;
   const std::string_view label = std::string_view(path).substr(path.rfind('/') + 1);

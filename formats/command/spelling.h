@@ -13,6 +13,9 @@ namespace forcelayer::command {
 // alignment).
 std::size_t spelling_distance(std::string_view a, std::string_view b);
 
+// "A/B" for "A[1]/B[1]": a first sibling bears no number, but may be named by it.
+std::string without_first_numbers(std::string_view name);
+
 // "the nearest are: a/b, a/c": the paths that are spelled most like `name`, whole or by what stands
 // behind their last "/".
 class NearestNames {

@@ -37,6 +37,20 @@ Affine compose(const Affine& a_from_b, const Affine& b_from_c) {
   return a_from_c;
 }
 
+bool is_flat(const Affine& affine) {
+  constexpr double kRounding = 1e-12;  // of a determinant of three directions
+  std::array<double, 9> m = affine.linear;
+  for (std::size_t column = 0; column < 3; ++column) {
+    const double length = std::hypot(m[column], m[3 + column], m[6 + column]);
+    if (length == 0) return true;
+    for (std::size_t row = 0; row < 3; ++row) m[3 * row + column] /= length;
+  }
+  const double determinant = m[0] * (m[4] * m[8] - m[5] * m[7]) -
+                             m[1] * (m[3] * m[8] - m[5] * m[6]) +
+                             m[2] * (m[3] * m[7] - m[4] * m[6]);
+  return std::abs(determinant) < kRounding;
+}
+
 Box empty_box() {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};

@@ -35,6 +35,8 @@ Vec3d apply(const Affine& a_from_b, const Vec3d& b);
 // axis: far from the origin of a, a mesh that is brought back to it passes through large ones.
 double largest_sum(const Affine& a_from_b, const Vec3d& most);
 Affine compose(const Affine& a_from_b, const Affine& b_from_c);
+// Whether it makes a body flat, a line or a point: its columns lie in a plane to within rounding.
+bool is_flat(const Affine& affine);
 
 // An axis-aligned box; empty where low > high.
 struct Box {

@@ -1,6 +1,7 @@
 #include "formats/mesh/node_names.h"
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 
 #include "formats/command/spelling.h"
@@ -52,13 +53,22 @@ bool ends_like(const std::string& path, const std::string& pattern) {
 }
 
 // The node of this path, else all whose paths end so.
-std::vector<std::size_t> bearers_of(const std::string& name, std::span<const AssemblyNode> nodes) {
+std::vector<std::size_t> bearers_as_written(const std::string& name,
+                                            std::span<const AssemblyNode> nodes) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].path == name) return {i};
     if (bears_name(nodes[i].path, name)) found.push_back(i);
   }
   return found;
+}
+
+// Those, else those of the name without the numbers of first siblings.
+std::vector<std::size_t> bearers_of(const std::string& name, std::span<const AssemblyNode> nodes) {
+  std::vector<std::size_t> found = bearers_as_written(name, nodes);
+  if (!found.empty()) return found;
+  const std::string unnumbered = command::without_first_numbers(name);
+  return unnumbered == name ? found : bearers_as_written(unnumbered, nodes);
 }
 
 // Those, else all that fit the wildcards.
@@ -79,15 +89,100 @@ void mark_sub_tree(std::size_t first, std::span<const AssemblyNode> nodes,
   } while (i < nodes.size() && nodes[i].depth > nodes[first].depth);
 }
 
-Error several(const std::string& where, const std::vector<std::size_t>& found,
-              std::span<const AssemblyNode> nodes) {
+std::string listed(const std::vector<std::size_t>& found, std::span<const AssemblyNode> nodes) {
   constexpr std::size_t kListed = 8;
   std::string list;
   for (std::size_t i = 0; i < std::min(found.size(), kListed); ++i) {
     list += (i == 0 ? "" : ", ") + nodes[found[i]].path;
   }
-  if (found.size() > kListed) list += ", ...";
-  return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name", "use one of: " + list};
+  return found.size() > kListed ? list + ", ..." : list;
+}
+
+Error several(const std::string& where, const std::vector<std::size_t>& found,
+              std::span<const AssemblyNode> nodes) {
+  return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name",
+          "use one of: " + listed(found, nodes)};
+}
+
+std::vector<std::string_view> labels_of(std::string_view path) {
+  std::vector<std::string_view> labels;
+  for (std::size_t start = 0; start <= path.size();) {
+    const std::size_t end = std::min(path.find('/', start), path.size());
+    labels.push_back(path.substr(start, end - start));
+    start = end + 1;
+  }
+  return labels;
+}
+
+// Whether `label` is `first` with a number behind it: of a later sibling that is called alike.
+bool is_later(std::string_view label, std::string_view first) {
+  if (label.size() < first.size() + 3 || !label.starts_with(first)) return false;
+  label.remove_prefix(first.size());
+  if (label.front() != '[' || label.back() != ']') return false;
+  label = label.substr(1, label.size() - 2);
+  return label.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// A name that is borne by one node. Other nodes may be meant too where that one, or one that it is
+// below, is the first of siblings that are called alike.
+class OneOfSeveral {
+ public:
+  // Both texts must outlive this.
+  OneOfSeveral(const std::string& name, const std::string& path)
+      : labels_(labels_of(path)), named_(labels_of(name)), has_others_(named_.size()) {
+    const bool as_written = bears_name(path, name);
+    for (const std::string_view label : named_) {
+      is_numbered_.push_back(!as_written && command::without_first_numbers(label) != label);
+    }
+  }
+
+  bool may_mean(const std::string& path) {
+    const auto labels = labels_of(path);
+    if (labels.size() != labels_.size()) return false;
+    const std::size_t above = labels.size() - named_.size();
+    std::vector<std::size_t> later;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (labels[i] == labels_[i]) continue;
+      if (i < above || is_numbered_[i - above] || !is_later(labels[i], labels_[i])) return false;
+      later.push_back(i - above);
+    }
+    for (const std::size_t i : later) has_others_[i] = true;
+    return !later.empty();
+  }
+
+  // After may_mean() has been asked of all nodes.
+  std::string mend() const {
+    return "write " + with_ending("[1]") + " for the first alone, " + with_ending("*") +
+           " for all whose names begin so";
+  }
+
+ private:
+  std::string with_ending(const char* ending) const {
+    std::string text;
+    for (std::size_t i = 0; i < named_.size(); ++i) {
+      text += (i == 0 ? "" : "/") + std::string(named_[i]) + (has_others_[i] ? ending : "");
+    }
+    return text;
+  }
+
+  std::vector<std::string_view> labels_, named_;  // of the node's path; of the name
+  std::vector<bool> is_numbered_, has_others_;    // [named_]
+};
+
+// Refuses a name of one node where another one may be meant too that is not `settled`, by another
+// name.
+template <typename Settled>
+Status check_is_alone(const std::string& where, const std::string& name,
+                      std::span<const AssemblyNode> nodes, const Settled& settled) {
+  std::vector<std::size_t> found = bearers_of(name, nodes);
+  if (found.size() != 1) return {};
+  OneOfSeveral one(name, nodes[found.front()].path);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (one.may_mean(nodes[i].path) && !settled(i)) found.push_back(i);
+  }
+  if (found.size() == 1) return {};
+  return Error{ErrorCode::kSceneInvalid, "", where,
+               "several siblings are called so: " + listed(found, nodes), one.mend()};
 }
 
 // The names that `list` stands for among these nodes.
@@ -166,6 +261,20 @@ NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> 
       for (const std::size_t node : found) mark_sub_tree(node, nodes, to_read.is_left_out);
     }
   }
+  const auto check = [&](const char* what, const std::vector<std::string>& lists,
+                         const auto& settled) {
+    for (const std::string& list : lists) {
+      for (const std::string& name : names_among(list, nodes)) {
+        const Status alone = check_is_alone(what + name, name, nodes, settled);
+        if (!alone) fail(alone.error());
+      }
+    }
+  };
+  const auto is_left_out = [&](std::size_t i) { return bool(to_read.is_left_out[i]); };
+  check("#", file.options.nodes,
+        [&](std::size_t i) { return to_read.is_read[i] || is_left_out(i); });
+  check("--without ", file.options.without,
+        [&](std::size_t i) { return !to_read.is_read[i] || is_left_out(i); });
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (to_read.is_left_out[i]) to_read.is_read[i] = false;
   }
@@ -194,7 +303,8 @@ void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<As
 }
 
 Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies,
-                      const std::set<std::string>& parts) {
+                      const std::set<std::string>& parts,
+                      std::span<const std::string> other_parts) {
   const auto is_known = [&](const std::string& name) {
     const auto left_out_of = [&](const Assembly& assembly) {
       return std::find(assembly.left_out.begin(), assembly.left_out.end(), name) !=
@@ -209,6 +319,7 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
       for (const Assembly& assembly : assemblies) {
         for (const AssemblyNode& node : assembly.nodes) nearest.add(node.path);
       }
+      for (const std::string& part : other_parts) nearest.add(part);
       return Error{ErrorCode::kSceneInvalid, "", "--without",
                    "no file has a node called " + in_quotes(name), nearest.text()};
     }

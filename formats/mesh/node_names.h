@@ -3,11 +3,13 @@
 // A name is a path, or the end of one where no other path ends alike: "Cover", "Housing/Cover". `*`
 // stands for any letters but "/", `?` for one; a name with either may fit several nodes.
 // "{Cover,Bolt*}" is a list of names. A node that bears such letters itself is found by its own
-// name first. The second sibling of a name is "Bolt[2]".
+// name first. The second sibling of a name is "Bolt[2]"; the first one is "Bolt", and may be named
+// "Bolt[1]".
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,17 +49,19 @@ struct NodesToRead {
   std::vector<std::string> unknown;   // and the others
 };
 
-// Obeys ReadOptions::nodes and ::without. Throws ReadFailure as choose_nodes() fails; a name of
-// ::without that fits no node is no failure here.
+// Obeys ReadOptions::nodes and ::without. Throws ReadFailure as choose_nodes() fails, and where a
+// name means "Bolt" and nothing says what becomes of "Bolt[2]": the user may know both by one name.
+// A name of ::without that fits no node is no failure here.
 NodesToRead nodes_to_read(const SourceFile& file, std::span<const AssemblyNode> nodes);
 
 // Sets the instances of `nodes`. [instances] `nodes_of_instances`: the node of each, ascending.
 void set_instances(std::span<const std::size_t> nodes_of_instances, std::span<AssemblyNode> nodes);
 
 // An error where a name of `without` is neither in the list `left_out` of an assembly nor one of
-// the `parts` of a manifest that are left out.
+// the `parts` of a manifest that are left out. It names the nearest, of `other_parts` too.
 Status check_left_out(std::span<const std::string> without, std::span<const Assembly> assemblies,
-                      const std::set<std::string>& parts = {});
+                      const std::set<std::string>& parts = {},
+                      std::span<const std::string> other_parts = {});
 
 // The names of "{A,B}", else `name` alone; that too where something bears the list as its name.
 std::vector<std::string> names_in(const std::string& name, bool is_borne = false);

@@ -289,7 +289,11 @@ Result<Scene> SceneReader::finish() {
   list_files();
   if (reading_.read_ahead) reading_.read_ahead(files_);
   if (Status placed = place_all(); !placed) return placed.error();
-  const Status named = check_left_out(without_, scene_.assemblies, scene_.parts_left_out);
+  std::vector<std::string> parts;
+  for (const Placing& placing : placings_) {
+    if (!placing.name.empty()) parts.push_back(placing.name);
+  }
+  const Status named = check_left_out(without_, scene_.assemblies, scene_.parts_left_out, parts);
   if (!named) return named.error();
   // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;

@@ -205,6 +205,11 @@ ManifestObject read_object(const Json& json, const std::string& key,
         parsed(command::parse_unit(text(*units, fields.path("units"))), fields.path("units"));
   }
   object.world_from_object = placement(fields);
+  if (is_flat(object.world_from_object)) {
+    throw BadKey{fields.path(fields.find("matrix") != nullptr ? "matrix" : "scale"),
+                 "makes the object flat, a line or a point",
+                 "name an object that shall not be there in \"without\""};
+  }
   if (const Json* seeds = fields.find("free_seeds"))
     object.free_seeds_m = points(*seeds, fields.path("free_seeds"));
   if (const Json* deviation = fields.find("mesh_deviation")) {

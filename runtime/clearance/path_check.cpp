@@ -18,8 +18,7 @@ namespace {
 constexpr std::size_t kShares = 64;          // of a path; whatever the threads
 constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least distance
 constexpr double kMeasuredBeyond = 2;        // voxels above what is required
-constexpr double kSeatVoxels = 2;       // of travel from the seat: an end of a path there is in it
-constexpr double kMostCapVoxels = 160;  // that a search is made for
+constexpr double kMostCapVoxels = 160;       // that a search is made for
 // Voxels that places on a path may be off by. Up to here a motion has moments that lie nearer to
 // each other than a walk cuts it.
 constexpr double kMostRoundingVoxels = 1e-4;

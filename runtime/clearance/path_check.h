@@ -14,6 +14,9 @@
 
 namespace forcelayer::clearance {
 
+// An end of a path is in the seat where it is less travel away, in voxels.
+inline constexpr double kSeatVoxels = 2;
+
 struct CheckRequest {
   double required_m = 0;                // between the exact surfaces
   unsigned threads = 1;                 // no answer depends on it

@@ -11,9 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/command/report.h"
 #include "formats/command/text.h"
-#include "formats/file/atomic_file.h"
 #include "formats/file/descriptor.h"
+#include "formats/file/mapped_file.h"
 #include "runtime/study/curve.h"
 #include "runtime/study/page.h"
 #include "runtime/study/steps.h"
@@ -24,13 +25,6 @@ namespace {
 using nlohmann::json;
 
 constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
-
-Status write_text(const std::string& path, const std::string& content) {
-  auto file = AtomicFile::create(path);
-  if (!file) return file.error();
-  if (Status s = file->write(std::as_bytes(std::span(content))); !s) return s;
-  return file->commit();
-}
 
 json read_json(const std::string& path) {
   std::ifstream file(path);
@@ -271,7 +265,7 @@ Status Study::check() {
   if (!checked) return checked.error();
   clear_ = checked->status == 0 && held_.empty();
   sentence_ = held_.empty() ? checked->output : held_ + "\nthe way so far: " + checked->output;
-  return write_text(in("verdict.txt"), sentence_);
+  return command::write_text(in("verdict.txt"), sentence_);
 }
 
 Status Study::draw() {
@@ -293,7 +287,8 @@ Status Study::write_page() {
   auto svg = curve_svg(in("curve.csv"), page.verdict);
   if (!svg) return svg.error();
   page.curve_svg = std::move(*svg);
-  if (Status written = write_text(in("curve.svg"), page.curve_svg); !written) return written;
+  if (Status written = command::write_text(in("curve.svg"), page.curve_svg); !written)
+    return written;
   if (!options_.no_pictures) {
     page.pictures = {{in("worst.png"), "The worst moment"},
                      {in("installed.png"), "Where the part is installed"}};
@@ -302,7 +297,7 @@ Status Study::write_page() {
   page.files = {in("scene.vox"), in("part.pshell"), path_, in("verdict.json"), in("curve.csv")};
   const auto html = html_of(page);
   if (!html) return html.error();
-  if (Status written = write_text(in("report.html"), *html); !written) return written;
+  if (Status written = command::write_text(in("report.html"), *html); !written) return written;
   if (!options_.quiet) std::printf("%s\n", escaped(in("report.html")).c_str());
   return {};
 }
@@ -329,6 +324,9 @@ Status Study::judge() const {
 }
 
 Status Study::make() {
+  if (!options_.path.empty()) {  // before minutes of baking
+    if (const auto path = MappedFile::open(options_.path); !path) return path.error();
+  }
   if (Status s = bake(); !s) return s;
   if (Status s = find_path(); !s) return s;
   if (Status s = check(); !s) return s;

@@ -22,12 +22,15 @@
 #include "runtime/run/baked_files.h"
 #include "runtime/run/start_check.h"
 #include "runtime/voxcheck/exact.h"
+#include "runtime/voxcheck/failure_files.h"
+#include "runtime/voxcheck/hosts.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/options.h"
 #include "runtime/voxcheck/path_source.h"
 #include "runtime/voxcheck/picture.h"
 #include "runtime/voxcheck/report.h"
+#include "runtime/voxcheck/words.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -47,7 +50,10 @@ Status prepare_outputs(Options& options) {
       {"--picture", &options.picture, FileKind::kPicture},
       {"--junit", &options.junit, FileKind::kExport},
       {"--code-quality", &options.code_quality, FileKind::kReport}};
-  return command::prepare_outputs(outputs, inputs);
+  if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
+  check_failure_file("--junit", options.junit);
+  check_failure_file("--code-quality", options.code_quality);
+  return {};
 }
 
 Status write_reports(const Report& report, const std::vector<PathRow>& rows,
@@ -62,6 +68,10 @@ Status write_reports(const Report& report, const std::vector<PathRow>& rows,
   if (!options.csv.empty()) {
     if (Status s = write_curve(report); !s) return s;
   }
+  // Before the two that tell of a failure in place of the verdict.
+  if (!options.picture.empty()) {
+    if (Status s = draw_picture(report, path); !s) return s;
+  }
   if (!options.junit.empty()) {
     if (Status s = write_junit(report); !s) return s;
   }
@@ -70,24 +80,39 @@ Status write_reports(const Report& report, const std::vector<PathRow>& rows,
       return s;
     }
   }
-  if (!options.picture.empty()) {
-    if (Status s = draw_picture(report, path); !s) return s;
-  }
   return check_verdict(report, rows.front(), rows.back());
 }
 
-// Warns of a seat that is none or is the part itself, and of a path that passes because it is of
-// another scene.
-void warn_of_places(const Options& options, const Pshell& part,
-                    const clearance::CheckResult& result) {
+// How far the end of the path that is nearer to the seat lies from it.
+double off_seat_m(const Pose& world_from_seat, const Pshell& part,
+                  const clearance::CenterPath& path) {
+  const auto& c = part.header().center_m;
+  const Pose in_seat = world_from_seat * Pose{{c[0], c[1], c[2]}, {1, 0, 0, 0}};
+  const auto off_m = [&](std::size_t pose) {
+    return path.travel_between_m(in_seat, path.world_from_center({pose, 0}));
+  };
+  return std::min(off_m(0), off_m(path.poses() - 1));
+}
+
+// Warns of a seat that is none, that is not on the path or that is the part itself, and of a path
+// that passes because it is of another scene.
+void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& part,
+                    const clearance::CenterPath& path, const clearance::CheckResult& result) {
   const auto warn = [&](const std::string& text) { command::warn(text, options.quiet); };
-  if (options.world_from_seat && result.seat_objects.empty()) {
-    warn("--seat: the part touches nothing there");
+  if (options.world_from_seat) {
+    const double off_m = off_seat_m(*options.world_from_seat, part, path);
+    const double reach_m = clearance::kSeatVoxels * scene.voxel_size_m();
+    if (result.seat_objects.empty()) {
+      warn("--seat: the part touches nothing there");
+    } else if (!(off_m < reach_m)) {
+      warn(
+          command::text("--seat: has no effect: it is at neither end of the path. The nearer end "
+                        "lies %.4g mm from it, and %.4g mm are too much",
+                        1e3 * off_m, 1e3 * reach_m));
+    }
   }
   if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
-  if (result.clear() && result.at_least && result.seated.empty() && options.allow.empty()) {
-    warn("the part is never near the scene: is it the part and the path of this scene?");
-  }
+  if (is_never_near(result, part, options.allow)) warn(never_near_text("path"));
 }
 
 // Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
@@ -146,7 +171,7 @@ Status check(const Options& options) {
     exact = std::move(*settled);
     // The meshes may tell of the seat what the files cannot: then once more.
   } while (leave_out_far(*exact, options.clearance_m, request.far_in_seat));
-  warn_of_places(options, *part, *result);
+  warn_of_places(options, *scene, *part, path, *result);
   if (exact) {
     for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
@@ -165,7 +190,8 @@ int run(int argc, char** argv) {
   command::arrange_help(
       app,
       {{"What is asked",
-        {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow", "--threads"}},
+        {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow", "--fail-on",
+         "--threads"}},
        {"The meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox", "--sandbox-memory", "--sandbox-time"}},
@@ -173,6 +199,7 @@ int run(int argc, char** argv) {
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
+  tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();

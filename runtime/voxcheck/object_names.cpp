@@ -50,14 +50,17 @@ Result<clearance::LeftOut> named_objects(const Voxmap& scene,
                                          std::span<const std::string> patterns) {
   const std::uint32_t objects = scene.header().object_count;
   clearance::LeftOut chosen(objects + 1, 0);
-  for (const std::string& pattern : patterns) {
+  const auto choose = [&](const std::string& pattern) {
     bool any = false;
     for (std::uint32_t object = 1; object <= objects; ++object) {
       if (!fits(object_name(scene, object), pattern)) continue;
       chosen[object] = 1;
       any = true;
     }
-    if (any) continue;
+    return any;
+  };
+  for (const std::string& pattern : patterns) {
+    if (choose(pattern) || choose(command::without_first_numbers(pattern))) continue;
     command::NearestNames nearest(pattern);
     for (std::uint32_t object = 1; object <= objects; ++object) {
       nearest.add(object_name(scene, object));

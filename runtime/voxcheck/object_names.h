@@ -19,7 +19,8 @@ std::string object_name(const Voxmap& scene, std::uint32_t object);
 // for any number of characters but "/", `?` for one.
 bool fits(std::string_view name, std::string_view pattern);
 
-// The objects that the patterns name. Errors: kUsage for a pattern that names none.
+// The objects that the patterns name; "A[1]" is "A" where nothing else is called so. Errors: kUsage
+// for a pattern that names none.
 Result<clearance::LeftOut> named_objects(const Voxmap& scene,
                                          std::span<const std::string> patterns);
 

@@ -41,6 +41,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
+  command::add_choice(app, "--fail-on", options_.fail_on, {"far"},
+                      "far: a part that is never near the scene is not clear either; the path may "
+                      "be in another unit");
   app.add_option("--exact", options_.meshes,
                  "what the scene was baked from: settles with the meshes themselves what the files "
                  "leave open; repeatable")
@@ -72,9 +75,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option("--csv", options_.csv, "write the clearance that is proven, over time");
   app.add_option("--junit", options_.junit, "write the verdict as a test result, JUnit XML");
   app.add_option("--code-quality", options_.code_quality,
-                 "write violations as GitLab shows them at a change, JSON");
+                 "write violations and warnings as GitLab shows them at a change, JSON");
   app.add_flag("--github", options_.github,
-               "print violations as GitHub shows them at a change, a line each");
+               "print violations and warnings as GitHub shows them at a change, a line each");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
 

@@ -30,6 +30,7 @@ struct Options {
   std::string sandbox_time;                // as typed; empty: as usual
   bool felt_seat = false;                  // where shell points feel nothing the seat is clear
   std::optional<double> seat_depth_m;      // into objects of the seat, deeper than installed
+  std::string fail_on;                     // "far", or empty
   std::string picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
@@ -41,6 +42,9 @@ class OptionParser {
 
   // Errors: kUsage.
   Result<Options> finish() const;
+
+  // Texts as typed, of what was parsed so far.
+  const Options& typed() const { return options_; }
 
  private:
   Options options_;

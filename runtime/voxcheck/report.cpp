@@ -5,7 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "formats/command/report.h"
 #include "formats/command/text.h"
+#include "runtime/voxcheck/hosts.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/words.h"
@@ -111,8 +113,10 @@ std::string violation_text(const Report& report, const Violation& v) {
 std::string seat_text(const Report& report) {
   if (report.result.seated.empty()) return "";
   std::string line = "seated on " + listed_names(report.scene, report.result.seat_objects);
+  const char* from = " from";
   for (const auto& stretch : report.result.seated) {
-    line += text(" from %.3f to %.3f s", stretch.from_s, stretch.to_s);
+    line += text("%s %.3f to %.3f s", from, stretch.from_s, stretch.to_s);
+    from = " and from";
   }
   return line + "; else ";
 }
@@ -220,50 +224,6 @@ Json violation_json(const Report& report, const Violation& v) {
   return json;
 }
 
-std::string xml(std::string_view plain) {
-  std::string escaped_text;
-  for (const char c : plain) {
-    switch (c) {
-      case '&':
-        escaped_text += "&amp;";
-        break;
-      case '<':
-        escaped_text += "&lt;";
-        break;
-      case '>':
-        escaped_text += "&gt;";
-        break;
-      case '"':
-        escaped_text += "&quot;";
-        break;
-      default:
-        escaped_text += c;
-    }
-  }
-  return escaped_text;
-}
-
-// Escapes the characters that a line of a GitHub annotation must not hold; in a property also ":"
-// and ",".
-std::string github_escaped(std::string_view plain, bool is_property) {
-  std::string escaped_text;
-  for (const char c : plain) {
-    if (c == '%' || c == '\r' || c == '\n' || (is_property && (c == ':' || c == ','))) {
-      escaped_text += text("%%%02X", static_cast<unsigned char>(c));
-    } else {
-      escaped_text += c;
-    }
-  }
-  return escaped_text;
-}
-
-Status write_text(const std::string& path, const std::string& content) {
-  auto file = AtomicFile::create(path);
-  if (!file) return file.error();
-  if (Status s = file->write(std::as_bytes(std::span(content))); !s) return s;
-  return file->commit();
-}
-
 // A violation in a few words.
 std::string gist_of(const Report& report, const Violation& v) {
   if (v.unsettled_seat) return "its seat is not settled";
@@ -311,6 +271,14 @@ std::string seat_mend(const Report& report, const PathRow& first, const PathRow&
          seat_of(begins ? first : last);
 }
 
+// Whether nothing is too near, but only because nothing is near at all.
+bool is_refused_as_far(const Report& report) {
+  return report.options.fail_on == "far" &&
+         is_never_near(report.result, report.part, report.options.allow);
+}
+
+constexpr const char* kFar = "the part is never near the scene";
+
 std::string required_text(const Report& report) {
   return text("%.3f mm required", report.options.clearance_m * 1e3);
 }
@@ -344,6 +312,7 @@ std::string verdict_text(const Report& report) {
   const CheckResult& r = report.result;
   std::string line = seat_text(report);
   if (r.clear()) {
+    if (is_refused_as_far(report)) line = std::string("NOT clear: ") + kFar + "; else ";
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
            seat_ways_text(report) + seat_depth_text(report);
   }
@@ -369,7 +338,7 @@ Json report_json(const Report& report) {
   const CheckResult& r = report.result;
   Json json;
   json["schema_version"] = 1;
-  json["verdict"] = r.clear() ? "clear" : "not clear";
+  json["verdict"] = r.clear() && !is_refused_as_far(report) ? "clear" : "not clear";
   json["required_clearance_m"] = report.options.clearance_m;
   json["least_clearance"] = moment_json(report.scene, r.least, r.clearance_m);
   json["least_clearance"]["at_least"] = r.at_least;
@@ -417,52 +386,46 @@ Status write_curve(const Report& report) {
     }
     table.back() = '\n';
   }
-  return write_text(report.options.csv, table);
+  return command::write_text(report.options.csv, table);
 }
 
 Status write_junit(const Report& report) {
   const CheckResult& r = report.result;
-  const Options& o = report.options;
-  const std::string name = xml(escaped(o.path)), part = xml(escaped(o.part));
-  std::string content = text(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<testsuite name=\"voxcheck\" tests=\"1\" failures=\"%d\" errors=\"0\" time=\"%.3f\">\n"
-      "  <testcase classname=\"%s\" name=\"%s\" time=\"%.3f\"",
-      r.clear() ? 0 : 1, report.read_s + report.check_s, part.c_str(), name.c_str(),
-      report.read_s + report.check_s);
-  if (r.clear()) {
-    content += ">\n    <system-out>" + xml(verdict_text(report)) + "</system-out>\n  </testcase>\n";
-  } else {
-    content += ">\n    <failure message=\"" + xml(violation_text(report, worst_of(r))) + "\">" +
-               xml(verdict_text(report)) + "</failure>\n  </testcase>\n";
-  }
-  return write_text(o.junit, content + "</testsuite>\n");
+  std::string gist;  // empty: clear
+  if (is_refused_as_far(report)) gist = kFar;
+  if (!r.clear()) gist = violation_text(report, worst_of(r));
+  return command::write_text(
+      report.options.junit,
+      junit_text(report.options, gist.empty() ? TestEnd::kPassed : TestEnd::kFailed, gist,
+                 verdict_text(report), report.read_s + report.check_s));
 }
 
 std::string github_lines(const Report& report) {
-  std::string lines;
+  std::string lines = warning_annotations(report.options);
   for (const Violation& v : report.result.violations) {
-    lines += "::error file=" + github_escaped(report.options.path, true) + ",title=clearance::" +
-             github_escaped(required_text(report) + "; " + violation_text(report, v), false) + "\n";
+    lines += annotation(report.options, "error", "clearance",
+                        required_text(report) + "; " + violation_text(report, v));
   }
+  if (is_refused_as_far(report)) lines += annotation(report.options, "error", "clearance", kFar);
   return lines;
 }
 
 Json code_quality_json(const Report& report) {
-  Json list = Json::array();
+  Json list = warning_issues(report.options);
   for (const Violation& v : report.result.violations) {
-    const std::string about = required_text(report) + "; " + violation_text(report, v);
-    list.push_back(
-        {{"description", about},
-         {"check_name", "clearance"},
-         {"fingerprint", text("%016zx", std::hash<std::string>()(report.options.part + about))},
-         {"severity", "major"},
-         {"location", {{"path", report.options.path}, {"lines", {{"begin", 1}}}}}});
+    list.push_back(issue(report.options, "clearance", "major",
+                         required_text(report) + "; " + violation_text(report, v)));
   }
+  if (is_refused_as_far(report)) list.push_back(issue(report.options, "clearance", "major", kFar));
   return list;
 }
 
 Status check_verdict(const Report& report, const PathRow& first, const PathRow& last) {
+  if (is_refused_as_far(report)) {
+    return Error{ErrorCode::kAnswerIsNo, report.options.path, "",
+                 kFar + text(": at least %.3f mm", floor_mm(report.result.clearance_m)),
+                 "check the units of the path, and whose path and part they are"};
+  }
   if (report.result.clear()) return {};
   const Violation& worst = worst_of(report.result);
   return Error{ErrorCode::kAnswerIsNo, report.options.path, text("at %.3f s", worst.worst.time_s),

@@ -47,7 +47,7 @@ Status write_curve(const Report& report);
 // One test case, failed where the path is not clear.
 Status write_junit(const Report& report);
 
-// A line for each violation that GitHub shows beside the path's file.
+// A line for each warning and violation that GitHub shows beside the path's file.
 std::string github_lines(const Report& report);
 
 // The list that GitLab calls Code Quality.

@@ -36,6 +36,16 @@ std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> obj
   return line;
 }
 
+bool is_never_near(const clearance::CheckResult& result, const Pshell& part,
+                   std::span<const std::string> allow) {
+  return result.clear() && result.at_least && result.seated.empty() && allow.empty() &&
+         result.clearance_m > 2 * part.header().bounding_radius_m;
+}
+
+std::string never_near_text(const char* given) {
+  return text("the part is never near the scene: is it the part and the %s of this scene?", given);
+}
+
 std::string place_text(const CheckedMoment& moment) {
   // A coordinate that would be printed as -0 is printed as 0.
   const auto near_zero = [](double m) { return std::abs(m) < 5e-8 ? 0.0 : m; };

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/path_check.h"
 
@@ -21,6 +22,14 @@ std::string to_object(const Voxmap& scene, std::uint32_t object);
 
 // The first five names, and how many more there are.
 std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> objects);
+
+// Whether all along a way without a seat the part is farther from the scene than it is across: it
+// may be of another scene, or in another unit. Where objects are allowed that is no news.
+bool is_never_near(const clearance::CheckResult& result, const Pshell& part,
+                   std::span<const std::string> allow);
+
+// The warning of that; `given` is the path, or what else says where the part is.
+std::string never_near_text(const char* given);
 
 // "at 0.500 s, at 0.1, 0.2, 0.3 m"
 std::string place_text(const clearance::CheckedMoment& moment);

@@ -9,11 +9,13 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/command/version.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/words.h"
 #include "runtime/voxplan/options.h"
 #include "runtime/voxplan/plan.h"
 #include "runtime/voxplan/report.h"
@@ -52,6 +54,9 @@ Status plan_for(const Options& options) {
   }
   const Report report{options, problem, *planned};
   if (planned->search.found) {
+    if (voxcheck::is_never_near(planned->checked, *part, options.allow)) {
+      command::warn(voxcheck::never_near_text("seat"), options.quiet);
+    }
     if (Status s = write_path(options.path, planned->rows); !s) return s;
     if (!options.quiet) std::cout << found_text(report) << std::flush;
   }

@@ -169,6 +169,6 @@ study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
 study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none
 grep -q '^forcelayer: voxelize: ended with status 3, so the study is not finished; see its line above$' err.txt ||
   fail "a name that is wrong stays wrong: $(cat err.txt)"
-study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o none
-[ ! -e none/report.html ] || fail "a page of nothing"
+study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o nowhere
+[ ! -s out.txt ] && [ ! -e nowhere ] || fail "something was baked for a path that is not there: $(cat out.txt)"
 finish

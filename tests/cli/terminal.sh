@@ -118,6 +118,13 @@ for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshel
   "$bin/$name" $words --nothing --json table.json 2>err.txt
   cmp -s press.csv table.json || fail "$call: the report of a wrong command line replaced another file"
 done
+# The help that is named is that of the command that lacks something.
+for call in "voxinfo path" "forcelayer study a.glb#Pin -o study"; do
+  read -r name word words <<<"$call"
+  # shellcheck disable=SC2086  # words
+  "$bin/$name" "$word" $words 2>err.txt
+  [ $? = 2 ] && grep -qE "^$name: .* is required; see $name $word --help$" err.txt || fail "$call: $(cat err.txt)"
+done
 # An output that cannot be written is told before any work: before a missing input is missed.
 while read -r name words; do
   [ -x "$bin/$name" ] || continue

@@ -45,6 +45,29 @@ write("through.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0.2", "1,0,0,-0.2", "2,0,0,-0.2"
 write("rest.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0", "1,0,0,0"])
 PYTHON
 
+# The reports for hosts say the same: told WARNINGS FAILURES ERRORS WORDS, in host.xml, host.quality and the lines of out.txt.
+hosts=(--junit host.xml --code-quality host.quality --github --quiet)
+told() {
+  python3 - "$@" <<'PYTHON' || { cat host.xml host.quality out.txt; fail "the reports for hosts, of $*"; }
+import json, sys, xml.etree.ElementTree as tree
+warnings, failures, errors, words = int(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]
+suite = tree.parse("host.xml").getroot()
+assert [suite.get(key) for key in ("tests", "failures", "errors")] == ["1", str(failures), str(errors)], suite.attrib
+case, = suite.findall("testcase")
+assert len(case.findall("failure")) == failures and len(case.findall("error")) == errors
+assert (case.findtext("system-err") or "").count("warning: ") == warnings
+issues = json.load(open("host.quality"))
+severities = ["critical"] * errors + ["info"] * warnings + ["major"] * failures
+assert [issue["severity"] for issue in issues] == severities, issues
+lines = open("out.txt").read().splitlines()
+assert sum(line.startswith("::warning ") for line in lines) == warnings
+assert sum(line.startswith("::error ") for line in lines) == failures + errors
+assert len(lines) == warnings + failures + errors
+for text in (open("host.xml").read(), open("host.quality").read(), open("out.txt").read()):
+    assert words in text, words
+PYTHON
+}
+
 # Clear, by the usual half inch and by more.
 check 0 opened.vox cover.pshell over.csv --json over.json
 says '^clear: 12\.700 mm required; (least proven clearance|at least) [0-9.]+ mm'
@@ -123,6 +146,30 @@ warns 'warning: --seat: the part touches nothing there'
 printf 't_s,x_m,y_m,z_m\n0,5,0,0\n1,5,0,1\n' >astray.csv
 check 0 opened.vox cover.pshell astray.csv --json astray.json
 warns 'warning: the part is never near the scene: is it the part and the path of this scene?'
+# Hosts are told too, also where the terminal is quiet; a job may ask that such a path fails.
+check 0 opened.vox cover.pshell astray.csv "${hosts[@]}"
+silent
+told 1 0 0 'the part is never near the scene: is it the part and the path of this scene?'
+check 6 opened.vox cover.pshell astray.csv "${hosts[@]}" --fail-on far --json far.json
+told 1 1 0 'the part is never near the scene'
+errs '^voxcheck: astray\.csv: the part is never near the scene: at least [0-9.]+ mm; check the units of the path'
+grep -q '"verdict": "not clear"' far.json || fail "clear, though it is too far"
+check 0 opened.vox cover.pshell over.csv "${hosts[@]}" --fail-on far
+told 0 0 0 ''
+# The file of the path is named from the folder of the job on.
+for name in ./astray.csv "$PWD/astray.csv"; do
+  check 0 opened.vox cover.pshell "$name" "${hosts[@]}"
+  grep -q '^::warning file=astray\.csv,' out.txt && grep -q '"path": "astray.csv"' host.quality || fail "$name is no file of the job"
+done
+# A seat at neither end of the path lets nothing off.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0\n2,0,0,0.06\n' >visit.csv
+check 6 opened.vox cover.pshell visit.csv --clearance 1mm --seat 0,0,0m
+warns 'warning: --seat: has no effect: it is at neither end of the path. The nearer end lies 60 mm from it, and 2 mm are too much'
+# Both ends in the seat.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0,0,0\n' >there_and_back.csv
+check 0 opened.vox cover.pshell there_and_back.csv --clearance 1mm "${felt[@]}"
+says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s and from 1\.[0-9]{3} to 2\.000 s; else clear'
+silent
 # A turn whose unit is missing, and one whose way round is not said, are no path: the part would be checked otherwise.
 printf 't_s,x_m,y_m,z_m,rx,ry,rz\n0,0,0,0.2,0,0,0\n1,0,0,0.2,0,0,90\n' >unitless.csv
 check 2 opened.vox cover.pshell unitless.csv
@@ -159,6 +206,7 @@ check 0 opened.vox cover.pshell astray.csv --quiet
 silent
 check 0 --allow Housing opened.vox cover.pshell out.csv --clearance 1mm
 check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gear*/Ho?sing' --threads 1
+check 0 opened.vox cover.pshell out.csv --clearance 1mm --allow 'Gearbox[1]/Housing[1]'  # as the bakes take it
 check 6 opened.vox cover.pshell through.csv --clearance 1mm "${felt[@]}"
 # A path that ends near the seat's object, elsewhere, is not in the seat.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0.03,0,0.005\n' >elsewhere.csv
@@ -354,4 +402,34 @@ errs 'stores no distances.*bake it without --lean'
 grep -q '"error"' lean.json && ! grep -q '"verdict"' lean.json || fail "a verdict of a check that was not made"
 check 4 lean.vox cover.pshell run.flr
 errs 'is not the file that the run was recorded with'
+
+# A failure is told where hosts look, in place of an earlier verdict, at each stage of a check.
+sed 's/^1,0,0,0.1$/1,0,high,0.1/' over.csv >broken.csv
+for wrong in "2 opened.vox cover.pshell broken.csv" "4 cover.pshell opened.vox over.csv" "1 opened.vox gone.pshell over.csv" \
+  "2 opened.vox cover.pshell over.csv --clearance 12" "2 opened.vox cover.pshell over.csv --nothing" \
+  "2 opened.vox cover.pshell over.csv --csv none.stl"; do
+  read -r status arguments <<<"$wrong"
+  rm -f host.*
+  for _ in first again; do  # no file is there; a verdict is
+    # shellcheck disable=SC2086  # words
+    check "$status" $arguments "${hosts[@]}"
+    told 0 0 1 "$(sed -n 's/^voxcheck: \([^;]*\).*/\1/p' err.txt | head -c 40 | sed 's/[<>&"].*//')"
+    check 0 opened.vox cover.pshell over.csv "${hosts[@]}"
+    told 0 0 0 ''
+  done
+done
+# Before the names have been checked nothing else is replaced.
+cp over.csv host.xml
+echo '{}' >host.quality
+check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --nothing
+cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a wrong command line replaced another file"
+check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --csv none.stl
+cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a refused command line replaced another file"
+check 2 opened.vox cover.pshell broken.csv "${hosts[@]}"  # what the command would write a verdict to
+told 0 0 1 'broken.csv: line 3'
+# On the standard output too, once.
+check 2 opened.vox cover.pshell broken.csv --junit - --quiet
+python3 -c 'import xml.etree.ElementTree as tree; assert tree.parse("out.txt").getroot().get("errors") == "1"' || fail "$(cat out.txt)"
+check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat 0,0,1m
+errs '^voxcheck: --seat: is given more than once; see voxcheck --help$'
 echo "all good"

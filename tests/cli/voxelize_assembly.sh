@@ -128,6 +128,16 @@ JSON
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" voxelize "$file" --without Covr --voxel-size 1mm -o no.vox
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
   refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
+  # Siblings that are called alike: nobody means the first alone without to say so.
+  alike="several siblings are called so: Gearbox/Lid/Bolt, Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
+  refuses 3 "$file: --without Bolt: $alike" voxelize "$file" --without Bolt --voxel-size 1mm -o no.vox
+  refuses 3 "$file: #Bolt: $alike" voxelize "$file#Bolt" --voxel-size 1mm -o no.vox
+  refuses 3 "$file: #Bolt: $alike" pointshell "$file#Bolt" --voxel-size 1mm -o no.pshell
+  refuses 3 "$file: #Bolt: $alike" voxelize --list "$file#Bolt"
+  refuses 3 "write Gearbox/Lid/Bolt[1] for the first alone, Gearbox/Lid/Bolt* for all" \
+    voxelize "$file#Gearbox/Lid/Bolt" --voxel-size 1mm -o no.vox --cache no.cache
+  bake one "$file#Bolt[1]" "$file#Lid/Bolt[3]" --without 'Bolt[3]' --without Half*
+  [ "$(names one)" = "Gearbox/Lid/Bolt" ] || fail "the first of four bolts: $(names one)"
   refuses 3 "#Screw*: no node of this name" voxelize "$file#{Cover,Screw*}" --voxel-size 1mm -o no.vox
   # No name, as of "$file#$PART" with nothing in PART, is not the whole file.
   refuses 3 "$file: #: no name stands behind it; name a node, as voxelize --list prints them, or leave the # out" \
@@ -139,6 +149,13 @@ JSON
   refuses 3 "parts[0] of bad.json, #: no name stands behind it" voxelize bad.json --voxel-size 1mm -o no.vox
   printf '{"parts": [{"mesh": "%s#Pin"}, {"mesh": "%s#Pim"}]}' "$file" "$file" >bad.json
   refuses 3 "parts[1] of bad.json, #Pim: no node of this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
+  # Names of a manifest's parts. Of parts of one name each is meant, and the second has a number in the bake.
+  refuses 3 "no file has a node called 'boxx'; the nearest are: box, " voxelize scene.json --without boxx --voxel-size 1mm -o no.vox
+  sed 's/"pin"/"box"/' scene.json >double.json
+  bake twice double.json --without 'Bolt*'
+  [ "$(names twice)" = "box box#2" ] || fail "two parts of one name: $(names twice)"
+  bake fewer double.json --without box
+  case " $(names fewer)" in *" box"*) fail "one of two boxes is left: $(names fewer)" ;; esac
   refuses 3 "no node with a mesh is left" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
 }
 

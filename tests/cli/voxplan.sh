@@ -134,4 +134,8 @@ plan 2 opened.vox cover.pshell -o opened.vox
 plan 1 none.vox cover.pshell -o x.csv
 errs 'none.vox: no such file'
 
+# Out of a scene in which it never was: its unit or its seat is wrong.
+plan 0 opened.vox cover.pshell -o far.csv --seat 5m,0,0m --clearance 1mm --json far.json
+errs 'warning: the part is never near the scene: is it the part and the seat of this scene\?'
+
 finish

@@ -325,6 +325,11 @@ expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'nothing to show'
 expect 2 'the run has no 99 s' bay.vox part.pshell --trace trace.csv --at 99s
 expect 2 'the nearest are: hydraulic_line' bay.vox --hide hydraulic_lin
+# A first sibling has no number, but may be named by it, as to the bakes: the same picture.
+for first in 'Half' 'Clip[1]/Half[1]'; do
+  "$bin/voxview" "$data/gearbox.glb" --hide "$first" --size 200x150 --screenshot "${first%%[*}.png" || fail "--hide $first"
+done
+cmp -s Half.png Clip.png || fail "Half and Half[1] are two"
 got=0
 "$bin/voxview" bay.vox --screenshot bad.jpg 2>error.txt || got=$?
 [ "$got" = 2 ] && [ ! -e bad.jpg ] && grep -q 'ends in .png' error.txt || fail "a .jpg: $got, $(cat error.txt)"

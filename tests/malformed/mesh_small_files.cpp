@@ -160,5 +160,33 @@ TEST(SmallFiles, ManifestsWithAKeyTwiceAreRefused) {
   EXPECT_EQ(manifest.error().what, "stands twice in one object");
 }
 
+// A floor that is a point is passed everywhere.
+TEST(SmallFiles, ManifestsWithAFlatObjectAreRefused) {
+  const ScratchFolder folder;
+  const auto read = [&](const std::string& pose) {
+    std::ofstream(folder / "scene.json") << R"({"parts": [{"mesh": "a.stl", )" + pose + "}]}";
+    return mesh::read_manifest((folder / "scene.json").string());
+  };
+  const std::string turned = R"("rotation": [0.9, 0.1, -0.3, 0.2], )";
+  for (const char* const scale : {"0", "-0.0", "[0, 0, 0]", "[1, 0, 1]", "[1e-3, 1e3, 0]"}) {
+    for (const std::string& rotation : {std::string(), turned}) {
+      const auto flat = read(rotation + R"("scale": )" + scale);
+      ASSERT_FALSE(flat) << scale;
+      EXPECT_EQ(flat.error().where, "parts[0].scale");
+      EXPECT_EQ(flat.error().what, "makes the object flat, a line or a point");
+    }
+  }
+  // The third column is the sum of the others, but for rounding.
+  const auto flat = read(
+      R"("matrix": [[0.1, 0.2, 0.3, 0], [0.7, 0.1, 0.8, 0], [0.3, 0.5, 0.8, 0], [0, 0, 0, 1]])");
+  ASSERT_FALSE(flat);
+  EXPECT_EQ(flat.error().where, "parts[0].matrix");
+  for (const char* const scale : {"-1", "[1, 1, -1]", "[1e-6, 1, 1e6]", "1e-200", "1e200"}) {
+    for (const std::string& rotation : {std::string(), turned}) {
+      EXPECT_TRUE(read(rotation + R"("scale": )" + scale)) << scale;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace forcelayer

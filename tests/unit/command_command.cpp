@@ -261,6 +261,13 @@ TEST(Spelling, OrdersByLettersChanged) {
   EXPECT_EQ(nearest.text().find("Housing"), std::string::npos) << "more than five";
 }
 
+TEST(Spelling, LeavesTheNumberOfAFirstSiblingOut) {
+  EXPECT_EQ(command::without_first_numbers("A[1]/B[2]/C[1]"), "A/B[2]/C");
+  for (const char* const name : {"", "/", "A", "A/B[2]", "[1]", "A[1]B", "A/", "A[11]"}) {
+    EXPECT_EQ(command::without_first_numbers(name), name);
+  }
+}
+
 // The pace is that since `begun`, whatever came before.
 TEST(ProgressLine, TellsTheTimeLeftFromATenthOn) {
   EXPECT_FALSE(command::time_left_s(1, 0, 0));

@@ -354,8 +354,9 @@ TEST(GltfReader, TakesTheWeightsOfANodeBeforeThoseOfItsMesh) {
 
 TEST(GltfReader, NamesTheNodesThatAScaleMakesFlat) {
   const mesh::Assembly flat = read_nodes(R"([{"name":"lid","mesh":0,"scale":[1,0,1]}])");
-  EXPECT_EQ(flat.warnings,
-            (std::vector<std::string>{"lid: a scale of 0 makes it flat, or a point"}));
+  EXPECT_EQ(flat.warnings, (std::vector<std::string>{
+                               "lid: a scale of 0 makes it flat, or a point; leave it out with "
+                               "--without if that hides it"}));
   EXPECT_TRUE(read_nodes(R"([{"name":"lid","mesh":0,"scale":[1,-1e-6,1]}])").warnings.empty());
 }
 

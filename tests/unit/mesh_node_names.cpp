@@ -119,6 +119,78 @@ TEST(NodeNames, OfListsAreLeftOut) {
   }
 }
 
+// A file of two equal carriages, with two wheels each, and a rail: the nodes that are read, or the
+// error.
+std::string read_of_train(std::vector<std::string> names, std::vector<std::string> without) {
+  std::vector<AssemblyNode> nodes;
+  mesh::UsedLabels roots;
+  for (const char* const name : {"Carriage", "Carriage"}) {
+    const AssemblyNode carriage = mesh::name_node(name, nullptr, roots);
+    nodes.push_back(carriage);
+    mesh::UsedLabels wheels;
+    for (int n = 0; n < 2; ++n) nodes.push_back(mesh::name_node("Wheel", &carriage, wheels));
+  }
+  nodes.push_back(mesh::name_node("Rail", nullptr, roots));
+  mesh::SourceFile file{"", "", {}};
+  file.options.nodes = std::move(names);
+  file.options.without = std::move(without);
+  try {
+    const mesh::NodesToRead to_read = mesh::nodes_to_read(file, nodes);
+    std::string text;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (to_read.is_read[i]) text += (text.empty() ? "" : " ") + nodes[i].path;
+    }
+    return text;
+  } catch (const mesh::ReadFailure& failure) {
+    return to_line(failure.error);
+  }
+}
+
+// A user who does not know that there are two would keep, or leave out, one alone.
+TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
+  const std::string doubt = ": several siblings are called so: ";
+  EXPECT_EQ(read_of_train({"Carriage"}, {}),
+            "#Carriage" + doubt + "Carriage, Carriage[2]; write Carriage[1] for the first alone, " +
+                "Carriage* for all whose names begin so");
+  EXPECT_EQ(read_of_train({}, {"Carriage"}),
+            "--without Carriage" + doubt +
+                "Carriage, Carriage[2]; write Carriage[1] for the first alone, Carriage* for all " +
+                "whose names begin so");
+  EXPECT_EQ(read_of_train({"Rail"}, {"Carriage"}), "Rail") << "the other one is not read anyway";
+  EXPECT_EQ(read_of_train({"{Carriage,Carriage[2]}"}, {"Wheel*"}), "Carriage Carriage[2]");
+  EXPECT_EQ(read_of_train({"Carriage", "Carriage[2]"}, {"Wheel*"}), "Carriage Carriage[2]");
+  EXPECT_EQ(read_of_train({}, {"Carriage", "Carriage[2]"}), "Rail");
+  EXPECT_EQ(read_of_train({"Carriage"}, {"Carriage[2]", "Wheel*"}), "Carriage");
+  EXPECT_EQ(read_of_train({"Carriage*"}, {"Wheel*"}), "Carriage Carriage[2]");
+  // The first alone.
+  EXPECT_EQ(read_of_train({"Carriage[1]"}, {}), "Carriage Carriage/Wheel Carriage/Wheel[2]");
+  EXPECT_EQ(read_of_train({}, {"Carriage[1]"}),
+            "Carriage[2] Carriage[2]/Wheel Carriage[2]/Wheel[2] Rail");
+  EXPECT_EQ(read_of_train({"Carriage[1]/Wheel[1]"}, {}), "Carriage/Wheel");
+  EXPECT_EQ(read_of_train({"Carriage[2]/Wheel[1]"}, {}), "Carriage[2]/Wheel");
+  EXPECT_EQ(read_of_train({"Carriage[1]/Wheel[2]"}, {}), "Carriage/Wheel[2]");
+  EXPECT_EQ(read_of_train({"Rail[1]"}, {}), "Rail");
+  EXPECT_EQ(read_of_train({"Carriage[1]"}, {"Wheel[1]"}),
+            "--without Wheel[1]: several nodes of this name; use one of: Carriage/Wheel, "
+            "Carriage[2]/Wheel");
+  // A name may go through one of several.
+  EXPECT_EQ(
+      read_of_train({"Carriage/Wheel[2]"}, {}),
+      "#Carriage/Wheel[2]" + doubt + "Carriage/Wheel[2], Carriage[2]/Wheel[2]; write " +
+          "Carriage[1]/Wheel[2] for the first alone, Carriage*/Wheel[2] for all whose names " +
+          "begin so");
+  EXPECT_EQ(read_of_train({"Carriage/Wheel"}, {}),
+            "#Carriage/Wheel" + doubt +
+                "Carriage/Wheel, Carriage/Wheel[2], Carriage[2]/Wheel, Carriage[2]/Wheel[2]; " +
+                "write Carriage[1]/Wheel[1] for the first alone, Carriage*/Wheel* for all whose " +
+                "names begin so");
+  EXPECT_EQ(
+      read_of_train({"Carriage[2]/Wheel"}, {}),
+      "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel, Carriage[2]/Wheel[2]; write " +
+          "Carriage[2]/Wheel[1] for the first alone, Carriage[2]/Wheel* for all whose names " +
+          "begin so");
+}
+
 TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {
   EXPECT_EQ(chosen({"Cover"}),
             "#Cover: several nodes of this name; use one of: Gearbox/Lid/Cover, Gearbox/Cover");

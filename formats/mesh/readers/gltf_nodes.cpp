@@ -48,13 +48,6 @@ bool is_finite(const Affine& affine) {
          std::all_of(affine.translation.begin(), affine.translation.end(), finite);
 }
 
-bool is_flat(const Affine& a) {
-  const auto& m = a.linear;
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
-             m[2] * (m[3] * m[7] - m[4] * m[6]) ==
-         0;
-}
-
 // A transform of a node, which is finite.
 Affine checked(const GltfDocument& document, std::uint64_t index, const Affine& affine) {
   if (!is_finite(affine)) {
@@ -269,7 +262,9 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     const std::vector<Affine> instances = instancing_of(json);
     if (is_flat(nodes_[n].assembly_from_node) ||
         std::any_of(instances.begin(), instances.end(), is_flat)) {
-      odd.add(nodes_[n].name.path, "a scale of 0 makes it flat, or a point");
+      odd.add(
+          nodes_[n].name.path,
+          "a scale of 0 makes it flat, or a point; leave it out with --without if that hides it");
     }
     placed.insert(document_.index(json, "mesh"));
   }

@@ -171,13 +171,16 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
           objects.begin(), objects.end(),
           [&](const std::string& object) { return is_named(object, list, mesh::bears_name); });
       for (const std::string& name : mesh::names_in(list, is_borne)) {
-        bool any = false;
-        for (std::size_t n = 0; n < objects.size(); ++n) {
-          if (!is_named(objects[n], name, mesh::fits_name)) continue;
-          is_hidden[n] = hidden;
-          any = true;
-        }
-        if (!any) {
+        const auto choose = [&](const std::string& called) {
+          bool any = false;
+          for (std::size_t n = 0; n < objects.size(); ++n) {
+            if (!is_named(objects[n], called, mesh::fits_name)) continue;
+            is_hidden[n] = hidden;
+            any = true;
+          }
+          return any;
+        };
+        if (!choose(name) && !choose(command::without_first_numbers(name))) {
           command::NearestNames nearest(name);
           for (const std::string& object : objects) nearest.add(object);
           return Error{
