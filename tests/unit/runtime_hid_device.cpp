@@ -241,6 +241,12 @@ TEST(HidDeviceStart, RefusesWhatIsNoSoundHapticDevice) {
   ratings.rate_mhz = 49'000;
   expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
   ratings = sound;
+  ratings.delay_us = 1'100'000;  // which no device in a hand has (forcelayer/ranges.h)
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
+  ratings = sound;
+  ratings.workspace_radius_um = 1'001'000'000;
+  expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
+  ratings = sound;
   ratings.max_force_un = 0;
   expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
   expect(start(sound, Fault::kSilent, as_it_is), ErrorCode::kDeviceFailed, "what it can do");
