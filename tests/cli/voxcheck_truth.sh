@@ -81,6 +81,14 @@ check 0 room.vox part.pshell over.csv --clearance 1mm --allow floor --allow wall
 says 'at least [0-9.]+ mm, nothing is nearer$'
 python3 -c 'import json; assert json.load(open("all.json"))["least_clearance"]["at_least"]' || fail "all are allowed, and one is near"
 
+# Where the system starts no more threads, fewer give the same answer.
+if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
+  check 0 room.vox part.pshell over.csv --clearance 1mm --threads 1 --csv one.csv
+  (ulimit -v 900000; "$bin/voxcheck" room.vox part.pshell over.csv --clearance 1mm --threads 256 --csv many.csv --quiet) ||
+    fail "256 threads in 900 MB: status $?"
+  cmp one.csv many.csv || fail "fewer threads, another answer"
+fi
+
 # In its seat too the curve is of all objects.
 check 0 corner.vox cube.pshell clear.csv --clearance 0.8mm --seat 0,0,0m --felt-seat --csv curve.csv
 [ "$(sed -n 2p curve.csv | cut -d, -f3)" = 0 ] || fail "it stands on the floor: $(head -n 3 curve.csv)"
