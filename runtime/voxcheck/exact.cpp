@@ -12,8 +12,12 @@ using clearance::CheckedMoment;
 using clearance::CheckResult;
 using clearance::Violation;
 
+bool is_any(const clearance::LeftOut& left_out) {
+  return std::any_of(left_out.begin(), left_out.end(), [](std::uint8_t is) { return is != 0; });
+}
+
 // The moments of which the files tell most: the least clearance, and the worst of each violation.
-std::vector<ProvenMoment> moments_of(const CheckResult& result) {
+std::vector<ProvenMoment> moments_of(const CheckResult& result, bool some_are_allowed) {
   std::vector<ProvenMoment> moments;
   const auto add = [&](const CheckedMoment& moment) {
     if (moment.beyond_side) return;
@@ -22,7 +26,8 @@ std::vector<ProvenMoment> moments_of(const CheckResult& result) {
     for (const auto& stretch : result.seated) {
       seated |= moment.time_s >= stretch.from_s && moment.time_s <= stretch.to_s;
     }
-    moments.push_back({moment.time_s, moment.clearance_m, most_m, seated});
+    const double least_m = seated || some_are_allowed ? 0 : moment.clearance_m;
+    moments.push_back({moment.time_s, least_m, most_m, seated});
   };
   add(result.least);
   for (const Violation& v : result.violations) {
@@ -65,17 +70,24 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   const auto lies_in = [](const auto& piece, const auto& stretch) {
     return piece.from_s >= stretch.from_s && piece.to_s <= stretch.to_s;
   };
+  // An object that does not count can hide another one from the files: what they prove then is not
+  // believed.
+  const bool some_are_allowed = is_any(allowed);
   for (const clearance::CurvePiece& piece : result.curve) {
     ProvenStretch stretch{piece.from_s, piece.to_s, piece.but_seat_m};
     for (const auto& v : result.violations) {
       stretch.too_near |= v.of_distance() && lies_in(piece, v);
     }
     for (const auto& seated : result.seated) stretch.seated |= lies_in(piece, seated);
+    if (stretch.seated || some_are_allowed) {
+      stretch.proven_m = 0;
+      stretch.too_near = true;
+    }
     // A stretch that is clear and cannot have the least distance need not be measured.
     if (!stretch.too_near && request.most_m && stretch.proven_m > *request.most_m) continue;
     request.stretches.push_back(stretch);
   }
-  request.moments = moments_of(result);
+  request.moments = moments_of(result, some_are_allowed);
   return request;
 }
 
@@ -103,7 +115,7 @@ bool is_settled(const ExactAnswer& answer, std::uint32_t object) {
                      [&](const ExactSeat& seat) { return seat.object == object && seat.settled; });
 }
 
-void take(const ExactAnswer& answer, CheckResult& result) {
+void take(const ExactAnswer& answer, bool some_are_allowed, CheckResult& result) {
   std::vector<Violation> violations;
   for (const ExactViolation& v : answer.violations) {
     Violation violation{v.from_s, v.to_s, v.clearance_m,
@@ -125,11 +137,13 @@ void take(const ExactAnswer& answer, CheckResult& result) {
     const ExactNearest& exact = answer.seated[n];
     clearance::SeatedStretch& seated = result.seated[n];
     if (exact.nearest.exact_m >= kNothingM) continue;
+    if (some_are_allowed) seated.clearance_m = 0;
     seated.clearance_m = std::max(seated.clearance_m, exact.clearance_m);
     seated.nearest = checked(exact.nearest, seated.clearance_m, answer.margin_m);
   }
   if (answer.least.exact_m >= kNothingM) return;  // no object counts
   // The files may prove more than the measured distance less the deviations.
+  if (some_are_allowed || !result.seated.empty()) result.clearance_m = 0;
   result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
   result.least = checked(answer.least, result.clearance_m, answer.margin_m);
   result.at_least = false;
@@ -149,7 +163,7 @@ Result<ExactAnswer> settle_exactly(const Options& options, const clearance::Left
   }
   auto answer = exact_answer(end->output);
   if (!answer) return answer;
-  take(*answer, result);
+  take(*answer, is_any(allowed), result);
   return answer;
 }
 

@@ -14,12 +14,15 @@ errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
 
 python3 - <<'END'
 import json
-def box(name, low, high):  # mm
-    corners = [[(low, high)[n >> axis & 1][axis] for axis in range(3)] for n in range(8)]
-    faces = "1 3 4 2, 5 6 8 7, 1 2 6 5, 3 7 8 4, 1 5 7 3, 2 4 8 6".split(", ")
+FACES = (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3)
+def boxes(name, *low_high):  # mm
     with open(name + ".obj", "w") as file:
-        file.writelines("v %r %r %r\n" % tuple(corner) for corner in corners)
-        file.writelines("f " + face + "\n" for face in faces)
+        for pair in low_high:
+            for n in range(8):
+                file.write("v %r %r %r\n" % tuple(pair[n >> axis & 1][axis] for axis in range(3)))
+            file.writelines("f %d %d %d %d\n" % face for face in FACES)
+def box(name, low, high):
+    boxes(name, (low, high))
 def scene(name, **parts):
     with open(name + ".json", "w") as file:
         json.dump({"parts": [{"name": key, "mesh": mesh + ".obj", "units": "mm", "translation": [0, 0, f"{up}mm"]}
@@ -43,6 +46,11 @@ box("cube", (-5, -5, 0), (5, 5, 10))
 scene("corner", Floor=("stand", 0), Wall=("beside", 0))
 for name, x in ("into", 2.7), ("close", 2.45), ("clear", 1):
     path(name, (0, 0, 0, 0), (0.1, x, 0, 3), (0.9, x, 0, 27), (1, x, 0, 45))
+# A rib in a groove of the floor, 0.2 mm below: each voxel is nearer to the floor.
+boxes("grooved", ((-30, -30, -10), (20, 30, 0)), ((21, -30, -10), (60, 30, 0)))
+box("rib", (20.2, -30, -10), (20.8, 30, -0.2))
+scene("ribbed", Floor=("grooved", 0), Rib=("rib", 0))
+path("along", (0, 0, 0, 0), (1, 20, 0, 0))
 # Solids, and what lies wholly inside of them.
 box("solid", (-50, -50, -50), (50, 50, 50))
 box("core", (-20, -20, -20), (20, 20, 20))
@@ -160,6 +168,13 @@ import json, sys
 floor, wall = json.load(open(f"corner{sys.argv[1]}.json"))["seat_depths"]
 assert floor["gap_m"] == 0 and abs(wall["gap_m"] - 0.0025) < 1e-8 and wall["installed_m"] == 0, (floor, wall)
 END
+  done
+  # An object that does not count hides another one from the files, not from the meshes.
+  "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
+  meshes=(--exact ribbed.json --part cube.obj --part-units mm)
+  for rule in "--seat 0,0,0m --felt-seat" "--allow Floor"; do
+    check 6 ribbed.vox cube4.pshell along.csv --clearance 1mm $rule "${meshes[@]}"
+    says '^  0\.7[0-9]+ to 1\.000 s: 0\.200 mm exact to Rib'
   done
   check 2 corner1.vox cube1.pshell clear.csv "${seat[@]}" --clearance 0.8mm --seat-depth 0mm
   errs -- '--seat-depth: is below 0\.0625 mm'
