@@ -115,6 +115,10 @@ std::string facts_table(const Page& page) {
                      mm(s["way_m"]) + " of a way of " + mm(v["way_m"]) + "; " + clearance(s) +
                      " to " + name_of(s["object"]));
   }
+  if (v.contains("hidden_within_m")) {
+    table += row("not seen", "objects that those of its seat hide, within " +
+                                 mm(v["hidden_within_m"]) + " of them");
+  }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",
                  std::to_string(missing) + "; the verdict does not cover them");

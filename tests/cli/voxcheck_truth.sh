@@ -169,8 +169,10 @@ floor, wall = json.load(open(f"corner{sys.argv[1]}.json"))["seat_depths"]
 assert floor["gap_m"] == 0 and abs(wall["gap_m"] - 0.0025) < 1e-8 and wall["installed_m"] == 0, (floor, wall)
 END
   done
-  # An object that does not count hides another one from the files, not from the meshes.
+  # An object that does not count hides another one from the files, which is told, and not from the meshes.
   "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
+  check 0 ribbed.vox cube4.pshell along.csv --clearance 1mm --allow Floor
+  says '^  objects that do not count may hide others within 12 mm of them; --exact sees these$'
   meshes=(--exact ribbed.json --part cube.obj --part-units mm)
   for rule in "--seat 0,0,0m --felt-seat" "--allow Floor"; do
     check 6 ribbed.vox cube4.pshell along.csv --clearance 1mm $rule "${meshes[@]}"
