@@ -60,7 +60,7 @@ std::string parse_line(std::string_view line, const PathColumns& columns,
 
 // The kind of a file that is none of ours, by its first line; nullptr: it may be.
 const char* other_kind(std::string_view line) {
-  constexpr struct {
+  static constexpr struct {
     char begin[5], name[12];
   } kKinds[] = {{"{", "JSON"},
                 {"[", "JSON"},

@@ -192,7 +192,7 @@ TEST(Path, NoValueIsGivenTwice) {
 }
 
 TEST(Path, OtherFilesAreToldByTheirKind) {
-  const std::string utf16("\xff\xfet\0_\0s\0,\0x\0\n\0", 16);
+  const std::string utf16("\xff\xfet\0_\0s\0,\0x\0\n\0", 14);
   const std::pair<std::string, const char*> cases[] = {
       {" {\"t_s\": 0}\n", "JSON"},
       {"[[0, 0, 0, 0]]\n", "JSON"},
