@@ -170,7 +170,7 @@ Result<ExactAnswer> settle_exactly(const Options& options, const clearance::Left
 bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::LeftOut& far_in_seat) {
   std::vector<std::uint32_t> far;
   for (const ExactSeat& seat : answer.seat) {
-    // What the scene does not name cannot be left out, and would be asked for again without end.
+    // One that the scene does not name cannot be left out, and would be asked for without end.
     const bool is_named = seat.object != 0;
     if (is_named && seat.gap_m >= required_m + answer.margin_m) far.push_back(seat.object);
   }
