@@ -316,6 +316,10 @@ Status OptionParser::check(const Options& options) const {
   if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
     return usage("--pull", "is a motion of the sim device", "leave out --device and --motion");
   }
+  if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m) {
+    return usage("--fail-on", "held is of --pull: no other run is found to be held",
+                 "give --pull, or leave held out");
+  }
   if (!options.hand.empty() && options.device != "sim") {
     return usage("--hand", "is for the sim device", "leave out --device");
   }

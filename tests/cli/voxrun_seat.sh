@@ -252,6 +252,8 @@ run 0 roofed.vox block.pshell --pull 0,0,100mm --json held.json
 says '^seated on plate until [0-9.]* s; then held: pulled 100 mm, it went 3[0-9.]* mm, against roof; least proven clearance [0-9.]* mm to roof'
 run 6 roofed.vox block.pshell --pull 0,0,100mm --fail-on held
 errs 'at the end: the part is held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
+run 2 roofed.vox block.pshell --motion rest.csv --fail-on penetration,held
+errs '--fail-on: held is of --pull: no other run is found to be held; give --pull, or leave held out'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --hand firm --json firm.json
 says 'then held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --duration 0.5s --fail-on held --json early.json  # not to its end
