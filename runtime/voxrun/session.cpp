@@ -438,8 +438,9 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
               << verdict_text(*session.scenes, session.facts.pull, *statistics) << std::flush;
   }
   if (done && !options.json.empty()) {
-    done = command::write_report(options.json,
-                                 report_json(*session.scenes, session.facts, *statistics));
+    auto report = report_json(*session.scenes, session.facts, *statistics);
+    if (const int by_signal = stop; by_signal > 0) report["exit_status"] = 128 + by_signal;
+    done = command::write_report(options.json, report);
   }
   if (done) done = check_output(session.facts);
   if (done) done = check_replay(session);

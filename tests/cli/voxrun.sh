@@ -186,7 +186,7 @@ kill -TERM $!
 status=0
 wait $! || status=$?
 [ "$status" -eq 143 ] || fail "status $status after SIGTERM"
-[ -s signal.json ] || fail "no report after SIGTERM"
+grep -q '"exit_status": 143' signal.json || fail "no report after SIGTERM, or another status in it"
 grep -q 'ended by signal 15' err.txt || fail "no reason after SIGTERM: $(cat err.txt)"
 
 # report.md has every key of the report, those inside too, and the parameters with their options and ranges; no others.
