@@ -236,6 +236,20 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
+// Of what was asked for and will not come about, because the run ends before.
+void warn_of_early_end(const Options& options, const loop::LoopOptions& loop, Session& session) {
+  if (!loop.frames) return;
+  std::vector<std::string>& warnings = session.facts.warnings;
+  if (options.pull_m && *loop.frames < frames_of(*session.device.motion_end_s, session)) {
+    warnings.push_back(
+        "--duration: the run ends before --pull does: it does not tell whether the part comes out");
+  }
+  for (const NextScene& next : options.scene_next) {
+    if (!next.at_s || *loop.frames > frames_of(*next.at_s, session)) continue;
+    warnings.push_back("--scene-next: " + next.path + ": the run ends before its time");
+  }
+}
+
 void print_warnings(const RunFacts& facts, std::size_t first) {
   for (std::size_t i = first; i < facts.warnings.size(); ++i) {
     std::fprintf(stderr, "voxrun: warning: %s\n", escaped(facts.warnings[i]).c_str());
@@ -428,6 +442,7 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   Status done = prepare_run(options, session);
   if (done) {
+    warn_of_early_end(options, loop_options(options, session, stop), session);
     if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
     print_warnings(session.facts, 0);
     done = run_frames(options, session, next_scene, *statistics);

@@ -133,6 +133,10 @@ if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.t
   in_time err by_button || fail "by a button: $(cat err)"
 fi
 
+"$bin/voxrun" first.vox part.pshell --motion press.csv --duration 0.1s --scene-next open.vox@0.1s >out 2>err ||
+  fail "a scene for later: $(cat err)"
+grep -q '^voxrun: warning: --scene-next: open.vox: the run ends before its time$' err || fail "no warning: $(cat err)"
+
 refuses() {  # refuses TEXT ARGUMENTS...
   "$bin/voxrun" first.vox part.pshell --motion press.csv "${@:2}" >out 2>err
   [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"

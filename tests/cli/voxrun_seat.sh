@@ -257,6 +257,7 @@ errs '--fail-on: held is of --pull: no other run is found to be held; give --pul
 run 0 roofed.vox block.pshell --pull 0,0,100mm --hand firm --json firm.json
 says 'then held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --duration 0.5s --fail-on held --json early.json  # not to its end
+errs 'warning: --duration: the run ends before --pull does'
 run 0 open.vox block.pshell --pull 0,0,100mm --fail-on held --hand firm --json open.json
 says 'then clear: '
 python3 - <<'PYTHON'
