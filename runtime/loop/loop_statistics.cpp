@@ -155,8 +155,18 @@ void LoopStatistics::note_firsts(const Frame& frame) noexcept {
   }
 }
 
+void LoopStatistics::note_way(const Pose& part) noexcept {
+  if (frames > 0) {
+    const double half_turn = std::abs(glm::dot(part.orientation, part_last.orientation));
+    longest_way_m = std::max(longest_way_m, glm::length(part.position_m - part_last.position_m));
+    longest_turn_rad = std::max(longest_turn_rad, 2 * std::acos(std::min(1.0, half_turn)));
+  }
+  part_last = part;
+}
+
 void LoopStatistics::count(const Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
+  note_way(report.world_from_center);
   ++frames;
   force_layer_frames += report.surface + report.interior > 0;
   penetration_frames += report.interior > 0;
@@ -184,7 +194,6 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   note_firsts(frame);
   touched_last = touched_in(frame);
   force_last_n = glm::length(frame.result.wrench.force_n);
-  center_last_m = frame.result.report.world_from_center.position_m;
   for (const TouchedObject& pushed : touched_last) {
     if (pushed.object != 0) touched.add(pushed);
   }

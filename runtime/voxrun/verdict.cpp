@@ -76,10 +76,18 @@ std::uint64_t unproven_frames(const LoopStatistics& s) {
   return s.unproven_frames - std::min(s.unproven_frames, s.seated_frames);
 }
 
+// Points may have gone so far from a frame to the next that nothing is known of in between. The
+// default model looks up where each half of a voxel leads.
+bool is_too_fast(const Scenes& scenes, const LoopStatistics& s) {
+  const Parameters& p = scenes.parameters();
+  return p.model == Model::kPaper &&
+         s.longest_way_m + p.part_radius_m * s.longest_turn_rad > 0.5 * p.voxel_size_m;
+}
+
 // Frames in which the exact surfaces may have touched, although no point was in the interior.
-bool is_doubtful(const LoopStatistics& s) {
+bool is_doubtful(const Scenes& scenes, const LoopStatistics& s) {
   return s.frames == 0 || s.outside_map_frames > 0 ||
-         (s.barred_frames > 0 && unproven_frames(s) > 0);
+         (s.barred_frames > 0 && unproven_frames(s) > 0) || is_too_fast(scenes, s);
 }
 
 // The hand itself stayed behind, or the part while its scene changed: the rest of its way is not
@@ -150,7 +158,7 @@ std::string seat_text(const Scenes& scenes, double least_overlap_m) {
 const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
                          const LoopStatistics& s) {
   if (s.penetration_frames > 0) return "not clear";
-  if (is_doubtful(s) || is_unfinished(scenes, pull, s)) return "unknown";
+  if (is_doubtful(scenes, s) || is_unfinished(scenes, pull, s)) return "unknown";
   if (seat_open(scenes, s)) return "seated";
   return is_short(pull) ? "held" : "clear";
 }
@@ -161,7 +169,7 @@ std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
   std::string line = seat_part(scenes, pull, s);
   if (s.penetration_frames > 0) {
     line += "NOT clear: ";
-  } else if (is_doubtful(s) || is_unfinished(scenes, pull, s)) {
+  } else if (is_doubtful(scenes, s) || is_unfinished(scenes, pull, s)) {
     line += "not known to be clear: ";
     if (is_unfinished(scenes, pull, s)) line += pull_part(pull) + ", nothing holds it; ";
   } else if (!seat_open(scenes, s)) {
@@ -178,6 +186,7 @@ std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
     line += text("%llu frame%s nearer than the guard allows; ", printable(s.barred_frames),
                  ending(s.barred_frames));
   }
+  if (is_too_fast(scenes, s)) line += "points may have gone more than half a voxel in a frame; ";
   if (!s.first_penetration) return line + clearance_part(scenes, s) + "; 0 penetration frames\n";
   return line + text("%llu penetration frame%s, the first at %.3f s%s\n",
                      printable(s.penetration_frames), ending(s.penetration_frames),
