@@ -236,7 +236,7 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
   return loop;
 }
 
-// Of what was asked for and will not come about, because the run ends before.
+// Warns of things that were asked for and will not come about, because the run ends before.
 void warn_of_early_end(const Options& options, const loop::LoopOptions& loop, Session& session) {
   if (!loop.frames) return;
   std::vector<std::string>& warnings = session.facts.warnings;
@@ -411,7 +411,8 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
   session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
   if (options.pull_m && statistics.frames == loop.frames &&
       loop.frames >= frames_of(*session.device.motion_end_s, session)) {
-    const glm::dvec3 went_m = statistics.part_last.position_m - session.start.world_from_center.position_m;
+    const glm::dvec3 went_m =
+        statistics.part_last.position_m - session.start.world_from_center.position_m;
     const double led_m = glm::length(*options.pull_m);
     session.facts.pull = Pull{led_m, glm::dot(went_m, *options.pull_m) / led_m};
   }
