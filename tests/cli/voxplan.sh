@@ -19,6 +19,7 @@ errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
 plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --threads 2
 grep -qE '^path found in .* seated on Gearbox/Housing' out.txt || fail "$(cat out.txt)"
 grep -qE '^  in its seat for [0-9.]+ mm of a way of [0-9.]+ mm: least clearance there 0\.000 mm proven, .* to Gearbox/' out.txt || fail "$(cat out.txt)"
+grep -qE '^  objects that do not count may hide others within 6 mm of them; --exact sees these$' out.txt || fail "$(cat out.txt)"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet --json check.json ||
   fail "by files alone"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --quiet \
@@ -32,7 +33,7 @@ assert report["rows"] == len(rows) - 1 and float(rows[-1][0]) == report["duratio
 assert [float(cell) for cell in rows[1]] == [0, 0, 0, 0, 1, 0, 0, 0], rows[1]
 assert report["seat"][0] == "Gearbox/Housing" and report["seated"][0]["from_s"] == 0
 check = json.load(open("check.json"))
-assert all(report[key] == check[key] for key in ("seat", "seated", "least_clearance")), (report, check)
+assert all(report[key] == check[key] for key in ("seat", "seated", "least_clearance", "hidden_within_m")), (report, check)
 END
 plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
