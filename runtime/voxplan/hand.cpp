@@ -395,10 +395,11 @@ bool Hand::Parts::leave_seat_straight() {
 bool Hand::Parts::go_straight(const Pose& from) {
   std::optional<Pose> nearest;
   for (int n = 0; n < kDirections; ++n) {
-    const Pose there = goal.straight_from(from, direction(n));
-    const double way_m = travel_between_m(problem, from, there);
+    const std::optional<Pose> there = goal.straight_from(from, direction(n));
+    if (!there) continue;
+    const double way_m = travel_between_m(problem, from, *there);
     if (nearest && way_m >= travel_between_m(problem, from, *nearest)) continue;
-    if (check->is_kept(Rule::kClear, from, there)) nearest = there;
+    if (check->is_kept(Rule::kClear, from, *there)) nearest = there;
   }
   if (!nearest) return false;
   beyond = {from, *nearest};

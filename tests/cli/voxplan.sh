@@ -139,4 +139,38 @@ errs 'none.vox: no such file'
 plan 0 opened.vox cover.pshell -o far.csv --seat 5m,0,0m --clearance 1mm --json far.json
 errs 'warning: the part is never near the scene: is it the part and the seat of this scene\?'
 
+# Where all sides of the scene are cropped no way leads beside it: that is said at once, and why an end is refused.
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --roi 10mm,10mm,10mm,70mm,60mm,60mm -o cropped.vox --quiet
+plan 2 cropped.vox cover.pshell -o x.csv --seat 0,0,0m --clearance 2mm --time 20s
+errs '--seat: the part is nearer there than --clearance to a cropped side of the scene, beyond which nothing is known; bake'
+printf 'v %s\n' '20 20 50' '24 20 50' '20 24 50' '20 20 54' >tip.obj
+printf 'f %s\n' '1 3 2' '1 2 4' '1 4 3' '2 3 4' >>tip.obj
+"$bin/pointshell" tip.obj --units mm --voxel-size 2mm -o tip.pshell --quiet
+plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --time 20s
+errs '--out-of-scene: all sides of the scene are cropped, and beyond them nothing is known; give a --goal'
+plan 0 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 2mm,0,0m --quiet
+plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 50mm,0,0m
+errs '--goal: the part is nearer there than --clearance to a cropped side'
+# Above a tub whose lid was cropped away a part is not out of the scene: the way goes on to a side where the scene ends.
+python3 - <<'END'
+def boxes(name, *all):
+    with open(name, "w") as obj:
+        for low, high in all:
+            for n in range(8):
+                obj.write("v %g %g %g\n" % tuple((low, high)[n >> axis & 1][axis] for axis in range(3)))
+            for face in (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3):
+                obj.write("f %d %d %d %d\n" % face)
+walls = [((-12, -12, 0), (-10, 12, 10)), ((10, -12, 0), (12, 12, 10)), ((-10, -12, 0), (10, -10, 10)), ((-10, 10, 0), (10, 12, 10))]
+boxes("tub.obj", ((-12, -12, -2), (12, 12, 0)), *walls)
+boxes("lid.obj", ((-40, -40, 60), (40, 40, 62)))
+boxes("chip.obj", ((-2, -2, 4), (2, 2, 8)))
+END
+"$bin/voxelize" tub.obj lid.obj --units mm --voxel-size 1mm --roi=-50mm,-50mm,-50mm,50mm,50mm,30mm -o tub.vox --quiet
+"$bin/pointshell" chip.obj --units mm --voxel-size 1mm -o chip.pshell --quiet
+plan 0 tub.vox chip.pshell --clearance 1mm -o tub.csv
+python3 - <<'END' || fail "it ends within the scene: $(tail -n 1 tub.csv)"
+x, y, z = [1e3 * float(cell) for cell in open("tub.csv").read().splitlines()[-1].split(",")][1:4]
+assert max(abs(x), abs(y)) > 12 or z < -2, (x, y, z)
+END
+
 finish
