@@ -112,7 +112,10 @@ std::string violation_text(const Report& report, const Violation& v) {
 
 std::string seat_text(const Report& report) {
   if (report.result.seated.empty()) return "";
-  std::string line = "seated on " + listed_names(report.scene, report.result.seat_objects);
+  // The meshes may be as far away as required where the files do not prove it.
+  const auto& objects = report.result.seat_objects;
+  std::string line =
+      objects.empty() ? "in its seat" : "seated on " + listed_names(report.scene, objects);
   const char* from = " from";
   for (const auto& stretch : report.result.seated) {
     line += text("%s %.3f to %.3f s", from, stretch.from_s, stretch.to_s);
