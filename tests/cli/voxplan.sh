@@ -164,6 +164,12 @@ walls = [((-12, -12, 0), (-10, 12, 10)), ((10, -12, 0), (12, 12, 10)), ((-10, -1
 boxes("tub.obj", ((-12, -12, -2), (12, 12, 0)), *walls)
 boxes("lid.obj", ((-40, -40, 60), (40, 40, 62)))
 boxes("chip.obj", ((-2, -2, 4), (2, 2, 8)))
+# A room with a window of 10 x 10 mm in its ceiling, and a bar of 6 x 6 x 30 mm that lies in it.
+def frame(half, outer, low, high):
+    return [((-outer, -outer, low), (-half, outer, high)), ((half, -outer, low), (outer, outer, high)),
+            ((-half, -outer, low), (half, -half, high)), ((-half, half, low), (half, outer, high))]
+boxes("room.obj", ((-25, -25, -25), (25, 25, -20)), *frame(20, 25, -20, 20), *frame(5, 25, 20, 25))
+boxes("bar.obj", ((-15, -3, -3), (15, 3, 3)))
 END
 "$bin/voxelize" tub.obj lid.obj --units mm --voxel-size 1mm --roi=-50mm,-50mm,-50mm,50mm,50mm,30mm -o tub.vox --quiet
 "$bin/pointshell" chip.obj --units mm --voxel-size 1mm -o chip.pshell --quiet
@@ -172,5 +178,12 @@ python3 - <<'END' || fail "it ends within the scene: $(tail -n 1 tub.csv)"
 x, y, z = [1e3 * float(cell) for cell in open("tub.csv").read().splitlines()[-1].split(",")][1:4]
 assert max(abs(x), abs(y)) > 12 or z < -2, (x, y, z)
 END
+
+# A bar that fits through a window on end alone stands up and goes: 2 mm of room on each side.
+"$bin/voxelize" room.obj --units mm --voxel-size 0.5mm --free-seed 0,0,10mm -o room.vox --quiet
+"$bin/pointshell" bar.obj --units mm --voxel-size 0.5mm -o bar.pshell --quiet
+plan 0 room.vox bar.pshell --clearance 1mm --time 10s -o bar.csv
+"$bin/voxcheck" room.vox bar.pshell bar.csv --clearance 1mm --quiet || fail "the bar's way is not clear"
+plan 6 room.vox bar.pshell --clearance 2.1mm --time 0.5s -o no.csv
 
 finish
