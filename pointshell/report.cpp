@@ -85,7 +85,12 @@ std::string cost_warning(const BakeCost& cost, const ShellOptions& options,
 std::string sheet_warning(const BakedShell& shell) {
   constexpr std::size_t kListed = 4;
   const std::vector<normals::Sheet>& sheets = shell.orientation.sheets;
-  if (sheets.empty()) return "";
+  if (sheets.empty()) {
+    if (shell.header.mass_source == static_cast<std::uint32_t>(MassSource::kVolume)) return "";
+    const std::uint64_t edges = shell.orientation.boundary_edges;
+    const std::string where = edges == 0 ? "" : ", with " + mesh::counted(edges, "open edge");
+    return "the surface is no closed solid" + where + ": mass is taken from the area";
+  }
   std::string text = mesh::counted(sheets.size(), "open sheet") + ": ";
   for (std::size_t n = 0; n < std::min(sheets.size(), kListed); ++n) {
     const normals::Sheet& sheet = sheets[n];

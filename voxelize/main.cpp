@@ -449,7 +449,12 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
     return meshes.read(path, options);
   };
   reading.progress = [&](double done) { progress.show("reading", kReadingDone * done); };
-  return mesh::read_scene(arguments.inputs, *unit, reading);
+  auto scene = mesh::read_scene(arguments.inputs, *unit, reading);
+  if (scene && *unit &&
+      std::all_of(arguments.inputs.begin(), arguments.inputs.end(), mesh::is_manifest)) {
+    scene->warnings.push_back("--units is not used: a manifest states the units of its objects");
+  }
+  return scene;
 }
 
 Status voxelize(const Arguments& arguments) {
@@ -520,6 +525,9 @@ Status voxelize(const Arguments& arguments) {
   progress.clear();
 
   run.warnings = warnings_of(*scene, meshes, *options);
+  if (options->roi_m && !is_shard && bake->header.dims_voxels[0] == 0) {
+    run.warnings.push_back("nothing of the scene is in --roi, or near it: check its unit");
+  }
   if (!arguments.quiet) print_warnings(run.warnings);
   run.warnings.insert(run.warnings.end(), of_size.begin(), of_size.end());
   run.scene_box_m = forecast.box_m;

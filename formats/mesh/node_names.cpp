@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kWildcards = "*?";
 
-bool has_wildcard(const std::string& name) {
-  return name.find_first_of(kWildcards) != std::string::npos;
+bool has_wildcard(std::string_view name) {
+  return name.find_first_of(kWildcards) != std::string_view::npos;
 }
 
 // Whether `text` is `pattern`, whose `*` and `?` stand for letters other than "/".
@@ -52,15 +52,16 @@ bool ends_like(const std::string& path, const std::string& pattern) {
   return any_end(path, [&](std::string_view end) { return matches(end, pattern); });
 }
 
-// The node of this path, else all whose paths end so.
+// The node of this path, else all whose paths end so. Where labels hold slashes several nodes may
+// have one path.
 std::vector<std::size_t> bearers_as_written(const std::string& name,
                                             std::span<const AssemblyNode> nodes) {
-  std::vector<std::size_t> found;
+  std::vector<std::size_t> found, ending_so;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].path == name) return {i};
-    if (bears_name(nodes[i].path, name)) found.push_back(i);
+    if (nodes[i].path == name) found.push_back(i);
+    if (bears_name(nodes[i].path, name)) ending_so.push_back(i);
   }
-  return found;
+  return found.empty() ? ending_so : found;
 }
 
 // Those, else those of the name without the numbers of first siblings.
@@ -71,12 +72,35 @@ std::vector<std::size_t> bearers_of(const std::string& name, std::span<const Ass
   return unnumbered == name ? found : bearers_as_written(unnumbered, nodes);
 }
 
+std::vector<std::string_view> labels_of(std::string_view path) {
+  std::vector<std::string_view> labels;
+  for (std::size_t start = 0; start <= path.size();) {
+    const std::size_t end = std::min(path.find('/', start), path.size());
+    labels.push_back(path.substr(start, end - start));
+    start = end + 1;
+  }
+  return labels;
+}
+
+// A pattern without the numbers of first siblings. Beside a wildcard "[1]" stands as written.
+std::string pattern_without_first_numbers(const std::string& name) {
+  std::string text;
+  for (const std::string_view label : labels_of(name)) {
+    if (!text.empty()) text += '/';
+    text += has_wildcard(label) ? std::string(label) : command::without_first_numbers(label);
+  }
+  return text;
+}
+
 // Those, else all that fit the wildcards.
 std::vector<std::size_t> nodes_of(const std::string& name, std::span<const AssemblyNode> nodes) {
   std::vector<std::size_t> found = bearers_of(name, nodes);
   if (!found.empty() || !has_wildcard(name)) return found;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (ends_like(nodes[i].path, name)) found.push_back(i);
+  for (const std::string& pattern : {name, pattern_without_first_numbers(name)}) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (ends_like(nodes[i].path, pattern)) found.push_back(i);
+    }
+    if (!found.empty()) return found;
   }
   return found;
 }
@@ -100,18 +124,12 @@ std::string listed(const std::vector<std::size_t>& found, std::span<const Assemb
 
 Error several(const std::string& where, const std::vector<std::size_t>& found,
               std::span<const AssemblyNode> nodes) {
+  const std::string& path = nodes[found.front()].path;
+  const bool is_one_path =
+      std::all_of(found.begin(), found.end(), [&](std::size_t i) { return nodes[i].path == path; });
   return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name",
-          "use one of: " + listed(found, nodes)};
-}
-
-std::vector<std::string_view> labels_of(std::string_view path) {
-  std::vector<std::string_view> labels;
-  for (std::size_t start = 0; start <= path.size();) {
-    const std::size_t end = std::min(path.find('/', start), path.size());
-    labels.push_back(path.substr(start, end - start));
-    start = end + 1;
-  }
-  return labels;
+          is_one_path ? "all have the path " + path + ", for a name that holds a slash: rename it"
+                      : "use one of: " + listed(found, nodes)};
 }
 
 // Whether `label` is `first` with a number behind it: of a later sibling that is called alike.
@@ -123,8 +141,8 @@ bool is_later(std::string_view label, std::string_view first) {
   return label.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// A name that is borne by one node. Other nodes may be meant too where that one, or one that it is
-// below, is the first of siblings that are called alike.
+// A name that a node bears, or fits by its wildcards. Other nodes may be meant too where that one,
+// or one that it is below, is the first of siblings that are called alike.
 class OneOfSeveral {
  public:
   // Both texts must outlive this.
@@ -132,18 +150,24 @@ class OneOfSeveral {
       : labels_(labels_of(path)), named_(labels_of(name)), has_others_(named_.size()) {
     const bool as_written = bears_name(path, name);
     for (const std::string_view label : named_) {
-      is_numbered_.push_back(!as_written && command::without_first_numbers(label) != label);
+      is_settled_.push_back(
+          !as_written && (has_wildcard(label) || command::without_first_numbers(label) != label));
     }
+    std::size_t same = labels_.size() - named_.size();
+    for (std::size_t i = 0; i < named_.size() && is_settled_[i]; ++i) ++same;
+    const std::string_view last = labels_[std::min(same, labels_.size() - 1)];
+    beginning_ = std::string_view(path).substr(0, last.data() + last.size() - path.data());
   }
 
   bool may_mean(const std::string& path) {
+    if (!path.starts_with(beginning_)) return false;  // most, of many nodes
     const auto labels = labels_of(path);
     if (labels.size() != labels_.size()) return false;
     const std::size_t above = labels.size() - named_.size();
     std::vector<std::size_t> later;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       if (labels[i] == labels_[i]) continue;
-      if (i < above || is_numbered_[i - above] || !is_later(labels[i], labels_[i])) return false;
+      if (i < above || is_settled_[i - above] || !is_later(labels[i], labels_[i])) return false;
       later.push_back(i - above);
     }
     for (const std::size_t i : later) has_others_[i] = true;
@@ -166,23 +190,26 @@ class OneOfSeveral {
   }
 
   std::vector<std::string_view> labels_, named_;  // of the node's path; of the name
-  std::vector<bool> is_numbered_, has_others_;    // [named_]
+  std::string_view beginning_;                    // of the node's path, which others share
+  std::vector<bool> is_settled_, has_others_;     // [named_] by a number or a wildcard
 };
 
-// Refuses a name of one node where another one may be meant too that is not `settled`, by another
-// name.
+// Refuses a name where another node than those that it fits may be meant too that is not `settled`,
+// by another name.
 template <typename Settled>
 Status check_is_alone(const std::string& where, const std::string& name,
                       std::span<const AssemblyNode> nodes, const Settled& settled) {
-  std::vector<std::size_t> found = bearers_of(name, nodes);
-  if (found.size() != 1) return {};
-  OneOfSeveral one(name, nodes[found.front()].path);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (one.may_mean(nodes[i].path) && !settled(i)) found.push_back(i);
+  for (const std::size_t first : nodes_of(name, nodes)) {
+    std::vector<std::size_t> found{first};
+    OneOfSeveral one(name, nodes[first].path);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (one.may_mean(nodes[i].path) && !settled(i)) found.push_back(i);
+    }
+    if (found.size() == 1) continue;
+    return Error{ErrorCode::kSceneInvalid, "", where,
+                 "several siblings are called so: " + listed(found, nodes), one.mend()};
   }
-  if (found.size() == 1) return {};
-  return Error{ErrorCode::kSceneInvalid, "", where,
-               "several siblings are called so: " + listed(found, nodes), one.mend()};
+  return {};
 }
 
 // The names that `list` stands for among these nodes.

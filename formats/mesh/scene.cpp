@@ -207,7 +207,11 @@ Status SceneReader::place(const Placing& placing) {
   std::vector<std::string> warnings;
   const auto unit =
       meters_per_unit(assembly, placing.named.path, placing.meters_per_unit, warnings);
-  if (!unit) return unit.error();
+  if (!unit) {
+    Error error = unit.error();
+    if (!placing.stated_in.empty()) error.mend = "add them there, for example \"units\": \"mm\"";
+    return error;
+  }
   for (const std::string& warning : warnings) warnings_.add(placing.named.path, warning);
   const Affine world_from_assembly = compose(placing.world_from_object, scaling(*unit));
   for (MissingFace face : assembly.missing_faces) {
@@ -305,11 +309,11 @@ Result<Scene> SceneReader::finish() {
   return std::move(scene_);
 }
 
+}  // namespace
+
 bool is_manifest(const std::string& input) {
   return std::filesystem::path(input).extension() == ".json";
 }
-
-}  // namespace
 
 Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading) {

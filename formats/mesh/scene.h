@@ -74,6 +74,8 @@ struct SceneReading {
   std::function<void(double share_done)> progress;  // may be empty; one call at a time
 };
 
+bool is_manifest(const std::string& input);
+
 // Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh
 // files in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
 // `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a

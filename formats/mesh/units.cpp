@@ -22,12 +22,12 @@ Result<double> meters_per_unit(const Assembly& assembly, const std::string& path
   const std::optional<double>& defined = assembly.meters_per_unit;
   if (!chosen && !defined) {
     return Error{ErrorCode::kUsage, path, "", "this format does not say which unit its numbers are",
-                 "add --units, for example --units mm, or units in the manifest"};
+                 "add --units, for example --units mm"};
   }
   if (!chosen) return *defined;
   if (defined && *defined != *chosen) {
-    warnings.push_back("its format defines a unit of " + text_of(*defined) +
-                       " m; the given unit makes it " + text_of(*chosen) + " m");
+    warnings.push_back("its lengths are read in units of " + text_of(*defined) +
+                       " m; the given unit makes them " + text_of(*chosen) + " m");
   }
   return *chosen;
 }

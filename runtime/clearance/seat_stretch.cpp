@@ -48,7 +48,8 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
     Error error = found.error();
     error.where = "--seat";
     error.mend =
-        "check --seat and the units of both files, or bake the scene with a larger --range";
+        "check --seat and the units of both files; bake the scene with --free-seed where the "
+        "inside of an object is air, or with a larger --range";
     return error;
   }
   stretch.parts_->probe->open_seat(true);

@@ -110,7 +110,7 @@ void cut_at_zero(const Piece& piece, const std::array<double, 3>& off, std::vect
 
 class Search {
  public:
-  Search(std::span<const SurfaceInSolid> pairs, double allowed_m, double within_m)
+  Search(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m, double within_m)
       : pairs_(pairs), allowed_m_(allowed_m), within_m_(within_m) {
     for (const SurfaceInSolid& pair : pairs) {
       solid_from_surface_.push_back(inverse(pair.world_from_solid) * pair.world_from_surface);
@@ -137,8 +137,11 @@ class Search {
  private:
   // Depths far from the one that matters need not be known closely.
   bool is_settled(double at_most_m) const {
-    const double off_m = std::max(allowed_m_ - at_most_m, (found_.found_m - allowed_m_) / 2);
-    return at_most_m <= found_.found_m + std::max(within_m_, off_m);
+    double near_m = within_m_;
+    if (allowed_m_) {
+      near_m = std::max({near_m, *allowed_m_ - at_most_m, (found_.found_m - *allowed_m_) / 2});
+    }
+    return at_most_m <= found_.found_m + near_m;
   }
 
   Vec3 placed(std::size_t pair, const Vec3& p) const {
@@ -272,7 +275,8 @@ class Search {
   }
 
   std::span<const SurfaceInSolid> pairs_;
-  double allowed_m_, within_m_;
+  std::optional<double> allowed_m_;
+  double within_m_;
   std::vector<Pose> solid_from_surface_;
   std::priority_queue<Open> open_;
   std::vector<Piece> pieces_;                                    // of cut()
@@ -283,7 +287,8 @@ class Search {
 
 }  // namespace
 
-Depth deepest(std::span<const SurfaceInSolid> pairs, double allowed_m, double within_m) {
+Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
+              double within_m) {
   return Search(pairs, allowed_m, within_m).run();
 }
 

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "forcelayer/pose.h"
@@ -40,7 +41,9 @@ struct SurfaceInSolid {
 };
 
 // The deepest place of all pairs. `found_m` and `at_most_m` differ by `within_m` and the width of
-// cracks at most, or by as much as they are both below `allowed_m`, or half as much as above.
-Depth deepest(std::span<const SurfaceInSolid> pairs, double allowed_m, double within_m);
+// cracks at most; with `allowed_m` also by as much as they are both below it, or half as much as
+// above.
+Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
+              double within_m);
 
 }  // namespace forcelayer::exact

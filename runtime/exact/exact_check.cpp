@@ -337,7 +337,7 @@ class ExactCheck {
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
-    seat.installed_m = std::max(0.0, walk.at_pose(installed, -1).found_m);
+    seat.installed_m = std::max(0.0, walk.at_pose(installed, std::nullopt).found_m);
     if (seat.installed_m == 0) {
       seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
     }

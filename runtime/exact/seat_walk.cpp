@@ -25,7 +25,7 @@ SeatWalk::SeatWalk(const clearance::CenterPath& path, const Bodies& part, const 
   }
 }
 
-Depth SeatWalk::at_pose(const Pose& world_from_center, double allowed_m) const {
+Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> allowed_m) const {
   const Pose world{glm::dvec3(0), {1, 0, 0, 0}};
   std::vector<SurfaceInSolid> pairs;
   for (const auto& part : part_) {

@@ -28,9 +28,9 @@ class SeatWalk {
   SeatWalk(const clearance::CenterPath& path, const Bodies& part, const Bodies& object,
            const MeshPair& distance, double within_m);
 
-  // The depth at a pose; less closely where it is far from `allowed_m`. Depth::place_m is of the
-  // part, Depth::foot_m of the object.
-  Depth at_pose(const Pose& world_from_center, double allowed_m) const;
+  // The depth at a pose; less closely where it is far from `allowed_m`, if that is given.
+  // Depth::place_m is of the part, Depth::foot_m of the object.
+  Depth at_pose(const Pose& world_from_center, std::optional<double> allowed_m) const;
 
   // From here on tells how far deeper_than() is, as a share of it.
   void tell(std::function<void(double)> progress) { progress_ = std::move(progress); }

@@ -112,7 +112,10 @@ std::string violation_text(const Report& report, const Violation& v) {
 
 std::string seat_text(const Report& report) {
   if (report.result.seated.empty()) return "";
-  std::string line = "seated on " + listed_names(report.scene, report.result.seat_objects);
+  // The meshes may be as far away as required where the files do not prove it.
+  const auto& objects = report.result.seat_objects;
+  std::string line =
+      objects.empty() ? "in its seat" : "seated on " + listed_names(report.scene, objects);
   const char* from = " from";
   for (const auto& stretch : report.result.seated) {
     line += text("%s %.3f to %.3f s", from, stretch.from_s, stretch.to_s);
@@ -148,23 +151,10 @@ std::string seat_depth_text(const Report& report) {
       escaped(object_name(report.scene, deepest->object)).c_str());
 }
 
-// How near to an object that does not count others may be hidden from the files (front.h); 0 where
-// none is.
+// The meshes see all objects.
 double hidden_within_m(const Report& report) {
-  constexpr double kHiddenVoxels = 3;
-  const bool some_do_not_count = !report.options.allow.empty() || !report.result.seated.empty();
-  const bool are_others = report.scene.header().object_count > 1;
-  return some_do_not_count && are_others && !report.exact
-             ? kHiddenVoxels * report.scene.voxel_size_m()
-             : 0;
-}
-
-std::string hidden_text(const Report& report) {
-  const double within_m = hidden_within_m(report);
-  if (within_m == 0) return "";
-  return text(
-      "  objects that do not count may hide others within %.4g mm of them; --exact sees these\n",
-      1e3 * within_m);
+  if (report.exact) return 0;
+  return voxcheck::hidden_within_m(report.scene, report.result, report.options.allow);
 }
 
 // The measurement of a stretch in the seat; null without --exact, and where no object counts.
@@ -333,7 +323,7 @@ std::string verdict_text(const Report& report) {
   if (r.clear()) {
     if (is_refused_as_far(report)) line = std::string("NOT clear: ") + kFar + "; else ";
     return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
-           seat_ways_text(report) + seat_depth_text(report) + hidden_text(report);
+           seat_ways_text(report) + seat_depth_text(report) + hidden_text(hidden_within_m(report));
   }
   if (is_only_unsettled(r)) {
     line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
@@ -350,7 +340,9 @@ std::string verdict_text(const Report& report) {
     line += text("  and %zu more\n", r.violations.size() - kListed);
   }
   line += seat_ways_text(report);
-  return is_only_unsettled(r) ? line : line + seat_depth_text(report) + hidden_text(report);
+  return is_only_unsettled(r)
+             ? line
+             : line + seat_depth_text(report) + hidden_text(hidden_within_m(report));
 }
 
 Json report_json(const Report& report) {

@@ -69,6 +69,21 @@ std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& res
          to_object(scene, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
 }
 
+double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result,
+                       std::span<const std::string> allow) {
+  constexpr double kHiddenVoxels = 3;
+  const bool some_do_not_count = !allow.empty() || !result.seated.empty();
+  const bool are_others = scene.header().object_count > 1;
+  return some_do_not_count && are_others ? kHiddenVoxels * scene.voxel_size_m() : 0;
+}
+
+std::string hidden_text(double within_m) {
+  if (within_m == 0) return "";
+  return text(
+      "  objects that do not count may hide others within %.4g mm of them; --exact sees these\n",
+      1e3 * within_m);
+}
+
 Json moment_json(const Voxmap& scene, const CheckedMoment& moment, double clearance_m) {
   Json json;
   json["clearance_m"] = clearance_m;

@@ -42,6 +42,14 @@ std::string most_text(const clearance::CheckedMoment& moment);
 std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
                           std::size_t stretch, std::optional<double> exact_m);
 
+// How near to an object that does not count, in the seat or by `allow`, others may be hidden from
+// the files (front.h); 0 where all count, or there is no other.
+double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result,
+                       std::span<const std::string> allow);
+
+// A line that says so; empty where that is 0.
+std::string hidden_text(double within_m);
+
 // `clearance_m`: proven for more than this moment, where it is of more.
 nlohmann::ordered_json moment_json(const Voxmap& scene, const clearance::CheckedMoment& moment,
                                    double clearance_m);

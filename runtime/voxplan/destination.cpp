@@ -1,6 +1,7 @@
 #include "runtime/voxplan/destination.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
@@ -12,7 +13,8 @@ constexpr double kBeside = 1e-6;  // of the part's radius, more than the roundin
 
 }  // namespace
 
-Destination::Destination(const Problem& problem) : problem_(problem) {
+Destination::Destination(const Problem& problem)
+    : problem_(problem), cropped_sides_(problem.scene.header().cropped_sides) {
   const VoxmapHeader& h = problem.scene.header();
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
@@ -56,24 +58,26 @@ double Destination::distance_m(const Pose& pose) const {
   const Box box = part_box(pose);
   double least_m = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    least_m =
-        std::min({least_m, scene_.high[axis] - box.low[axis], box.high[axis] - scene_.low[axis]});
+    if (ends_at(axis, true)) least_m = std::min(least_m, scene_.high[axis] - box.low[axis]);
+    if (ends_at(axis, false)) least_m = std::min(least_m, box.high[axis] - scene_.low[axis]);
   }
   return std::max(0.0, least_m);
 }
 
-Pose Destination::straight_from(const Pose& from, const glm::dvec3& direction) const {
+std::optional<Pose> Destination::straight_from(const Pose& from,
+                                               const glm::dvec3& direction) const {
   if (pose_) return *pose_;
   const Box box = part_box(from);
   double way_m = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     const double up = direction[axis];
-    if (up == 0) continue;
+    if (up == 0 || !ends_at(axis, up > 0)) continue;
     const double beside_m = up > 0 ? scene_.high[axis] - box.low[axis] + beside()
                                    : box.high[axis] - scene_.low[axis] + beside();
     way_m = std::min(way_m, std::max(0.0, beside_m) / std::abs(up));
   }
-  return {from.position_m + way_m * direction, from.orientation};
+  if (!std::isfinite(way_m)) return std::nullopt;
+  return Pose{from.position_m + way_m * direction, from.orientation};
 }
 
 Pose Destination::sample(Random& random) const {
@@ -85,10 +89,15 @@ Pose Destination::sample(Random& random) const {
       pose.position_m[axis] = random.between(scene_.low[axis], scene_.high[axis]);
     }
   }
-  const auto axis = static_cast<int>(random.below(3));
+  int axis;
+  bool high;
+  do {
+    axis = static_cast<int>(random.below(3));
+    high = random.share() < 0.5;
+  } while (!ends_at(axis, high));
   const Box box = part_box(pose);
-  pose.position_m[axis] += random.share() < 0.5 ? scene_.high[axis] - box.low[axis] + beside()
-                                                : scene_.low[axis] - box.high[axis] - beside();
+  pose.position_m[axis] += high ? scene_.high[axis] - box.low[axis] + beside()
+                                : scene_.low[axis] - box.high[axis] - beside();
   return pose;
 }
 

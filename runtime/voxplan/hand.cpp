@@ -15,7 +15,10 @@
 #include <algorithm>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "runtime/voxplan/pose_space.h"
@@ -269,6 +272,7 @@ struct Hand::Parts {
   void leave_seat(const std::vector<Pose>& way);
   bool leave_seat_straight();
   bool go_straight(const Pose& from);
+  bool turn_and_go(const Pose& from);
   glm::dvec3 direction(int n);
   std::vector<Pose> off_the_floors(const std::vector<Pose>& way);
   void take_to_goal();
@@ -322,7 +326,7 @@ void Hand::Parts::plan_in_seat() {
 
 void Hand::Parts::plan_beyond(const Pose& from) {
   rule = Rule::kClear;
-  if (number == 0 && go_straight(from)) return;
+  if (number == 0 && (go_straight(from) || turn_and_go(from))) return;
   space = make_space(rule);
   question = std::make_shared<ob::ProblemDefinition>(space);
   PoseState start;
@@ -395,13 +399,39 @@ bool Hand::Parts::leave_seat_straight() {
 bool Hand::Parts::go_straight(const Pose& from) {
   std::optional<Pose> nearest;
   for (int n = 0; n < kDirections; ++n) {
-    const Pose there = goal.straight_from(from, direction(n));
-    const double way_m = travel_between_m(problem, from, there);
+    const std::optional<Pose> there = goal.straight_from(from, direction(n));
+    if (!there) continue;
+    const double way_m = travel_between_m(problem, from, *there);
     if (nearest && way_m >= travel_between_m(problem, from, *nearest)) continue;
-    if (check->is_kept(Rule::kClear, from, there)) nearest = there;
+    if (check->is_kept(Rule::kClear, from, *there)) nearest = there;
   }
   if (!nearest) return false;
   beyond = {from, *nearest};
+  done = true;
+  return true;
+}
+
+// The shortest way on that is a quarter turn about an axis of the world and then along one: through
+// a window that the part fits so alone. Planners seldom come upon just that attitude.
+bool Hand::Parts::turn_and_go(const Pose& from) {
+  std::vector<Pose> shortest;
+  double shortest_m = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < kAxes; ++n) {
+    const glm::dquat turn = glm::angleAxis(std::numbers::pi / 2, direction(n));
+    const Pose turned{from.position_m, turn * from.orientation};
+    if (!check->is_kept(Rule::kClear, from, turned)) continue;
+    for (int way = 0; way < kAxes; ++way) {
+      const std::optional<Pose> there = goal.straight_from(turned, direction(way));
+      if (!there) continue;
+      const double way_m =
+          travel_between_m(problem, from, turned) + travel_between_m(problem, turned, *there);
+      if (way_m >= shortest_m || !check->is_kept(Rule::kClear, turned, *there)) continue;
+      shortest = {from, turned, *there};
+      shortest_m = way_m;
+    }
+  }
+  if (shortest.empty()) return false;
+  beyond = std::move(shortest);
   done = true;
   return true;
 }

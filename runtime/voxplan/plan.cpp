@@ -29,6 +29,12 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
   }
   if (checked->clear()) return {};
   const clearance::Violation& worst = checked->violations.front();
+  if (worst.worst.beyond_side) {
+    return Error{ErrorCode::kUsage, "", option,
+                 "the part is nearer there than --clearance to a cropped side of the scene, beyond "
+                 "which nothing is known",
+                 "bake the scene with a larger --roi, or without"};
+  }
   const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
   return Error{ErrorCode::kUsage, "", option,
                command::text("the part is nearer there than --clearance to %s: %.3f mm are proven",
@@ -66,6 +72,11 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   }
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
+  if (!goal.is_known()) {
+    return Error{ErrorCode::kUsage, "", "--out-of-scene",
+                 "all sides of the scene are cropped, and beyond them nothing is known",
+                 "give a --goal, or bake the scene without --roi"};
+  }
   Plan made;
   SearchRequest request;
   request.seed = options.seed;

@@ -20,6 +20,10 @@ std::string seat_text(const Report& report) {
          voxcheck::listed_names(report.problem.scene, report.plan.checked.seat_objects);
 }
 
+double hidden_within_m(const Report& report) {
+  return voxcheck::hidden_within_m(report.problem.scene, report.plan.checked, report.options.allow);
+}
+
 }  // namespace
 
 std::string found_text(const Report& report) {
@@ -34,8 +38,10 @@ std::string found_text(const Report& report) {
   for (std::size_t n = 0; n < checked.seated.size(); ++n) {
     line += voxcheck::seat_way_text(report.problem.scene, checked, n, {});
   }
-  if (checked.seated.empty()) return line;
-  return line + "  its seat is felt by shell points alone: voxcheck --exact settles it\n";
+  if (!checked.seated.empty()) {
+    line += "  its seat is felt by shell points alone: voxcheck --exact settles it\n";
+  }
+  return line + voxcheck::hidden_text(hidden_within_m(report));
 }
 
 std::string not_found_text(const Report& report) {
@@ -73,6 +79,9 @@ Json report_json(const Report& report) {
     json["seated"] = Json::array();
     for (const auto& stretch : checked.seated) {
       json["seated"].push_back(voxcheck::seated_json(scene, stretch));
+    }
+    if (const double within_m = hidden_within_m(report); within_m > 0) {
+      json["hidden_within_m"] = within_m;
     }
   } else {
     json["best"] = {{"out_m", result.out_m}, {"blocked_by", Json::array()}};

@@ -90,6 +90,14 @@ assert facts["two_sided_points"] == bake["points"] and facts["version"] == "2.1"
 assert any("2 open sheets" in line for line in bake["warnings"]), bake
 PY
 rm -f "$work"/sheets.*
+# A solid that lacks a face has no volume: its mass is another one, and that is said.
+sed '$d' "$work/box.obj" >"$work/lacking.obj"
+expect 0 "a solid that lacks a face" "$work/lacking.obj" "${out[@]}" --units mm --voxel-size 1mm
+grep -qxF 'pointshell: warning: the surface is no closed solid, with 4 open edges: mass is taken from the area' "$work/stderr" ||
+  fail "nothing of the missing face: $(cat "$work/stderr")"
+expect 0 "a solid" "$work/box.obj" "${out[@]}" --units mm --voxel-size 1mm
+[ ! -s "$work/stderr" ] || fail "a closed solid: $(cat "$work/stderr")"
+rm "$work/lacking.obj" "$work/out.pshell"
 expect 2 "verify without a mesh" verify "$work/part.pshell"
 expect 4 "verify of a mesh as shell" verify "$work/box.obj" "$work/box.obj" --units mm
 expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" --units mm

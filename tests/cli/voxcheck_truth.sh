@@ -46,6 +46,8 @@ box("cube", (-5, -5, 0), (5, 5, 10))
 scene("corner", Floor=("stand", 0), Wall=("beside", 0))
 for name, x in ("into", 2.7), ("close", 2.45), ("clear", 1):
     path(name, (0, 0, 0, 0), (0.1, x, 0, 3), (0.9, x, 0, 27), (1, x, 0, 45))
+path("high", (0, 0, 0, 1), (1, 0, 0, 45))
+path("pressed", (0, 0, 0, -0.4), (1, 0, 0, 45))  # out of a press fit
 # A rib in a groove of the floor, 0.2 mm below: each voxel is nearer to the floor.
 boxes("grooved", ((-30, -30, -10), (20, 30, 0)), ((21, -30, -10), (60, 30, 0)))
 box("rib", (20.2, -30, -10), (20.8, 30, -0.2))
@@ -169,6 +171,18 @@ floor, wall = json.load(open(f"corner{sys.argv[1]}.json"))["seat_depths"]
 assert floor["gap_m"] == 0 and abs(wall["gap_m"] - 0.0025) < 1e-8 and wall["installed_m"] == 0, (floor, wall)
 END
   done
+  # A press fit, deeper than a part may be pushed in: so deep it is installed, and it may come out.
+  check 0 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
+    --part cube.obj --part-units mm --json pressed.json
+  says '^  in its seat 0\.278 mm deeper than installed are allowed; deepest found 0\.000 mm deeper, into Floor$'
+  python3 - <<'END' || fail "the press fit: $(cat pressed.json)"
+import json
+[floor] = json.load(open("pressed.json"))["seat_depths"]
+assert abs(floor["installed_m"] - 0.0004) < 1e-6 and floor["deepest_m"] <= floor["installed_m"] + 1e-6, floor
+END
+  # By the meshes nothing is too near where it is installed, and so the seat has no name.
+  check 0 corner4.vox cube4.pshell high.csv --clearance 0.8mm --seat 0,0,1mm --exact corner.json --part cube.obj --part-units mm
+  says '^in its seat from 0\.000 to 0\.[0-9]+ s; else clear: 0\.800 mm required; least clearance outside of its seat '
   # An object that does not count hides another one from the files, which is told, and not from the meshes.
   "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
   check 0 ribbed.vox cube4.pshell along.csv --clearance 1mm --allow Floor

@@ -200,6 +200,23 @@ grep -q "use --voxel-size .*m or more" err || fail "no voxel size that would fit
 expect 3 "at 0.001 mm the scene takes at least 3.6e+10 GB of memory; this process can have" cube.obj --units km --voxel-size 1um -o scene.vox
 grep -q "; the scene is 1000 m across: --units mm? Else use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
 expect 3 "free seed" cube.obj --units cm --voxel-size 1mm --free-seed 0,5mm,5mm -o scene.vox
+# A manifest states its units: --units does not, which is said, and an error sends nobody in a circle.
+printf '{"parts": [{"mesh": "cube.obj"}]}' >scene.json
+expect 3 'parts[0] of scene.json: this format does not say which unit its numbers are; add them there, for example "units": "mm"' \
+  scene.json --units cm --voxel-size 1mm -o scene.vox
+printf '{"parts": [{"mesh": "cube.obj", "units": "cm"}]}' >scene.json
+"$bin/voxelize" scene.json --units in --voxel-size 1mm -o scene.vox --json report.json >out 2>err || fail "a manifest's unit: $(cat err)"
+grep -qx 'voxelize: warning: --units is not used: a manifest states the units of its objects' err || fail "--units: $(cat err)"
+grep -q '^scene: 1 object, 10 x 10 x 10 mm$' out || fail "a manifest's unit: $(cat out)"
+
+# A region in another unit holds nothing, and the file too.
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --roi=10m,0,0,11m,5m,5m -o scene.vox --json report.json >out 2>err || fail "$(cat err)"
+grep -qx 'voxelize: warning: nothing of the scene is in --roi, or near it: check its unit' err || fail "an empty region: $(cat err)"
+grep -q 'nothing of the scene is in --roi' report.json || fail "an empty region is not in the report"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --roi 4mm,4mm,4mm,5mm,5mm,5mm -o scene.vox >out 2>err || fail "$(cat err)"
+[ ! -s err ] || fail "a region inside of a solid: $(cat err)"
+rm -f scene.vox
+
 # Long and large, but possible: a warning before it starts.
 timeout 2 "$bin/voxelize" cube.obj --units m --voxel-size 0.1mm --threads 1 -o scene.vox >out 2>err
 grep -q "^voxelize: warning: this bake may take .* min and .* GB of memory: the scene is 1 m across; use --voxel-size .*m or more, or --roi$" err ||

@@ -19,6 +19,7 @@ errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
 plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --threads 2
 grep -qE '^path found in .* seated on Gearbox/Housing' out.txt || fail "$(cat out.txt)"
 grep -qE '^  in its seat for [0-9.]+ mm of a way of [0-9.]+ mm: least clearance there 0\.000 mm proven, .* to Gearbox/' out.txt || fail "$(cat out.txt)"
+grep -qE '^  objects that do not count may hide others within 6 mm of them; --exact sees these$' out.txt || fail "$(cat out.txt)"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet --json check.json ||
   fail "by files alone"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --quiet \
@@ -32,7 +33,7 @@ assert report["rows"] == len(rows) - 1 and float(rows[-1][0]) == report["duratio
 assert [float(cell) for cell in rows[1]] == [0, 0, 0, 0, 1, 0, 0, 0], rows[1]
 assert report["seat"][0] == "Gearbox/Housing" and report["seated"][0]["from_s"] == 0
 check = json.load(open("check.json"))
-assert all(report[key] == check[key] for key in ("seat", "seated", "least_clearance")), (report, check)
+assert all(report[key] == check[key] for key in ("seat", "seated", "least_clearance", "hidden_within_m")), (report, check)
 END
 plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
@@ -137,5 +138,52 @@ errs 'none.vox: no such file'
 # Out of a scene in which it never was: its unit or its seat is wrong.
 plan 0 opened.vox cover.pshell -o far.csv --seat 5m,0,0m --clearance 1mm --json far.json
 errs 'warning: the part is never near the scene: is it the part and the seat of this scene\?'
+
+# Where all sides of the scene are cropped no way leads beside it: that is said at once, and why an end is refused.
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --roi 10mm,10mm,10mm,70mm,60mm,60mm -o cropped.vox --quiet
+plan 2 cropped.vox cover.pshell -o x.csv --seat 0,0,0m --clearance 2mm --time 20s
+errs '--seat: the part is nearer there than --clearance to a cropped side of the scene, beyond which nothing is known; bake'
+printf 'v %s\n' '20 20 50' '24 20 50' '20 24 50' '20 20 54' >tip.obj
+printf 'f %s\n' '1 3 2' '1 2 4' '1 4 3' '2 3 4' >>tip.obj
+"$bin/pointshell" tip.obj --units mm --voxel-size 2mm -o tip.pshell --quiet
+plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --time 20s
+errs '--out-of-scene: all sides of the scene are cropped, and beyond them nothing is known; give a --goal'
+plan 0 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 2mm,0,0m --quiet
+plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 50mm,0,0m
+errs '--goal: the part is nearer there than --clearance to a cropped side'
+# Above a tub whose lid was cropped away a part is not out of the scene: the way goes on to a side where the scene ends.
+python3 - <<'END'
+def boxes(name, *all):
+    with open(name, "w") as obj:
+        for low, high in all:
+            for n in range(8):
+                obj.write("v %g %g %g\n" % tuple((low, high)[n >> axis & 1][axis] for axis in range(3)))
+            for face in (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3):
+                obj.write("f %d %d %d %d\n" % face)
+walls = [((-12, -12, 0), (-10, 12, 10)), ((10, -12, 0), (12, 12, 10)), ((-10, -12, 0), (10, -10, 10)), ((-10, 10, 0), (10, 12, 10))]
+boxes("tub.obj", ((-12, -12, -2), (12, 12, 0)), *walls)
+boxes("lid.obj", ((-40, -40, 60), (40, 40, 62)))
+boxes("chip.obj", ((-2, -2, 4), (2, 2, 8)))
+# A room with a window of 10 x 10 mm in its ceiling, and a bar of 6 x 6 x 30 mm that lies in it.
+def frame(half, outer, low, high):
+    return [((-outer, -outer, low), (-half, outer, high)), ((half, -outer, low), (outer, outer, high)),
+            ((-half, -outer, low), (half, -half, high)), ((-half, half, low), (half, outer, high))]
+boxes("room.obj", ((-25, -25, -25), (25, 25, -20)), *frame(20, 25, -20, 20), *frame(5, 25, 20, 25))
+boxes("bar.obj", ((-15, -3, -3), (15, 3, 3)))
+END
+"$bin/voxelize" tub.obj lid.obj --units mm --voxel-size 1mm --roi=-50mm,-50mm,-50mm,50mm,50mm,30mm -o tub.vox --quiet
+"$bin/pointshell" chip.obj --units mm --voxel-size 1mm -o chip.pshell --quiet
+plan 0 tub.vox chip.pshell --clearance 1mm -o tub.csv
+python3 - <<'END' || fail "it ends within the scene: $(tail -n 1 tub.csv)"
+x, y, z = [1e3 * float(cell) for cell in open("tub.csv").read().splitlines()[-1].split(",")][1:4]
+assert max(abs(x), abs(y)) > 12 or z < -2, (x, y, z)
+END
+
+# A bar that fits through a window on end alone stands up and goes: 2 mm of room on each side.
+"$bin/voxelize" room.obj --units mm --voxel-size 0.5mm --free-seed 0,0,10mm -o room.vox --quiet
+"$bin/pointshell" bar.obj --units mm --voxel-size 0.5mm -o bar.pshell --quiet
+plan 0 room.vox bar.pshell --clearance 1mm --time 10s -o bar.csv
+"$bin/voxcheck" room.vox bar.pshell bar.csv --clearance 1mm --quiet || fail "the bar's way is not clear"
+plan 6 room.vox bar.pshell --clearance 2.1mm --time 0.5s -o no.csv
 
 finish

@@ -237,6 +237,10 @@ TEST(SeatDepth, IsThatOfTheDeepestPlaceOfEitherSurface) {
       EXPECT_LE(off_part, 1e-7L);
       EXPECT_LE(off_object, 1e-7L);
     }
+    // Where no depth is the one that matters, it is known closely.
+    const Depth depth = walk.at_pose(pose, std::nullopt);
+    EXPECT_LE(truth, depth.at_most_m + 1e-9);
+    EXPECT_LE(depth.at_most_m, depth.found_m + kWithin + 1e-9);
     deep += truth > 0.05;
   }
   EXPECT_GT(deep, 20);

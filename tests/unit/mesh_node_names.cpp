@@ -189,6 +189,35 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
       "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel, Carriage[2]/Wheel[2]; write " +
           "Carriage[2]/Wheel[1] for the first alone, Carriage[2]/Wheel* for all whose names " +
           "begin so");
+  // A wildcard stands for siblings where it is written, and nowhere else.
+  EXPECT_EQ(read_of_train({}, {"*/Wheel"}),
+            "--without */Wheel" + doubt + "Carriage/Wheel, Carriage/Wheel[2]; write */Wheel[1] " +
+                "for the first alone, */Wheel* for all whose names begin so");
+  EXPECT_EQ(read_of_train({"Carriage/Wh*"}, {}),
+            "#Carriage/Wh*" + doubt +
+                "Carriage/Wheel, Carriage[2]/Wheel; write Carriage[1]/Wh* for the first alone, " +
+                "Carriage*/Wh* for all whose names begin so");
+  EXPECT_EQ(read_of_train({"*/Wheel[1]"}, {}), "Carriage/Wheel Carriage[2]/Wheel");
+  EXPECT_EQ(read_of_train({"{*/Wheel,*/Wheel[2]}"}, {}),
+            "Carriage/Wheel Carriage/Wheel[2] Carriage[2]/Wheel Carriage[2]/Wheel[2]");
+  EXPECT_EQ(read_of_train({"Carriage[1]/Wh*"}, {}), "Carriage/Wheel Carriage/Wheel[2]");
+  EXPECT_EQ(read_of_train({"*/Wheel[2]"}, {}), "Carriage/Wheel[2] Carriage[2]/Wheel[2]");
+  EXPECT_TRUE(read_of_train({"*[1]"}, {}).starts_with("#*[1]: no node of this name"));
+}
+
+// A label may hold a slash, and two nodes one path.
+TEST(NodeNames, OfTwoNodesWithOnePathAreRefused) {
+  mesh::UsedLabels roots, leaves;
+  std::vector<AssemblyNode> nodes{mesh::name_node("a/b", nullptr, roots)};
+  nodes.push_back(mesh::name_node("a", nullptr, roots));
+  const AssemblyNode parent = nodes.back();
+  nodes.push_back(mesh::name_node("b", &parent, leaves));
+  const std::vector<std::string> names{"a/b"};
+  const auto chosen = mesh::choose_nodes(names, nodes);
+  ASSERT_FALSE(chosen);
+  EXPECT_EQ(to_line(chosen.error()),
+            "#a/b: several nodes of this name; all have the path a/b, for a name that holds a "
+            "slash: rename it");
 }
 
 TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {
