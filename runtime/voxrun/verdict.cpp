@@ -205,7 +205,9 @@ Status check_verdict(const Options& options, const Scenes& scenes, const std::op
     what = did + against(scenes, first->touched, with_seat);
   };
   see(kFailOnPenetration, s.first_penetration, "the part penetrated the scene", true);
-  see(kFailOnContact, s.first_contact, "the part touched the scene", false);
+  const bool seat_closed =
+      s.guarantee_from_s && s.first_contact && s.first_contact->time_s >= *s.guarantee_from_s;
+  see(kFailOnContact, s.first_contact, "the part touched the scene", seat_closed);
   see(kFailOnOutside, s.first_outside_map, "the part went beyond a cropped side of the scene",
       true);
   if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
