@@ -170,6 +170,7 @@ def frame(half, outer, low, high):
             ((-half, -outer, low), (half, -half, high)), ((-half, half, low), (half, outer, high))]
 boxes("room.obj", ((-25, -25, -25), (25, 25, -20)), *frame(20, 25, -20, 20), *frame(5, 25, 20, 25))
 boxes("bar.obj", ((-15, -3, -3), (15, 3, 3)))
+boxes("crate.obj", ((-20, -20, -20), (20, 20, 20)))  # all around the chip
 END
 "$bin/voxelize" tub.obj lid.obj --units mm --voxel-size 1mm --roi=-50mm,-50mm,-50mm,50mm,50mm,30mm -o tub.vox --quiet
 "$bin/pointshell" chip.obj --units mm --voxel-size 1mm -o chip.pshell --quiet
@@ -185,5 +186,11 @@ END
 plan 0 room.vox bar.pshell --clearance 1mm --time 10s -o bar.csv
 "$bin/voxcheck" room.vox bar.pshell bar.csv --clearance 1mm --quiet || fail "the bar's way is not clear"
 plan 6 room.vox bar.pshell --clearance 2.1mm --time 0.5s -o no.csv
+
+# A part that is modeled around an object.
+"$bin/voxelize" chip.obj --units mm --voxel-size 1mm -o chip.vox --quiet
+"$bin/pointshell" crate.obj --units mm --voxel-size 1mm -o crate.pshell --quiet
+plan 2 chip.vox crate.pshell --clearance 1mm --time 1s -o no.csv
+errs '--seat: chip lies inside the part there; bake the scene without it'
 
 finish
