@@ -125,6 +125,13 @@ import json
 best = json.load(open("no.json"))["best"]
 assert best["out_m"] < 0.001 and sorted(best["blocked_by"][:2]) == ["bracket", "plate"], best' || fail "who holds the bolt: $(cat no.json)"
 
+# Distances that end at the mesh hold no seat.
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 -o shallow.vox --quiet
+plan 2 shallow.vox cover.pshell -o x.csv --clearance 1mm
+errs '--seat: the part touches Gearbox/[^ ]*, and the stored distances do not reach deep enough to hold a seat; .* --range$'
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 --range 14mm -o shallow.vox --quiet
+plan 0 shallow.vox cover.pshell -o x.csv --clearance 1mm --quiet
+
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
