@@ -183,6 +183,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   count_clearance(frame);
   note_firsts(frame);
   touched_last = touched_in(frame);
+  force_last_n = glm::length(frame.result.wrench.force_n);
   center_last_m = frame.result.report.world_from_center.position_m;
   for (const TouchedObject& pushed : touched_last) {
     if (pushed.object != 0) touched.add(pushed);

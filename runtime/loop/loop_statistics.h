@@ -152,6 +152,7 @@ struct LoopStatistics {
   std::uint64_t unproven_frames = 0;  // of which no clearance is known
   TouchedObjects touched;
   TouchedInFrame touched_last{};  // in the last frame
+  double force_last_n = 0;        // of the step, there
   glm::dvec3 center_last_m{0};    // of the part, in the world, there
 
   // From when on the guarantee holds: the frame in which the seat closed, the first one without a

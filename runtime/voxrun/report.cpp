@@ -285,7 +285,7 @@ Json pull_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStat
   Json json;
   put(json, "led_m", facts.pull->led_m);
   put(json, "went_m", facts.pull->went_m);
-  put(json, "held", facts.pull->held());
+  put(json, "held", facts.pull->short_of_end());
   Json& against = json["against"] = Json::array();
   for (const TouchedObject& touched : s.touched_last) {
     if (touched.object != 0) against.push_back(object_json(scenes, touched.object));

@@ -15,6 +15,7 @@ using loop::LoopStatistics;
 
 constexpr std::size_t kListed = 4;  // names in a line
 constexpr double kFollowed = 0.98;  // of a pull: what a simulated hand's grip may give way
+constexpr double kPulledN = 0.01;   // with which the hand still pulls at a part that is stopped
 
 const char* ending(std::uint64_t count) { return count == 1 ? "" : "s"; }
 
@@ -53,11 +54,17 @@ std::string against(const Scenes& scenes, const loop::TouchedInFrame& in_frame, 
   return line;
 }
 
-bool is_held(const std::optional<Pull>& pull) { return pull && pull->held(); }
+bool is_short(const std::optional<Pull>& pull) { return pull && pull->short_of_end(); }
 
-// "pulled 60 mm, it went 37.1 mm" where it is held.
+// Something stops the part at the end of the run: it pushes against an object, or it stays where it
+// is although a pull goes on. In the seat a motion may be refused without a contact with depth.
+bool is_stopped(const std::optional<Pull>& pull, const LoopStatistics& s) {
+  return s.touched_last[0].force_n > 0 || (is_short(pull) && s.force_last_n > kPulledN);
+}
+
+// "pulled 60 mm, it went 37.1 mm" where it went less.
 std::string pull_part(const std::optional<Pull>& pull) {
-  if (!is_held(pull)) return "";
+  if (!is_short(pull)) return "";
   return text("pulled %.4g mm, it went %.3g mm", 1e3 * pull->led_m, 1e3 * pull->went_m);
 }
 
@@ -73,6 +80,12 @@ std::uint64_t unproven_frames(const LoopStatistics& s) {
 bool is_doubtful(const LoopStatistics& s) {
   return s.frames == 0 || s.outside_map_frames > 0 ||
          (s.barred_frames > 0 && unproven_frames(s) > 0);
+}
+
+// The hand itself stayed behind, or the part while its scene changed: the rest of its way is not
+// known.
+bool is_unfinished(const Scenes& scenes, const std::optional<Pull>& pull, const LoopStatistics& s) {
+  return is_short(pull) && !is_stopped(pull, s) && !seat_open(scenes, s);
 }
 
 std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
@@ -93,7 +106,7 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
       "seated on %s to the end: it has not left its seat, and no separation is "
       "guaranteed; %s%s%s%s; ",
       seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
-      s.touched_last[0].force_n > 0 ? "held" : "nothing holds it",
+      is_stopped(pull, s) ? "held" : "nothing holds it",
       against(scenes, s.touched_last, true).c_str());
 }
 
@@ -118,7 +131,7 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
 
 }  // namespace
 
-bool Pull::held() const { return went_m < kFollowed * led_m; }
+bool Pull::short_of_end() const { return went_m < kFollowed * led_m; }
 
 std::string seat_text(const Scenes& scenes, double least_overlap_m) {
   std::string line;
@@ -137,9 +150,9 @@ std::string seat_text(const Scenes& scenes, double least_overlap_m) {
 const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
                          const LoopStatistics& s) {
   if (s.penetration_frames > 0) return "not clear";
-  if (is_doubtful(s)) return "unknown";
+  if (is_doubtful(s) || is_unfinished(scenes, pull, s)) return "unknown";
   if (seat_open(scenes, s)) return "seated";
-  return is_held(pull) ? "held" : "clear";
+  return is_short(pull) ? "held" : "clear";
 }
 
 std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
@@ -148,10 +161,11 @@ std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
   std::string line = seat_part(scenes, pull, s);
   if (s.penetration_frames > 0) {
     line += "NOT clear: ";
-  } else if (is_doubtful(s)) {
+  } else if (is_doubtful(s) || is_unfinished(scenes, pull, s)) {
     line += "not known to be clear: ";
+    if (is_unfinished(scenes, pull, s)) line += pull_part(pull) + ", nothing holds it; ";
   } else if (!seat_open(scenes, s)) {
-    line += is_held(pull)
+    line += is_short(pull)
                 ? "held: " + pull_part(pull) + against(scenes, s.touched_last, true) + "; "
                 : "clear: ";
   }
@@ -187,8 +201,9 @@ Status check_verdict(const Options& options, const Scenes& scenes, const std::op
       true);
   if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
     what = "the part has not left its seat on " + seat_text(scenes, INFINITY);
-  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_held(pull)) {
-    what = "the part is held: " + pull_part(pull) + against(scenes, s.touched_last, true);
+  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_short(pull)) {
+    what = (is_stopped(pull, s) ? "the part is held: " : "the part stopped short: ") +
+           pull_part(pull) + against(scenes, s.touched_last, true);
   }
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),

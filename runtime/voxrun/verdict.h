@@ -14,15 +14,16 @@ namespace forcelayer::voxrun {
 struct Pull {
   double led_m = 0;   // the way of the hand
   double went_m = 0;  // of the part along that, by its center
-  bool held() const;  // the part stopped short
+  bool short_of_end() const;
 };
 
 // The objects of the part's seat, escaped, the first few by name; empty without a seat. An overlap
 // of more than `least_overlap_m` is said.
 std::string seat_text(const Scenes& scenes, double least_overlap_m);
 
-// `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), `held` (short of
-// the end of its pull), or `unknown` (a premise failed, or no frame was run).
+// `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), `held` (stopped
+// short of the end of its pull), or `unknown` (a premise failed, a pull was not followed although
+// nothing holds the part, or no frame was run).
 const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
                          const loop::LoopStatistics& statistics);
 

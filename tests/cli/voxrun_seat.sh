@@ -266,4 +266,39 @@ for run in (held, firm):
     assert pull["led_m"] == 0.1 and 0.03 < pull["went_m"] < 0.04 and pull["held"] and pull["against"] == ["roof"], pull
 assert early["pull"] is None and not free["pull"]["held"] and abs(free["pull"]["went_m"] - 0.1) < 0.002, free["pull"]
 PYTHON
+
+# Nothing holds a part that a loose hand leaves a little behind: friction stops the hand before its way ends.
+run 0 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --json loose.json
+says '^not known to be clear: pulled 20 mm, it went 19[0-9.]* mm, nothing holds it; clearance at least '
+run 6 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --fail-on held
+errs 'at the end: the part stopped short: pulled 20 mm, it went 19[0-9.]* mm; '
+# A part between walls 0.02 mm away stays below a lid without a contact that has depth: the hand pulls on, and it is held.
+python3 - <<'PYTHON'
+def box(name, low, high):
+    corners = [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    with open(name, "w") as file:
+        file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
+        file.writelines("f {} {} {} {}\n".format(*face) for face in faces)
+box("floor.obj", (-40, -40, -6), (40, 40, 0))
+box("left.obj", (-14.37, -40, 0), (-10.37, 40, 21.64))
+box("right.obj", (10.37, -40, 0), (14.37, 40, 21.64))
+box("front.obj", (-10.37, -12.79, 0), (10.37, -8.79, 21.64))
+box("back.obj", (-10.37, 8.79, 0), (10.37, 12.79, 21.64))
+box("lid.obj", (-8, -8, 25.39), (8, 3, 31.39))
+box("tight.obj", (-10.35, -6.79, 0), (10.35, 6.79, 17.39))
+PYTHON
+"$bin/voxelize" floor.obj left.obj right.obj front.obj back.obj lid.obj --units mm --voxel-size 1mm -o lidded.vox --quiet
+"$bin/pointshell" tight.obj --units mm --voxel-size 1mm -o tight.pshell --quiet
+run 0 lidded.vox tight.pshell --pull 0,0,60mm --hand loose --trace tight.csv --json tight.json
+says 'guaranteed; pulled 60 mm, it went 4[0-9.]* mm, held; no clearance'
+run 0 lidded.vox tight.pshell --pull 0,0,4mm --hand loose
+says 'guaranteed; pulled 4 mm, it went 3[0-9.]* mm, nothing holds it; no clearance'
+python3 - <<'PYTHON'
+import csv, json
+loose, tight = (json.load(open(f"{name}.json")) for name in ("loose", "tight"))
+assert loose["verdict"] == "unknown" and loose["pull"]["held"] and loose["pull"]["against"] == [], loose["pull"]
+assert tight["verdict"] == "seated" and tight["pull"]["held"] and tight["contact_frames"] == 0, tight["pull"]
+assert float(list(csv.DictReader(open("tight.csv")))[-1]["force_z_n"]) < -1  # what a hand feels that pulls on
+PYTHON
 echo "all passed"

@@ -32,6 +32,7 @@ FILES = ("runtime_tests", "*CInterface*")
 WATCH = ("runtime_tests", "OutputWatch*:LatestValue*")
 LOSS = ("runtime_tests", "*MapLoss*:BusError*:BadRead*")
 STREAM = ("runtime_tests", "Recording*")
+RANGE = ("runtime_tests", "Ranges*")
 TEXTS = ("command_tests", "Quantity*:ParseArguments*:Escaped*")
 WRITERS = ("formats_tests", "AtomicFile*:Writers*:Path*")
 FRAMES = ("fault_frames", "400000")
@@ -42,6 +43,7 @@ GATE_FILE, STAGE, INPUT = ("runtime/loop/output_gate.cpp", "runtime/loop/output_
 MODEL, TABLE_FILE, BULK = ("runtime/model/default_model.cpp", "formats/section_table.cpp",
                            "formats/bulk_checks.cpp")
 A = "formats/audit/"
+RANGES = "runtime/run/ranges.cpp"
 
 PROGRAMS = ("formats_tests", "runtime_tests", "command_tests", "fault_frames", "fault_clock")
 
@@ -148,6 +150,14 @@ FAULTS = [
      "lengths have no bound below", [TEXTS]),
     ("door", "formats/command/quantity.cpp", "if (seconds && *seconds > kLongestS) {", "if (seconds && *seconds > 1e299) {",
      "times have no bound", [TEXTS]),
+    ("door", RANGES, "value >= range.least && value <= range.most", "!(value < range.least) && !(value > range.most)",
+     "a device may rate its force as NaN", [RANGE]),
+    ("door", RANGES, "if (Status s = check_ratings(request.device); !s) return s;", "",
+     "a device may rate its motors as it likes", [RANGE]),
+    ("door", RANGES, "request.recorded ? check_recorded(*request.recorded) : Status{}", "Status{}",
+     "a recorded model may have any numbers", [RANGE]),
+    ("door", RANGES, "{\"motion_scale\", request.placement.motion_scale, kMotionScales},", "",
+     "a motion may be scaled to nothing", [RANGE]),
     ("door", "formats/result.cpp", "(code >= 0x7f && code < 0xa0)", "code == 0x7f", "C1 reaches the terminal", [TEXTS]),
     ("door", "formats/result.cpp", "(code >= 0x202a && code <= 0x202e)", "code == 0x202a", "U+202E reaches the terminal", [TEXTS]),
     ("audit", A + "voxmap_audit.cpp", "if (said == counted) continue;", "continue;", "any counts", [AUDIT]),

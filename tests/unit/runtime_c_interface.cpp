@@ -377,20 +377,19 @@ TEST_P(CInterface, TheGuaranteeIsThatOfTheFilesInUse) {
   const Pose high{{0.1, 0.1, 0.08}, {1, 0, 0, 0}};
   const forcelayer_reading reading = reading_at(high);
   ASSERT_EQ(start(&high, nullptr, reading), 0) << error;
+  forcelayer_result result;
+  ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  std::vector<double> seen_m{state().guaranteed_m};
   std::atomic<bool> swapped{false};
   int failed = -1;
   std::thread other([&] {
     failed = swap("floor.vox", "finer.pshell", high);
     swapped = true;
   });
-  std::vector<double> seen_m;
-  forcelayer_result result;
   for (int after = 0; after < 100; after += swapped ? 1 : 0) {
     if (!swapped) machine::sleep_until_ns(machine::monotonic_ns() + 50'000);
     if (forcelayer_step(runtime, &reading, &result) != 0) break;
-    if (seen_m.empty() || seen_m.back() != state().guaranteed_m) {
-      seen_m.push_back(state().guaranteed_m);
-    }
+    if (seen_m.back() != state().guaranteed_m) seen_m.push_back(state().guaranteed_m);
   }
   other.join();
   ASSERT_EQ(failed, 0) << error;
