@@ -202,6 +202,11 @@ END
 "$bin/voxcheck" room.vox bar.pshell bar.csv --clearance 1mm --quiet || fail "the bar's way is not clear"
 plan 6 room.vox bar.pshell --clearance 2.1mm --time 0.5s -o no.csv
 
+# A shell for other voxels proves less.
+"$bin/pointshell" bar.obj --units mm --voxel-size 2mm -o coarse.pshell --quiet
+plan 6 room.vox coarse.pshell --clearance 1.2mm --time 0.5s -o no.csv --json no.json
+errs '^voxplan: warning: the part.s covering radius, 1\.73 mm, is more than a voxel of the scene, 0\.5 mm: .* --voxel-size 0\.5mm$'
+grep -q 'covering radius' no.json || fail "the coarse shell is not in the report"
 # A part that is modeled around an object.
 "$bin/voxelize" chip.obj --units mm --voxel-size 1mm -o chip.vox --quiet
 "$bin/pointshell" crate.obj --units mm --voxel-size 1mm -o crate.pshell --quiet
