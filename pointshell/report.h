@@ -26,8 +26,8 @@ double points_over_bound(const PshellHeader& header, double area_m2);
 // Says before it starts that a bake takes more than a minute or a gigabyte; else empty.
 std::string cost_warning(const BakeCost& cost, const ShellOptions& options, const part::Part& part);
 
-// The warning about the part's open sheets, all of them, or that its surface is open where a solid's
-// is closed; empty where neither is.
+// The warning about the part's open sheets, all of them, or that its surface is open where a
+// solid's is closed; empty where neither is.
 std::string sheet_warning(const BakedShell& shell);
 
 nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& options,

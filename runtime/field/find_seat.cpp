@@ -45,12 +45,19 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
   if (-double{object.corner_floor_m} < told_m) return {};
+  const double most_m = told_m - kLeastGiveVoxels * header.voxel_size_m;
+  if (most_m <= 0) {
+    return Error{ErrorCode::kUsage, "", "start",
+                 "the part touches " + name_of(object.object) +
+                     ", and the stored distances do not reach deep enough to hold a seat",
+                 "bake the scene with a larger --range"};
+  }
   char depth[80], most[80];
   std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
                 object.overlap_m < told_m ? "" : "more than ",
                 1000 * std::min(object.overlap_m, told_m));
   std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
-                1000 * (told_m - kLeastGiveVoxels * header.voxel_size_m));
+                1000 * most_m);
   return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + most,
                "check --start and the units of both files; bake the scene with --free-seed where "
                "the inside of an object is air, or with a larger --range"};

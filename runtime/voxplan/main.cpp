@@ -38,6 +38,14 @@ Status plan_for(const Options& options) {
   const auto part = open_part(options.part);
   if (!part) return part.error();
   voxcheck::warn_of_missing_faces(options.scene, *scene, options.part, *part, options.quiet);
+  if (const double radius_m = part->header().covering_radius_m; radius_m > scene->voxel_size_m()) {
+    command::warn(
+        command::text("the part's covering radius, %.3g mm, is more than a voxel of the "
+                      "scene, %.3g mm: less is proven; bake the part with --voxel-size "
+                      "%.3gmm",
+                      1e3 * radius_m, 1e3 * scene->voxel_size_m(), 1e3 * scene->voxel_size_m()),
+        options.quiet);
+  }
   const auto allowed = voxcheck::named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
   const Problem problem{*scene, *part, options.clearance_m,

@@ -36,6 +36,11 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                  "bake the scene with a larger --roi, or without"};
   }
   const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
+  if (worst.object_inside) {
+    return Error{ErrorCode::kUsage, "", option,
+                 (object.empty() ? "an object" : escaped(object)) + " lies inside the part there",
+                 "bake the scene without it (--without), or check the pose"};
+  }
   return Error{ErrorCode::kUsage, "", option,
                command::text("the part is nearer there than --clearance to %s: %.3f mm are proven",
                              object.empty() ? "the scene" : escaped(object).c_str(),

@@ -28,10 +28,9 @@ double hidden_within_m(const Report& report) {
 
 std::string found_text(const Report& report) {
   const clearance::CheckResult& checked = report.plan.checked;
-  const PathFacts facts = path_facts(report.plan.rows);
   std::string line =
       text("path found in %.3g s: %.4g mm long, %s %.3f mm", report.plan.search.seconds,
-           1e3 * facts.way_m, checked.at_least ? "at least" : "proven clearance",
+           1e3 * checked.way_m, checked.at_least ? "at least" : "proven clearance",
            voxcheck::floor_mm(checked.clearance_m));
   line +=
       voxcheck::to_object(report.problem.scene, checked.least.object) + seat_text(report) + "\n";

@@ -125,6 +125,13 @@ import json
 best = json.load(open("no.json"))["best"]
 assert best["out_m"] < 0.001 and sorted(best["blocked_by"][:2]) == ["bracket", "plate"], best' || fail "who holds the bolt: $(cat no.json)"
 
+# Distances that end at the mesh hold no seat.
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 -o shallow.vox --quiet
+plan 2 shallow.vox cover.pshell -o x.csv --clearance 1mm
+errs '--seat: the part touches Gearbox/[^ ]*, and the stored distances do not reach deep enough to hold a seat; .* --range$'
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 --range 14mm -o shallow.vox --quiet
+plan 0 shallow.vox cover.pshell -o x.csv --clearance 1mm --quiet
+
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,40mm --out-of-scene
 errs 'exclude each other'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
@@ -164,12 +171,15 @@ walls = [((-12, -12, 0), (-10, 12, 10)), ((10, -12, 0), (12, 12, 10)), ((-10, -1
 boxes("tub.obj", ((-12, -12, -2), (12, 12, 0)), *walls)
 boxes("lid.obj", ((-40, -40, 60), (40, 40, 62)))
 boxes("chip.obj", ((-2, -2, 4), (2, 2, 8)))
-# A room with a window of 10 x 10 mm in its ceiling, and a bar of 6 x 6 x 30 mm that lies in it.
+# A room with a window of 10 x 10 mm in its ceiling, and a bar of 6 x 6 x 30 mm that lies in it: a meter from the origin.
 def frame(half, outer, low, high):
     return [((-outer, -outer, low), (-half, outer, high)), ((half, -outer, low), (outer, outer, high)),
             ((-half, -outer, low), (half, -half, high)), ((-half, half, low), (half, outer, high))]
-boxes("room.obj", ((-25, -25, -25), (25, 25, -20)), *frame(20, 25, -20, 20), *frame(5, 25, 20, 25))
-boxes("bar.obj", ((-15, -3, -3), (15, 3, 3)))
+def aside(*all):
+    return [tuple((x + 1000, y, z) for x, y, z in pair) for pair in all]
+boxes("room.obj", *aside(((-25, -25, -25), (25, 25, -20)), *frame(20, 25, -20, 20), *frame(5, 25, 20, 25)))
+boxes("bar.obj", *aside(((-15, -3, -3), (15, 3, 3))))
+boxes("crate.obj", ((-20, -20, -20), (20, 20, 20)))  # all around the chip
 END
 "$bin/voxelize" tub.obj lid.obj --units mm --voxel-size 1mm --roi=-50mm,-50mm,-50mm,50mm,50mm,30mm -o tub.vox --quiet
 "$bin/pointshell" chip.obj --units mm --voxel-size 1mm -o chip.pshell --quiet
@@ -180,10 +190,27 @@ assert max(abs(x), abs(y)) > 12 or z < -2, (x, y, z)
 END
 
 # A bar that fits through a window on end alone stands up and goes: 2 mm of room on each side.
-"$bin/voxelize" room.obj --units mm --voxel-size 0.5mm --free-seed 0,0,10mm -o room.vox --quiet
+"$bin/voxelize" room.obj --units mm --voxel-size 0.5mm --free-seed 1m,0,10mm -o room.vox --quiet
 "$bin/pointshell" bar.obj --units mm --voxel-size 0.5mm -o bar.pshell --quiet
-plan 0 room.vox bar.pshell --clearance 1mm --time 10s -o bar.csv
+plan 0 room.vox bar.pshell --clearance 1mm --time 10s -o bar.csv --json bar.json
+python3 - "$(cat out.txt)" <<'END' || fail "how long its way is: $(cat out.txt)"
+import json, re, sys
+report = json.load(open("bar.json"))  # at 0.1 m/s
+assert abs(float(re.search(r"([0-9.]+) mm long", sys.argv[1])[1]) - 100 * report["duration_s"]) < 0.1, sys.argv
+assert report["way_m"] > 1, report  # of the frame's origin
+END
 "$bin/voxcheck" room.vox bar.pshell bar.csv --clearance 1mm --quiet || fail "the bar's way is not clear"
 plan 6 room.vox bar.pshell --clearance 2.1mm --time 0.5s -o no.csv
+
+# A shell for other voxels proves less.
+"$bin/pointshell" bar.obj --units mm --voxel-size 2mm -o coarse.pshell --quiet
+plan 6 room.vox coarse.pshell --clearance 1.2mm --time 0.5s -o no.csv --json no.json
+errs '^voxplan: warning: the part.s covering radius, 1\.73 mm, is more than a voxel of the scene, 0\.5 mm: .* --voxel-size 0\.5mm$'
+grep -q 'covering radius' no.json || fail "the coarse shell is not in the report"
+# A part that is modeled around an object.
+"$bin/voxelize" chip.obj --units mm --voxel-size 1mm -o chip.vox --quiet
+"$bin/pointshell" crate.obj --units mm --voxel-size 1mm -o crate.pshell --quiet
+plan 2 chip.vox crate.pshell --clearance 1mm --time 1s -o no.csv
+errs '--seat: chip lies inside the part there; bake the scene without it'
 
 finish
