@@ -103,7 +103,10 @@ void exit_cleanly_on_signals() {
 int run_command(const char* name, const std::function<Status()>& body) noexcept {
   try {
     const Status status = body();
-    return status ? 0 : fail(name, status.error());
+    if (!status) return fail(name, status.error());
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
+    // The answer has reached nobody.
+    return fail(name, {ErrorCode::kWriteFailed, "", "standard output", "cannot be written", ""});
   } catch (const std::bad_alloc&) {
     return fail(name, {ErrorCode::kOutOfMemory, "", "", "out of memory",
                        "use a larger voxel size or a machine with more memory"});

@@ -13,7 +13,8 @@ namespace forcelayer::command {
 inline constexpr const char* kVersion = FORCELAYER_VERSION;
 
 // Runs a command's body and turns its outcome into an exit status. An Error or an escaped exception
-// becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory.
+// becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory, and a standard
+// output that takes no more is kWriteFailed.
 int run_command(const char* name, const std::function<Status()>& body) noexcept;
 
 // Writes `report` to `path` atomically, indented, with a final newline; behind the common head

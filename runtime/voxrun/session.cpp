@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
+#include "formats/command/text.h"
 #include "formats/path/path_file.h"
 #include "runtime/field/seat.h"
 #include "runtime/loop/loop.h"
@@ -237,17 +237,24 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
 }
 
 // Warns of things that were asked for and will not come about, because the run ends before.
-void warn_of_early_end(const Options& options, const loop::LoopOptions& loop, Session& session) {
-  if (!loop.frames) return;
+void warn_of_early_end(const Options& options, const std::optional<std::uint64_t>& frames,
+                       Session& session) {
+  if (!frames) return;
   std::vector<std::string>& warnings = session.facts.warnings;
-  if (options.pull_m && *loop.frames < frames_of(*session.device.motion_end_s, session)) {
+  if (options.pull_m && *frames < frames_of(*session.device.motion_end_s, session)) {
     warnings.push_back(
         "--duration: the run ends before --pull does: it does not tell whether the part comes out");
   }
   for (const NextScene& next : options.scene_next) {
-    if (!next.at_s || *loop.frames > frames_of(*next.at_s, session)) continue;
-    warnings.push_back("--scene-next: " + next.path + ": the run ends before its time");
+    if (!next.at_s || *frames > frames_of(*next.at_s, session)) continue;
+    warnings.push_back(
+        command::text("--scene-next: %s: the run ends before its time", next.path.c_str()));
   }
+}
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
 }
 
 void print_warnings(const RunFacts& facts, std::size_t first) {
@@ -443,15 +450,15 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   Status done = prepare_run(options, session);
   if (done) {
-    warn_of_early_end(options, loop_options(options, session, stop), session);
-    if (!options.quiet) std::cout << start_text(*session.scenes, session.facts) << std::flush;
+    warn_of_early_end(options, loop_options(options, session, stop).frames, session);
+    if (!options.quiet) print(start_text(*session.scenes, session.facts));
     print_warnings(session.facts, 0);
     done = run_frames(options, session, next_scene, *statistics);
   }
   if (!began) return {};
   if (done && !options.quiet) {
-    std::cout << end_text(*session.scenes, session.facts, *statistics)
-              << verdict_text(*session.scenes, session.facts.pull, *statistics) << std::flush;
+    print(end_text(*session.scenes, session.facts, *statistics));
+    print(verdict_text(*session.scenes, session.facts.pull, *statistics));
   }
   if (done && !options.json.empty()) {
     auto report = report_json(*session.scenes, session.facts, *statistics);

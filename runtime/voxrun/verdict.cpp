@@ -169,13 +169,13 @@ std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
   std::string line = seat_part(scenes, pull, s);
   if (s.penetration_frames > 0) {
     line += "NOT clear: ";
-  } else if (is_doubtful(scenes, s) || is_unfinished(scenes, pull, s)) {
+  } else if (const bool loose = is_unfinished(scenes, pull, s); loose || is_doubtful(scenes, s)) {
     line += "not known to be clear: ";
-    if (is_unfinished(scenes, pull, s)) line += pull_part(pull) + ", nothing holds it; ";
+    if (loose) line += text("%s, nothing holds it; ", pull_part(pull).c_str());
   } else if (!seat_open(scenes, s)) {
-    line += is_short(pull)
-                ? "held: " + pull_part(pull) + against(scenes, s.touched_last, true) + "; "
-                : "clear: ";
+    line += is_short(pull) ? text("held: %s%s; ", pull_part(pull).c_str(),
+                                  against(scenes, s.touched_last, true).c_str())
+                           : "clear: ";
   }
   if (s.first_outside_map) {
     line += text("%llu frame%s beyond a cropped side of the scene, the first at %.3f s; ",

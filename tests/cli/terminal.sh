@@ -118,6 +118,17 @@ for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshel
   "$bin/$name" $words --nothing --json table.json 2>err.txt
   cmp -s press.csv table.json || fail "$call: the report of a wrong command line replaced another file"
 done
+# An answer that reaches nobody is a failure.
+for call in "voxrun floor.vox ball.pshell --start 0.1m,0.1m,0.2m --as-fast-as-possible --duration 10ms" \
+  "voxrun doctor --clock 0" "voxinfo floor.vox" "voxinfo verify floor.vox" "forcelayer"; do
+  read -r name words <<<"$call"
+  [ -x "$bin/$name" ] || continue
+  # shellcheck disable=SC2086  # words
+  "$bin/$name" $words >/dev/full 2>err.txt
+  status=$?
+  [ $status = 1 ] && grep -qx "$name.*: standard output: cannot be written" err.txt ||
+    fail "$call >/dev/full: status $status: $(cat err.txt)"
+done
 # The help that is named is that of the command that lacks something.
 for call in "voxinfo path" "forcelayer study a.glb#Pin -o study"; do
   read -r name word words <<<"$call"

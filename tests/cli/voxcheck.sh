@@ -70,6 +70,9 @@ PYTHON
 
 # Clear, by the usual half inch and by more.
 check 0 opened.vox cover.pshell over.csv --json over.json
+# Clear, and nobody can read it.
+"$bin/voxcheck" opened.vox cover.pshell over.csv >/dev/full 2>err.txt && fail "an answer that was lost"
+errs '^voxcheck: standard output: cannot be written$'
 says '^clear: 12\.700 mm required; (least proven clearance|at least) [0-9.]+ mm'
 python3 - <<'PYTHON'
 import json

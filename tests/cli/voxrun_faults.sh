@@ -203,7 +203,9 @@ for n in range(30):
     process = subprocess.Popen(run + outputs)
     time.sleep(dice.uniform(0, 2 * length_s))
     process.send_signal(signal.SIGKILL)
-    ends[process.wait()] += 1
+    status = process.wait()
+    ends[status] += 1
+    length_s *= 0.85 if status == 0 else 1.15  # as fast as the machine is meanwhile
     if os.path.exists("run.json"): assert json.load(open("run.json"))["frames"] == 700
     if os.path.exists("run.csv"): assert open("run.csv").read().count("\n") == 701
     if os.path.exists("run.flr"):
