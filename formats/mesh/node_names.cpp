@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
 
 #include "formats/command/spelling.h"
 #include "formats/mesh/reader.h"
@@ -141,26 +142,29 @@ bool is_later(std::string_view label, std::string_view first) {
   return label.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+// Whether a number or a wildcard says which siblings, by label of a name that fits `path`.
+std::vector<bool> settled_labels(const std::string& path, const std::string& name) {
+  const bool as_written = bears_name(path, name);
+  std::vector<bool> is_settled;
+  for (const std::string_view label : labels_of(name)) {
+    is_settled.push_back(!as_written &&
+                         (has_wildcard(label) || command::without_first_numbers(label) != label));
+  }
+  return is_settled;
+}
+
 // A name that a node bears, or fits by its wildcards. Other nodes may be meant too where that one,
 // or one that it is below, is the first of siblings that are called alike.
 class OneOfSeveral {
  public:
   // Both texts must outlive this.
   OneOfSeveral(const std::string& name, const std::string& path)
-      : labels_(labels_of(path)), named_(labels_of(name)), has_others_(named_.size()) {
-    const bool as_written = bears_name(path, name);
-    for (const std::string_view label : named_) {
-      is_settled_.push_back(
-          !as_written && (has_wildcard(label) || command::without_first_numbers(label) != label));
-    }
-    std::size_t same = labels_.size() - named_.size();
-    for (std::size_t i = 0; i < named_.size() && is_settled_[i]; ++i) ++same;
-    const std::string_view last = labels_[std::min(same, labels_.size() - 1)];
-    beginning_ = std::string_view(path).substr(0, last.data() + last.size() - path.data());
-  }
+      : labels_(labels_of(path)),
+        named_(labels_of(name)),
+        is_settled_(settled_labels(path, name)),
+        has_others_(named_.size()) {}
 
   bool may_mean(const std::string& path) {
-    if (!path.starts_with(beginning_)) return false;  // most, of many nodes
     const auto labels = labels_of(path);
     if (labels.size() != labels_.size()) return false;
     const std::size_t above = labels.size() - named_.size();
@@ -190,24 +194,57 @@ class OneOfSeveral {
   }
 
   std::vector<std::string_view> labels_, named_;  // of the node's path; of the name
-  std::string_view beginning_;                    // of the node's path, which others share
   std::vector<bool> is_settled_, has_others_;     // [named_] by a number or a wildcard
 };
 
+// A label without the numbers of siblings that are called alike.
+std::string_view without_numbers(std::string_view label) {
+  for (std::size_t begin; (begin = label.rfind('[')) != std::string_view::npos;) {
+    if (!is_later(label, label.substr(0, begin))) break;
+    label = label.substr(0, begin);
+  }
+  return label;
+}
+
+// A path without these numbers at the labels that a name leaves open, the last of them: the same
+// for all nodes that it may mean beside each other.
+std::string common_path(std::string_view path, const std::vector<bool>& is_settled) {
+  const auto labels = labels_of(path);
+  std::string text;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::size_t behind = labels.size() - i;  // this label and those below it
+    const bool is_open = behind <= is_settled.size() && !is_settled[is_settled.size() - behind];
+    text.append(is_open ? without_numbers(labels[i]) : labels[i]) += '/';
+  }
+  return text;
+}
+
 // Refuses a name where another node than those that it fits may be meant too that is not `settled`,
-// by another name.
+// by another name. In time that grows as the number of nodes, whatever a wildcard fits.
 template <typename Settled>
 Status check_is_alone(const std::string& where, const std::string& name,
                       std::span<const AssemblyNode> nodes, const Settled& settled) {
-  for (const std::size_t first : nodes_of(name, nodes)) {
-    std::vector<std::size_t> found{first};
-    OneOfSeveral one(name, nodes[first].path);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (one.may_mean(nodes[i].path) && !settled(i)) found.push_back(i);
+  const std::vector<std::size_t> named = nodes_of(name, nodes);
+  if (named.empty()) return {};
+  const std::vector<bool> is_settled = settled_labels(nodes[named.front()].path, name);
+  std::unordered_map<std::string, std::vector<std::size_t>> called_alike;
+  for (const std::size_t i : named) {
+    called_alike[common_path(nodes[i].path, is_settled)].push_back(i);
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (settled(i)) continue;
+    const auto alike = called_alike.find(common_path(nodes[i].path, is_settled));
+    if (alike == called_alike.end()) continue;
+    for (const std::size_t first : alike->second) {
+      OneOfSeveral one(name, nodes[first].path);
+      if (!one.may_mean(nodes[i].path)) continue;
+      std::vector<std::size_t> found{first};
+      for (std::size_t other = 0; other < nodes.size(); ++other) {
+        if (one.may_mean(nodes[other].path) && !settled(other)) found.push_back(other);
+      }
+      return Error{ErrorCode::kSceneInvalid, "", where,
+                   "several siblings are called so: " + listed(found, nodes), one.mend()};
     }
-    if (found.size() == 1) continue;
-    return Error{ErrorCode::kSceneInvalid, "", where,
-                 "several siblings are called so: " + listed(found, nodes), one.mend()};
   }
   return {};
 }

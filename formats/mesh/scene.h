@@ -74,6 +74,7 @@ struct SceneReading {
   std::function<void(double share_done)> progress;  // may be empty; one call at a time
 };
 
+// Whether an input of read_scene() is a manifest, by its ending.
 bool is_manifest(const std::string& input);
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh
