@@ -11,13 +11,13 @@
 #include <limits>
 
 #include "runtime/run/baked_files.h"
-#include "runtime/voxplan/check/pose_check.h"
-#include "runtime/voxplan/search.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
 #include "tests/bench/puzzle_bench_fcl.h"
 #include "tests/bench/puzzle_bench_replay.h"
 #include "tests/support/scratch_folder.h"
+#include "workbench/voxplan/check/pose_check.h"
+#include "workbench/voxplan/search.h"
 
 namespace forcelayer::bench {
 namespace {

@@ -12,9 +12,9 @@
 
 #include <cmath>
 
-#include "runtime/voxplan/random.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/fcl_model.h"
+#include "workbench/voxplan/random.h"
 
 namespace forcelayer::bench {
 namespace {

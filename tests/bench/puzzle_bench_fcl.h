@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "runtime/voxplan/destination.h"
 #include "tests/bench/puzzle_bench_puzzles.h"
 #include "tests/bench/puzzle_bench_replay.h"
+#include "workbench/voxplan/destination.h"
 
 namespace forcelayer::bench {
 

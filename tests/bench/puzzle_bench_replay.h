@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "runtime/voxplan/check/pose_check.h"
+#include "workbench/voxplan/check/pose_check.h"
 
 namespace forcelayer::bench {
 

@@ -14,7 +14,7 @@ refuse() {  # WHAT PATTERN FILES...
 }
 sources() { find "$@" \( -name '*.h' -o -name '*.cpp' -o -name '*.c' \) ; }
 
-mapfile -t runtime < <(sources runtime -not -path 'runtime/viewer/*' -not -path 'runtime/exact/*' -not -path 'runtime/voxplan/*')
+mapfile -t runtime < <(sources runtime)
 mapfile -t formats < <(sources formats -not -path 'formats/mesh/*' -not -path 'formats/command/*' \
                        -not -path 'formats/voxinfo/*')
 mapfile -t voxelize < <(sources voxelize)
@@ -22,12 +22,12 @@ mapfile -t pointshell < <(sources pointshell)
 [ ${#runtime[@]} -gt 5 ] && [ ${#formats[@]} -gt 5 ] && [ ${#voxelize[@]} -gt 3 ] &&
   [ ${#pointshell[@]} -gt 3 ] || { echo "FAILED: sources not found" >&2; exit 1; }
 
-offline='#include *[<"](openvdb|OpenMesh|draco|tbb|oneapi|vtk|fcl|ompl|formats/mesh|voxelize/|pointshell/)'
+offline='#include *[<"](openvdb|OpenMesh|draco|tbb|oneapi|vtk|fcl|ompl|formats/mesh|voxelize/|pointshell/|workbench/)'
 refuse "runtime sees an offline library" "$offline" "${runtime[@]}"
 refuse "formats sees more than the standard library and a checksum" \
-  '#include *[<"](glm|openvdb|OpenMesh|draco|tbb|oneapi|CLI|nlohmann|hwy|hidapi|runtime/|voxelize/|pointshell/|formats/(mesh|command)/)' "${formats[@]}"
-refuse "voxelize sees pointshell or runtime" '#include *[<"](pointshell|runtime)/' "${voxelize[@]}"
-refuse "pointshell sees voxelize or runtime" '#include *[<"](voxelize|runtime)/' "${pointshell[@]}"
+  '#include *[<"](glm|openvdb|OpenMesh|draco|tbb|oneapi|CLI|nlohmann|hwy|hidapi|runtime/|voxelize/|pointshell/|workbench/|formats/(mesh|command)/)' "${formats[@]}"
+refuse "voxelize sees pointshell, runtime or workbench" '#include *[<"](pointshell|runtime|workbench)/' "${voxelize[@]}"
+refuse "pointshell sees voxelize, runtime or workbench" '#include *[<"](voxelize|runtime|workbench)/' "${pointshell[@]}"
 
 # Rooms. A file of ROOM includes files of ROOM and of the rooms behind it, and no others of this project. A room
 # stands below those that it includes, so that none include each other in a circle. formats/bricks and formats/file are
@@ -47,7 +47,7 @@ formats/voxinfo:        formats formats/audit formats/command formats/digest for
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
-runtime/viewer/surface: formats formats/command
+workbench/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step/entities: formats formats/mesh
@@ -75,19 +75,19 @@ runtime/run:            formats formats/audit formats/digest runtime/field runti
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-runtime/viewer/run:     formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
+workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
-runtime/exact:          formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
-runtime/voxplan/nearest: formats runtime/forcelayer runtime/query
-runtime/voxplan/check:  formats formats/path runtime/clearance runtime/coupling runtime/forcelayer
-runtime/voxplan/smooth: formats runtime/coupling runtime/voxplan/check
-runtime/voxplan:        formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck runtime/voxplan/nearest runtime/voxplan/check runtime/voxplan/smooth
-runtime/study:          formats formats/command formats/digest formats/path
-runtime/viewer/plan:    formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/viewer/run runtime/viewer/surface
-runtime/viewer/vtk:     formats formats/command runtime/forcelayer runtime/viewer/plan runtime/viewer/run runtime/viewer/surface
-runtime/viewer:         formats formats/command formats/mesh/sandbox runtime/viewer/plan runtime/viewer/run runtime/viewer/vtk
+workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
+workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
+workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer
+workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
+workbench/voxplan:       formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
+workbench/study:         formats formats/command formats/digest formats/path
+workbench/viewer/plan:   formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer workbench/viewer/run workbench/viewer/surface
+workbench/viewer/vtk:    formats formats/command runtime/forcelayer workbench/viewer/plan workbench/viewer/run workbench/viewer/surface
+workbench/viewer:        formats formats/command formats/mesh/sandbox workbench/viewer/plan workbench/viewer/run workbench/viewer/vtk
 '
 room_of() { case $1 in forcelayer) echo runtime/forcelayer ;; formats/bricks | formats/file) echo formats ;; *) echo "$1" ;; esac }
 above=
@@ -113,14 +113,14 @@ done <<<"$rooms"
 # Each folder with sources is a room of the table.
 while read -r folder; do
   case "$above " in *" $(room_of "$folder") "*) ;; *) echo "FAILED: $folder is no room of the table" >&2; fail=1 ;; esac
-done < <(sources formats voxelize pointshell runtime | grep -v /firmware/ | xargs -n1 dirname | sort -u)
+done < <(sources formats voxelize pointshell runtime workbench | grep -v /firmware/ | xargs -n1 dirname | sort -u)
 
 hidapi_users=$(sources runtime | xargs grep -lE '#include *[<"](hidapi/)?hidapi' | wc -l) || true
 [ "$hidapi_users" -le 1 ] || { echo "FAILED: $hidapi_users files include hidapi.h" >&2; fail=1; }
 
 # Comments and docstrings say what a thing is, as a sentence or a noun phrase.
 refuse 'a comment begins with "What" or "Of"' '(^|[[:space:]])(//+<?|#+|\*|/\*+<?|""")[[:space:]]*(What|Of)\b' -r \
-  --include=\*.{h,cpp,c,py,sh,bash,cmake,map,txt,yml} formats pointshell runtime scripts tests voxelize *.txt *.py
+  --include=\*.{h,cpp,c,py,sh,bash,cmake,map,txt,yml} formats pointshell runtime scripts tests voxelize workbench *.txt *.py
 
 for command in voxrun voxcheck voxinfo forcelayer; do
   binary=$FORCELAYER_BIN_DIR/$command

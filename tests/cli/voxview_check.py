@@ -16,12 +16,12 @@ import sys
 import numpy
 from matplotlib import image
 
-STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/plan/style.h"
+STYLE = pathlib.Path(__file__).resolve().parents[2] / "workbench/viewer/plan/style.h"
 INTERIOR, SURFACE, PROXIMITY = 1, 2, 3
 
 
 def color(name):
-    """A color of runtime/viewer/plan/style.h as three bytes."""
+    """A color of workbench/viewer/plan/style.h as three bytes."""
     numbers = re.search(rf"k{name}Color = {{([^}}]*)}}", STYLE.read_text()).group(1)
     return numpy.round(255 * numpy.array([float(n) for n in numbers.split(",")]))
 

@@ -19,7 +19,7 @@ import time
 import numpy
 
 BIN, DATA = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-STYLE = pathlib.Path(__file__).resolve().parents[2] / "runtime/viewer/plan/style.h"
+STYLE = pathlib.Path(__file__).resolve().parents[2] / "workbench/viewer/plan/style.h"
 WIDTH, HEIGHT = 800, 600
 PATIENCE_S = 60  # for what takes a second on a quiet machine
 PORT = "47221"

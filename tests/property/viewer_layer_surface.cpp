@@ -6,10 +6,10 @@
 #include <set>
 #include <tuple>
 
-#include "runtime/viewer/surface/coarse_layers.h"
-#include "runtime/viewer/surface/layer_surface.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/golden_bytes.h"
+#include "workbench/viewer/surface/coarse_layers.h"
+#include "workbench/viewer/surface/layer_surface.h"
 
 namespace forcelayer::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "runtime/exact/exact_walk.h"
+#include "workbench/exact/exact_walk.h"
 
 namespace forcelayer::exact {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "runtime/exact/seat_walk.h"
+#include "workbench/exact/seat_walk.h"
 
 namespace forcelayer::exact {
 namespace {

@@ -11,15 +11,15 @@
 #include "runtime/clearance/path_check.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/field/field_probe.h"
-#include "runtime/voxplan/check/pose_check.h"
-#include "runtime/voxplan/nearest/pose_index.h"
-#include "runtime/voxplan/search.h"
-#include "runtime/voxplan/slide.h"
-#include "runtime/voxplan/smooth/smoothed.h"
-#include "runtime/voxplan/way.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
 #include "tests/support/shape_scene.h"
+#include "workbench/voxplan/check/pose_check.h"
+#include "workbench/voxplan/nearest/pose_index.h"
+#include "workbench/voxplan/search.h"
+#include "workbench/voxplan/slide.h"
+#include "workbench/voxplan/smooth/smoothed.h"
+#include "workbench/voxplan/way.h"
 
 namespace forcelayer::test {
 namespace {

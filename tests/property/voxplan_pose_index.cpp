@@ -7,9 +7,9 @@
 #include <deque>
 
 #include "runtime/coupling/coupling.h"
-#include "runtime/voxplan/pose_tree.h"
-#include "runtime/voxplan/random.h"
 #include "tests/support/every_target.h"
+#include "workbench/voxplan/pose_tree.h"
+#include "workbench/voxplan/random.h"
 
 namespace forcelayer::test {
 namespace {

@@ -1,9 +1,9 @@
 // Arrows of contacts: only so many, and only so long, as can be told apart.
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/plan/arrows.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
+#include "workbench/viewer/plan/arrows.h"
 
 namespace forcelayer::testing {
 namespace {

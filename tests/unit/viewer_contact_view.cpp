@@ -1,10 +1,10 @@
 // The picture of a moment, on a scene that can be checked by hand.
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/plan/camera.h"
-#include "runtime/viewer/run/contact_view.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
+#include "workbench/viewer/plan/camera.h"
+#include "workbench/viewer/run/contact_view.h"
 
 namespace forcelayer::testing {
 namespace {

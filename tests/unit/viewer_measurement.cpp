@@ -6,11 +6,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
-#include "runtime/viewer/plan/camera.h"
-#include "runtime/viewer/plan/measurement.h"
-#include "runtime/viewer/plan/mesh_pick.h"
 #include "tests/support/golden_bytes.h"
 #include "tests/support/random_numbers.h"
+#include "workbench/viewer/plan/camera.h"
+#include "workbench/viewer/plan/measurement.h"
+#include "workbench/viewer/plan/mesh_pick.h"
 
 namespace forcelayer::viewer {
 namespace {

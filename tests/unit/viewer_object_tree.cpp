@@ -1,9 +1,9 @@
 // The tree of objects: rows, choosing, hiding; and the mesh under the pointer.
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/plan/mesh_pick.h"
-#include "runtime/viewer/plan/object_tree.h"
-#include "runtime/viewer/run/moment.h"
+#include "workbench/viewer/plan/mesh_pick.h"
+#include "workbench/viewer/plan/object_tree.h"
+#include "workbench/viewer/run/moment.h"
 
 namespace forcelayer::viewer {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/viewer/plan/options.h"
+#include "workbench/viewer/plan/options.h"
 
 namespace forcelayer {
 namespace {

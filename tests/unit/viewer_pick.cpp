@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "runtime/viewer/surface/pick.h"
 #include "tests/support/golden_bytes.h"
+#include "workbench/viewer/surface/pick.h"
 
 namespace forcelayer::viewer {
 namespace {

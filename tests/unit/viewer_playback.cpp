@@ -1,8 +1,8 @@
 // Playing, stepping and jumping in a run.
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/run/playback.h"
-#include "runtime/viewer/run/run_rows.h"
+#include "workbench/viewer/run/playback.h"
+#include "workbench/viewer/run/run_rows.h"
 
 namespace forcelayer {
 namespace {

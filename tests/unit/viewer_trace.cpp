@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "runtime/viewer/run/trace.h"
 #include "tests/support/scratch_folder.h"
+#include "workbench/viewer/run/trace.h"
 
 namespace forcelayer {
 namespace {

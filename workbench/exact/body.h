@@ -1,0 +1,66 @@
+// One body of a mesh: its triangles, and which places lie inside of them.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pointshell/certificate/winding_number.h"
+#include "pointshell/part/part.h"
+#include "pointshell/part/triangle_tree.h"
+#include "workbench/exact/surfaces.h"
+
+namespace forcelayer::exact {
+
+inline part::Vec3 vec3_of(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+inline glm::dvec3 dvec3_of(const part::Vec3& p) { return {p.x, p.y, p.z}; }
+
+class Body {
+ public:
+  // Cracks between faces that are narrower than `crack_m` do not open a body. `part` has a triangle
+  // with an area.
+  Body(part::Part part, double crack_m);
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+
+  const part::TriangleTree& tree() const { return tree_; }
+
+  // Whether the triangles have an inside: each edge is closed, or nothing but a crack is open
+  // there.
+  bool is_solid() const { return is_solid_; }
+  // How wide the cracks may be, m; 0 where each edge is closed.
+  double crack_m() const { return crack_m_; }
+
+  // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
+  bool holds(const part::Vec3& place_m) const;
+
+  // How often the triangles wind around a place, counted where a ray from it crosses them: exact
+  // where each edge is closed. None where the ray comes too near an edge for its rounding.
+  std::optional<int> windings_by_ray(const part::Vec3& place_m) const;
+
+  // Whether a piece may meet the triangles. Where it does not, and the body is closed, all of the
+  // piece lies inside or all of it outside.
+  bool may_meet(const part::Piece& piece_m) const;
+
+ private:
+  bool close_cracks(double most_m);
+  bool has_only_cracks(double crack_m) const;
+
+  part::Part part_;
+  part::TriangleTree tree_;
+  std::unique_ptr<certificate::WindingNumber> winding_;
+  bool is_solid_ = false;
+  double crack_m_ = 0;
+};
+
+using Bodies = std::vector<std::unique_ptr<Body>>;
+
+// A body for each object of the surface; none for one without area.
+Bodies bodies_of(const Surface& surface, double crack_m);
+
+// Whether there are any, and each of them is solid.
+bool are_solid(const Bodies& bodies);
+
+}  // namespace forcelayer::exact

@@ -1,0 +1,94 @@
+// The exact distance along a path, between its poses as at them. It is measured at moments, and
+// what it is at least in between follows from how far the part's points travel (conservative
+// advancement). Between two moments whose points travel S at most, where the distances are a and b:
+//   (a + b - S) / 2                    no point comes nearer than it goes
+//   sqrt(min(a, b)^2 - S^2 / 4) - e    where points deviate from straight ways by e at most
+// The latter holds of each point of the part, because the squared distance to any set, less the
+// square of the place, is concave (voxmap_format.md, 13.4).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "runtime/clearance/center_path.h"
+#include "workbench/exact/mesh_distance.h"
+
+namespace forcelayer::exact {
+
+using clearance::Moment;
+using Progress = std::function<void(double share)>;
+
+// The surfaces at a moment.
+struct Sample {
+  Moment moment;
+  MeshDistance measured;
+  bool seated = false;
+};
+
+// A piece of a path.
+struct Piece {
+  Moment from, to;
+  double least_m = 0;        // the distance is at least this in all of it
+  bool seated = false;       // the seat's objects do not count
+  bool is_measured = false;  // at its ends
+};
+
+class ExactWalk {
+ public:
+  // All outlive this. `everything` holds all objects that count, `seated` those that count while
+  // the part is in its seat. `rounding_m`: of a measured distance.
+  ExactWalk(const clearance::CenterPath& path, const MeshPair& everything, const MeshPair& seated,
+            double rounding_m);
+
+  // From here on tells how far a search is, as a share of it.
+  void tell(Progress progress) { progress_ = std::move(progress); }
+
+  const Sample& at(const Moment& moment, bool seated, double hint_m = kNothingM);
+
+  // The least distance of the pieces, and what it is at least in all of them: these differ by
+  // `within_m` at most. `known`: a sample of the path, where one is at hand.
+  struct Least {
+    Sample sample;
+    double at_least_m = 0;
+  };
+  Least least(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {});
+
+  // Those parts of a piece, in the order of time, of which it is not proven that the distance is
+  // `required_m` or more. They are told to `resolution_m` of travel where they begin and end.
+  std::vector<Piece> nearer_than(const Piece& piece, double required_m, double resolution_m);
+
+  double time_s(const Moment& moment) const { return path_.time_s(moment); }
+  std::uint64_t measured() const { return samples_.size(); }
+
+  // A moment at which the meshes are nearer than the pieces given said.
+  struct Contradiction {
+    double time_s = 0, exact_m = 0, proven_m = 0;
+  };
+  const std::optional<Contradiction>& contradiction() const { return contradiction_; }
+
+ private:
+  static constexpr double kNothingM = voxcheck::kNothingM;
+
+  void measure(Piece& piece);
+  double between_m(const Sample& a, const Sample& b) const;
+  std::pair<Piece, Piece> cut(const Piece& piece);
+  double travel_m(const Piece& piece) const {
+    return path_.travel_m(piece.to) - path_.travel_m(piece.from);
+  }
+
+  const clearance::CenterPath& path_;
+  const MeshPair& everything_;
+  const MeshPair& seated_;
+  double rounding_m_;
+  std::map<std::tuple<std::size_t, double, bool>, Sample> samples_;
+  std::optional<Contradiction> contradiction_;
+  Progress progress_ = [](double) {};
+};
+
+}  // namespace forcelayer::exact

@@ -1,0 +1,144 @@
+#include "workbench/exact/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "formats/command/provenance.h"
+#include "formats/command/text.h"
+#include "formats/mesh/sandbox/trust_options.h"
+#include "formats/mesh/scene.h"
+
+namespace forcelayer::exact {
+namespace {
+
+// Read as for the bake: exact surfaces (STEP, IGES) get the triangles that it had.
+Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, double voxel_size_m,
+                                      std::string_view provenance) {
+  mesh::TrustOptions trust;
+  trust.sandbox = request.sandbox;
+  trust.allow_outside = request.allow_outside;
+  trust.sandbox_time = request.sandbox_time;
+  if (request.sandbox_memory_bytes > 0) trust.sandbox_memory_bytes = request.sandbox_memory_bytes;
+  auto read = trust.reader();
+  if (!read) return read.error();
+  mesh::SceneReading reading;
+  reading.voxel_size_m = voxel_size_m;
+  reading.allow_outside = request.allow_outside;
+  reading.missing_faces = command::missing_faces_in(provenance);
+  reading.read = std::move(*read);
+  return reading;
+}
+
+Error other_meshes(const std::string& file, std::string why) {
+  return {ErrorCode::kFilesDoNotMatch, file, "--exact",
+          "was not baked from these meshes: " + std::move(why),
+          "name the inputs of the bake, with its --without"};
+}
+
+Surface surface_of(const mesh::Scene& scene, const glm::dvec3& origin_m) {
+  Surface surface;
+  for (std::size_t n = 0; n < scene.objects.size(); ++n) {
+    const mesh::MeshObject& object = scene.objects[n];
+    const mesh::Mesh& mesh = scene.mesh_of(object);
+    const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
+    for (const mesh::Vec3d& vertex : mesh.vertices) {
+      const mesh::Vec3d p = apply(object.world_from_mesh, vertex);
+      surface.vertices_m.push_back(glm::dvec3(p[0], p[1], p[2]) - origin_m);
+      for (const double coordinate : p) {
+        surface.largest_m = std::max(surface.largest_m, std::abs(coordinate));
+      }
+    }
+    for (const mesh::Triangle& t : mesh.triangles) {
+      surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    surface.object.resize(surface.triangles.size(), static_cast<std::uint32_t>(n + 1));
+  }
+  return surface;
+}
+
+Status check_triangles(const std::string& file, std::size_t read, std::uint64_t baked) {
+  if (read == baked) return {};
+  return other_meshes(file, command::text("they have %zu triangles, and it was made from %llu",
+                                          read, static_cast<unsigned long long>(baked)));
+}
+
+Status check_names(const std::string& file, const mesh::Scene& scene, const Voxmap& voxmap) {
+  const std::uint32_t count = voxmap.header().object_count;
+  if (count != scene.objects.size()) {
+    return other_meshes(
+        file, command::text("they are %zu objects, and it has %u", scene.objects.size(), count));
+  }
+  for (std::uint32_t n = 1; n <= count; ++n) {
+    const std::string& name = scene.objects[n - 1].name;
+    if (voxmap.object_name(n) != name) {
+      return other_meshes(file, "its object " + std::to_string(n) + " is '" +
+                                    std::string(voxmap.object_name(n)) + "', not '" + name + "'");
+    }
+  }
+  return {};
+}
+
+// The triangles of some objects.
+template <typename IsChosen>
+Surface those_of(const Surface& surface, const IsChosen& is_chosen) {
+  Surface chosen{surface.vertices_m, {}, {}, surface.largest_m};
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (!is_chosen(surface.object[t])) continue;
+    chosen.triangles.push_back(surface.triangles[t]);
+    chosen.object.push_back(surface.object[t]);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const Voxmap& voxmap,
+                                   std::vector<std::string>& warnings) {
+  auto reading = reading_of(request, voxmap.voxel_size_m(), voxmap.provenance());
+  if (!reading) return reading.error();
+  reading->without = request.without;
+  const auto scene = mesh::read_scene(request.meshes, request.unit_m, *reading);
+  if (!scene) return scene.error();
+  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
+  Surface surface = surface_of(*scene, glm::dvec3(0));
+  if (Status same =
+          check_triangles(request.scene, surface.triangles.size(), voxmap.header().triangles);
+      !same) {
+    return same.error();
+  }
+  if (voxmap.objects() == nullptr) {
+    std::fill(surface.object.begin(), surface.object.end(), 0);
+  } else if (Status same = check_names(request.scene, *scene, voxmap); !same) {
+    return same.error();
+  }
+  return surface;
+}
+
+Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const Pshell& shell,
+                                  std::vector<std::string>& warnings) {
+  const PshellHeader& header = shell.header();
+  const auto reading = reading_of(request, header.voxel_size_m, shell.provenance());
+  if (!reading) return reading.error();
+  const auto scene = mesh::read_scene(request.part_meshes, request.part_unit_m, *reading);
+  if (!scene) return scene.error();
+  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
+  const auto& c = header.center_m;
+  Surface surface = surface_of(*scene, {c[0], c[1], c[2]});
+  if (Status same = check_triangles(request.part, surface.triangles.size(), header.triangles);
+      !same) {
+    return same.error();
+  }
+  return surface;
+}
+
+Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {
+  return those_of(surface, [&](std::uint32_t object) {
+    return std::find(left_out.begin(), left_out.end(), object) == left_out.end();
+  });
+}
+
+Surface only(const Surface& surface, std::uint32_t object) {
+  return those_of(surface, [&](std::uint32_t other) { return other == object; });
+}
+
+}  // namespace forcelayer::exact

@@ -1,0 +1,128 @@
+// forcelayer: lists the commands, and makes a study of a part with them.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/arguments.h"
+#include "formats/command/command.h"
+#include "formats/command/help.h"
+#include "formats/command/output_file.h"
+#include "formats/command/program.h"
+#include "workbench/study/options.h"
+#include "workbench/study/study.h"
+
+namespace {
+
+struct Listed {
+  const char* name;
+  const char* does;
+};
+constexpr Listed kCommands[] = {
+    {"voxelize", "bakes the static scene into a .vox file"},
+    {"pointshell", "bakes the part into a .pshell file"},
+    {"voxinfo", "says what a baked file is; verifies, samples and exports it"},
+    {"voxrun", "runs the haptic loop; voxrun doctor checks the machine"},
+    {"voxcheck", "proves that a part keeps its clearance along a path"},
+    {"voxplan", "finds a way for a part out of where it is installed"},
+    {"voxview", "shows meshes, baked files and runs"},
+};
+
+// A line for each command, with what it does and whether it is installed.
+std::string command_lines() {
+  std::string lines;
+  for (const Listed& command : kCommands) {
+    const bool here = !forcelayer::command::program_path(command.name).empty();
+    char line[100];
+    std::snprintf(line, sizeof line, "  %-11s %s%s\n", command.name, command.does,
+                  here ? "" : " (not installed)");
+    lines += line;
+  }
+  return lines + "  forcelayer study: all of it, from an assembly to a page with a verdict\n" +
+         "Each has --help.";
+}
+
+forcelayer::Status list_commands(std::string json, bool quiet) {
+  using namespace forcelayer;
+  const command::OutputFile outputs[] = {{"--json", &json, command::FileKind::kReport}};
+  if (Status s = command::prepare_outputs(outputs, {}); !s) return s;
+  if (!quiet) std::puts(command_lines().c_str());
+  if (json.empty()) return {};
+  nlohmann::ordered_json report;
+  for (const Listed& command : kCommands) {
+    nlohmann::ordered_json& listed = report["commands"].emplace_back();
+    listed["name"] = command.name;
+    listed["does"] = command.does;
+    listed["installed"] = !command::program_path(command.name).empty();
+  }
+  return command::write_report(json, report);
+}
+
+std::string left_line;  // what a signal leaves of a study
+
+extern "C" void end_study(int number) {
+  const bool said = ::write(2, left_line.data(), left_line.size()) >= 0;
+  static_cast<void>(said);  // nobody is there
+  forcelayer::command::end_on_signal(number);
+}
+
+void say_on_signals_that_it_goes_on(const std::string& folder) {
+  left_line = "forcelayer: " + forcelayer::escaped(folder) +
+              " holds the steps that are finished; the same command goes on from there\n";
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction current {};
+    sigaction(number, nullptr, &current);
+    if (current.sa_handler == SIG_IGN) continue;
+    current.sa_handler = end_study;
+    sigaction(number, &current, nullptr);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace forcelayer;
+  CLI::App app{"Lists the commands; makes a study of a part with them", "forcelayer"};
+  CLI::App* const made = app.add_subcommand(
+      "study", "bake scene and part, find, run or check a path, and write a page with the verdict");
+  const study::OptionParser parser(*made);
+  app.require_subcommand(0, 1);
+  std::string json;
+  bool quiet = false;
+  app.add_option("--json", json, "write the list of commands");
+  app.add_flag("--quiet", quiet, "print nothing but errors");
+  app.footer("The commands:\n" + command_lines());
+  command::arrange_help(
+      app, {},
+      "  forcelayer                                                 lists the commands\n"
+      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin");
+  made->footer(
+      "Called again it goes on: what is finished and unchanged is not done again.\n"
+      "Exit status 0: clear; 6: not clear, or the part does not come out.");
+  command::arrange_help(
+      *made,
+      {{"What is asked",
+        {"--voxel-size", "--range", "--path", "--pull", "--time", "--seed", "--clearance", "--seat",
+         "--seat-depth", "--allow"}},
+       {"What is read", {"--without", "--missing-faces", "--units", "--sandbox"}},
+       {"Output", {"--output", "--files-alone", "--no-pictures"}}},
+      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o out\n"
+      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin\n"
+      "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "
+      "cover");
+  int status = 0;
+  if (!command::parse_subcommands(app, argc, argv, status)) return status;
+  command::exit_cleanly_on_signals();
+  return command::run_command("forcelayer", [&]() -> Status {
+    if (!*made) return list_commands(json, quiet);
+    auto options = parser.finish();
+    if (!options) return options.error();
+    const std::string inputs[] = {options->assembly, options->path};
+    const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
+    if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
+    say_on_signals_that_it_goes_on(options->folder);
+    return study::make_study(*options);
+  });
+}

@@ -1,0 +1,218 @@
+#include "workbench/study/page.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "formats/command/command.h"
+#include "formats/command/text.h"
+#include "formats/command/version.h"
+#include "formats/digest/file_digest.h"
+#include "formats/file/mapped_file.h"
+
+namespace forcelayer::study {
+namespace {
+
+using command::text;
+using Json = nlohmann::json;
+
+std::string html(std::string_view plain) {
+  std::string out;
+  for (const char c : escaped(plain)) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr const char* kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (std::size_t n = 0; n < 3; ++n) {
+      group = group << 8 | (i + n < bytes.size() ? std::to_integer<unsigned>(bytes[i + n]) : 0);
+    }
+    for (std::size_t n = 0; n < 4; ++n) {
+      out += i + n <= bytes.size() ? kDigits[group >> (18 - 6 * n) & 63] : '=';
+    }
+  }
+  return out;
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return "<tr><th>" + html(name) + "</th><td>" + value + "</td></tr>\n";
+}
+
+std::string mm(const Json& length_m) {
+  return length_m.is_number() ? text("%.3f mm", 1e3 * length_m.get<double>()) : "not known";
+}
+
+std::string name_of(const Json& object) {
+  return object.is_string() ? html(object.get<std::string>()) : "not known";
+}
+
+std::string place(const Json& p) {
+  return text("%.4g, %.4g, %.4g m", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+}
+
+// The same of several lines.
+std::string html_lines(const std::string& plain) {
+  std::string out;
+  for (std::size_t from = 0; from < plain.size();) {
+    const std::size_t to = std::min(plain.find('\n', from), plain.size());
+    out += html(std::string_view(plain).substr(from, to - from)) + (to < plain.size() ? "\n" : "");
+    from = to + 1;
+  }
+  return out;
+}
+
+// Proven, exact where the meshes were asked, and at most.
+std::string clearance(const Json& moment) {
+  if (moment.contains("exact_m")) return mm(moment["exact_m"]) + " exact";
+  return mm(moment["clearance_m"]) + " proven, at most " + mm(moment["at_most_m"]);
+}
+
+std::string facts_table(const Page& page) {
+  const Json& v = page.verdict;
+  const Json& least = v["least_clearance"];
+  std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
+  const bool at_least = least.value("at_least", false);
+  const bool is_seated = !v["seated"].empty();
+  table += row(is_seated ? "least clearance outside of its seat" : "least clearance",
+               at_least ? "at least " + mm(least["clearance_m"])
+                        : clearance(least) + " to " + name_of(least["object"]));
+  if (!at_least) {
+    table +=
+        row("then", text("at %.3f s, at ", least["t_s"].get<double>()) + place(least["point_m"]));
+  }
+  std::string seat;
+  for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
+  if (!seat.empty()) table += row("seated on", seat);
+  for (const Json& s : v.value("seat_depths", Json::array())) {
+    table += row("deepest in " + s["object"].get<std::string>(),
+                 mm(s["deepest_m"]) + "; where it is installed " +
+                     (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away, " : mm(s["installed_m"]) + ", ") +
+                     mm(s["allowed_m"]) + " allowed");
+  }
+  for (const Json& s : v["seated"]) {
+    table += row("in its seat",
+                 text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()) + ", " +
+                     mm(s["way_m"]) + " of a way of " + mm(v["way_m"]) + "; " + clearance(s) +
+                     " to " + name_of(s["object"]));
+  }
+  if (v.contains("hidden_within_m")) {
+    table += row("not seen", "objects that those of its seat hide, within " +
+                                 mm(v["hidden_within_m"]) + " of them");
+  }
+  if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
+    table += row("faces missing from scene and part",
+                 std::to_string(missing) + "; the verdict does not cover them");
+  }
+  table += row("voxel", mm(page.scene["voxel_size_m"]));
+  table += row("points of the shell", std::to_string(page.shell["points"].get<std::uint64_t>()));
+  table += row("poses", std::to_string(v["poses"].get<std::uint64_t>()));
+  return table + "</table>\n";
+}
+
+// A depth in the seat is of the meshes, or of shell points beyond where they are installed.
+std::string depth_words(const Json& violation) {
+  return violation.contains("exact_m") ? " deep" : " deeper in than it is seated";
+}
+
+std::string violations_table(const Json& violations) {
+  if (violations.empty()) return "";
+  std::string table =
+      "<h2>Where it is too near</h2>\n<table>\n<tr><th>from, s</th><th>to, s</th><th>clearance</th>"
+      "<th>against</th><th>nearest at, s</th><th>place</th></tr>\n";
+  for (const Json& v : violations) {
+    std::string how = clearance(v);
+    if (v.contains("exact_m") && v["exact_m"] == 0) {
+      how = v.value("inside", false) ? "all of the part is inside" : "the surfaces meet";
+      if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
+    }
+    if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
+    if (v.value("object_inside", false)) how = "it lies inside the part";
+    if (v.value("seat_not_settled", false)) how = "not settled in its seat";
+    if (v.value("graze", false)) how += ", a graze";
+    table += text("<tr><td>%.3f</td><td>%.3f</td><td>", v["from_s"].get<double>(),
+                  v["to_s"].get<double>()) +
+             how + "</td><td>" + name_of(v["object"]) +
+             text("</td><td>%.3f</td><td>", v["t_s"].get<double>()) + place(v["point_m"]) +
+             "</td></tr>\n";
+  }
+  return table + "</table>\n";
+}
+
+Result<std::string> pictures(const std::vector<Picture>& pictures) {
+  std::string out;
+  for (const Picture& picture : pictures) {
+    const auto file = MappedFile::open(picture.file);
+    if (!file) return file.error();
+    out += "<figure><img alt=\"" + html(picture.words) + "\" src=\"data:image/png;base64," +
+           base64(file->bytes()) + "\"><figcaption>" + html(picture.words) +
+           "</figcaption></figure>\n";
+  }
+  return out;
+}
+
+Result<std::string> files_table(const std::vector<std::string>& files) {
+  std::string table = "<h2>Files</h2>\n<table>\n<tr><th>file</th><th>SHA-256</th></tr>\n";
+  for (const std::string& path : files) {
+    const auto file = MappedFile::open(path);
+    if (!file) return file.error();
+    table += "<tr><td>" + html(std::filesystem::path(path).filename().string()) +
+             "</td><td><code>" + digest::sha256_of(file->bytes()) + "</code></td></tr>\n";
+  }
+  return table + "</table>\n";
+}
+
+constexpr const char* kStyle =
+    "body{font:15px/1.45 sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}"
+    "h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}table{border-collapse:collapse}"
+    "th,td{text-align:left;padding:.2rem .9rem .2rem 0;border-bottom:1px solid #ddd;"
+    "vertical-align:top}figure{margin:1rem 0}img,svg{max-width:100%;height:auto}"
+    ".verdict{padding:.8rem 1rem;border-left:.5rem solid;white-space:pre-wrap}"
+    ".yes{border-color:#009e73;background:#e6f5f0}.no{border-color:#d55e00;background:#fbeee6}"
+    "pre{background:#f4f4f4;padding:.8rem;overflow-x:auto}code{font-size:.85rem}";
+
+}  // namespace
+
+Result<std::string> html_of(const Page& page) {
+  const auto drawn = pictures(page.pictures);
+  if (!drawn) return drawn.error();
+  const auto files = files_table(page.files);
+  if (!files) return files.error();
+  const std::string title = page.part + " of " + page.assembly;
+  std::string commands;
+  for (const std::string& line : page.commands) commands += html(line) + "\n";
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
+         html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
+         "</h1>\n<p class=\"verdict " + (page.clear ? "yes" : "no") + "\"><strong>" +
+         html(page.word) + "</strong>\n" + html_lines(page.sentence) + "</p>\n" +
+         facts_table(page) + violations_table(page.verdict["violations"]) +
+         "<h2>Clearance along the way</h2>\n" + page.curve_svg +
+         "<p>The curve is what the baked files prove, between poses as at them; the dot is the "
+         "least clearance. Gray: in its seat. Red: less than required. Elsewhere the curve is only "
+         "as near to the truth as the verdict needs.</p>\n" +
+         *drawn + "<h2>How it was found</h2>\n<pre>" + commands + "</pre>\n" + *files +
+         "<p>Made by forcelayer " + command::kVersion +
+         (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +
+         ".</p>\n</body></html>\n";
+}
+
+}  // namespace forcelayer::study

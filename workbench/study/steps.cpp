@@ -1,0 +1,155 @@
+#include "workbench/study/steps.h"
+
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <regex>
+#include <set>
+
+#include "formats/command/command.h"
+#include "formats/command/program.h"
+#include "formats/command/version.h"
+#include "formats/digest/file_digest.h"
+#include "formats/file/mapped_file.h"
+#include "formats/file/named_file.h"
+
+namespace forcelayer::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                          "0123456789_-+=.,:/@%") == std::string::npos;
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+Result<std::string> digest_of(const std::string& path) {
+  const auto file = MappedFile::open(path);
+  if (!file) return file.error();
+  return digest::sha256_of(file->bytes());
+}
+
+Result<Json> digests_of(const std::vector<std::string>& paths) {
+  Json digests = Json::object();
+  for (const std::string& path : paths) {
+    const auto digest = digest_of(path);
+    if (!digest) return digest.error();
+    digests[path] = *digest;
+  }
+  return digests;
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Every text under a key "mesh" or "uri", however deep.
+void collect(const nlohmann::json& json, std::set<std::string>& names) {
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) {
+      const bool is_name = (key == "mesh" || key == "uri") && value.is_string();
+      if (is_name) names.insert(value.get<std::string>());
+      collect(value, names);
+    }
+  } else if (json.is_array()) {
+    for (const auto& value : json) collect(value, names);
+  }
+}
+
+std::set<std::string> names_in(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::set<std::string> names;
+  if (ending == ".json" || ending == ".gltf") {
+    const auto json = nlohmann::json::parse(content_of(file), nullptr, false);
+    if (!json.is_discarded()) collect(json, names);
+  } else if (ending == ".step" || ending == ".stp") {
+    const std::string text = content_of(file);
+    static const std::regex name("'([^'\n]+\\.(?:stp|step|p21))'", std::regex::icase);
+    for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at) {
+      names.insert((*at)[1]);
+    }
+  }
+  return names;
+}
+
+// Other programs may answer otherwise.
+std::string version() { return std::string(command::kVersion) + " " + command::commit(); }
+
+}  // namespace
+
+std::string command_line(const Step& step) {
+  std::string line = step.program;
+  for (const std::string& argument : step.arguments) line += " " + quoted(argument);
+  return line;
+}
+
+std::vector<std::string> with_references(const std::string& file) {
+  std::set<std::string> seen;
+  const std::function<void(const std::filesystem::path&)> add = [&](const auto& path) {
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(path, failure)) return;
+    if (!seen.insert(path.lexically_normal()).second) return;
+    for (const std::string& name : names_in(path)) {
+      add(file_of((path.parent_path() / name).string()));
+    }
+  };
+  add(file);
+  if (seen.empty()) return {file};
+  return {seen.begin(), seen.end()};
+}
+
+Result<Steps> Steps::open(const std::string& memory, bool quiet) {
+  Steps steps(memory, quiet);
+  const auto json = Json::parse(content_of(memory), nullptr, false);
+  if (json.is_object() && json.value("version", "") == version() && json.contains("steps") &&
+      json["steps"].is_object()) {
+    steps.known_ = json["steps"];
+  }
+  return steps;
+}
+
+void Steps::say(const std::string& text) const {
+  if (quiet_) return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+Result<StepEnd> Steps::run(const Step& step) {
+  const std::string line = command_line(step);
+  const auto inputs = digests_of(step.inputs);
+  if (!inputs) return inputs.error();
+  if (const auto last = known_.find(line); last != known_.end() && (*last)["inputs"] == *inputs) {
+    const auto outputs = digests_of(step.outputs);
+    if (outputs && (*last)["outputs"] == *outputs) {
+      say("unchanged: " + line + "\n");
+      kept_[line] = *last;
+      lines_.push_back({line, (*last)["status"], true});
+      return StepEnd{(*last)["status"], (*last)["output"], true};
+    }
+  }
+  say("$ " + line + "\n");
+  const auto end = command::run_program(step.program, step.arguments, "",
+                                        command::ProgramOutput::kTaken, step.package);
+  if (!end) return end.error();
+  say(end->output);
+  lines_.push_back({line, end->status});
+  const auto outputs = digests_of(step.outputs);
+  if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
+  kept_[line] = {
+      {"status", end->status}, {"output", end->output}, {"inputs", *inputs}, {"outputs", *outputs}};
+  const Json memory = {{"version", version()}, {"steps", kept_}};
+  if (Status written = command::write_report(memory_, memory); !written) return written.error();
+  return StepEnd{end->status, end->output};
+}
+
+}  // namespace forcelayer::study

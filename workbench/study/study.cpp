@@ -1,0 +1,370 @@
+#include "workbench/study/study.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "formats/command/command.h"
+#include "formats/command/report.h"
+#include "formats/command/text.h"
+#include "formats/file/descriptor.h"
+#include "formats/file/mapped_file.h"
+#include "workbench/study/curve.h"
+#include "workbench/study/page.h"
+#include "workbench/study/steps.h"
+
+namespace forcelayer::study {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
+
+json read_json(const std::string& path) {
+  std::ifstream file(path);
+  return json::parse(file, nullptr, false);
+}
+
+// One study, step by step.
+class Study {
+ public:
+  Study(const Options& options, Steps steps) : options_(options), steps_(std::move(steps)) {}
+
+  Status make();
+
+ private:
+  std::string in(const char* name) const {
+    return (std::filesystem::path(options_.folder) / name).string();
+  }
+  std::string part_mesh() const { return options_.assembly + "#" + options_.node; }
+
+  std::vector<std::string> left_out() const;
+  void add_reading(Step& step) const;
+  void add_missing_faces(Step& step) const;
+  Step scene_step() const;
+  Step part_step() const;
+  Step pull_step() const;
+  Step plan_step() const;
+  Step check_step() const;
+  Step picture_step() const;
+
+  Status bake();
+  Status find_path();
+  Error not_found() const;
+  Status pull();
+  Status check();
+  Status draw();
+  Status write_page();
+  Status report() const;
+  Status judge() const;
+
+  // A step that must not fail; `or_no`: the answer no is none.
+  Result<StepEnd> run(const Step& step, bool or_no = false);
+
+  const Options& options_;
+  Steps steps_;
+  std::string path_;
+  bool clear_ = false;
+  std::string held_;  // why the part did not come out; empty: it did, or its path was given
+  std::string sentence_;
+};
+
+Result<StepEnd> Study::run(const Step& step, bool or_no) {
+  const auto end = steps_.run(step);
+  if (!end || end->status == 0 || (or_no && end->status == kAnswerIsNo)) return end;
+  ErrorCode code = ErrorCode::kInternal;
+  for (const ErrorCode other :
+       {ErrorCode::kUsage, ErrorCode::kMeshUnreadable, ErrorCode::kNotThisFormat,
+        ErrorCode::kDeviceFailed, ErrorCode::kAnswerIsNo}) {
+    if (end->status == exit_status(other)) code = other;
+  }
+  // The system's refusals and signals pass; a wrong command line or file stays wrong.
+  const bool may_pass = end->status == exit_status(ErrorCode::kInternal) || end->status >= 128;
+  return Error{
+      code, "", step.program,
+      "ended with status " + std::to_string(end->status) + ", so the study is not finished",
+      std::string("see its line above") +
+          (may_pass ? "; the same command goes on from there" : "")};
+}
+
+std::vector<std::string> Study::left_out() const {
+  std::vector<std::string> arguments{"--without", options_.node};
+  for (const std::string& node : options_.without) {
+    arguments.insert(arguments.end(), {"--without", node});
+  }
+  return arguments;
+}
+
+void Study::add_reading(Step& step) const {
+  if (options_.sandbox) step.arguments.push_back("--sandbox");
+  if (options_.units.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--units", options_.units});
+}
+
+void Study::add_missing_faces(Step& step) const {
+  if (options_.missing_faces.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--missing-faces", options_.missing_faces});
+}
+
+Step Study::scene_step() const {
+  Step step{"voxelize",
+            {options_.assembly},
+            with_references(options_.assembly),
+            {in("scene.vox"), in("scene.json")},
+            "forcelayer-tools"};
+  const auto out = left_out();
+  step.arguments.insert(step.arguments.end(), out.begin(), out.end());
+  step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
+                                               in("scene.vox"), "--json", in("scene.json")});
+  if (!options_.range.empty())
+    step.arguments.insert(step.arguments.end(), {"--range", options_.range});
+  add_reading(step);
+  add_missing_faces(step);
+  return step;
+}
+
+Step Study::part_step() const {
+  Step step{"pointshell",
+            {part_mesh(), "--voxel-size", options_.voxel_size, "-o", in("part.pshell"), "--json",
+             in("part.json")},
+            with_references(options_.assembly),
+            {in("part.pshell"), in("part.json")},
+            "forcelayer-tools"};
+  add_reading(step);
+  add_missing_faces(step);
+  return step;
+}
+
+Step Study::pull_step() const {
+  Step step{"voxrun",
+            {in("scene.vox"), in("part.pshell"), "--pull", options_.pull, "--as-fast-as-possible",
+             "--save-path", in("path.csv"), "--json", in("run.json")},
+            {in("scene.vox"), in("part.pshell")},
+            {in("path.csv"), in("run.json")},
+            "forcelayer-runtime"};
+  if (!options_.seat.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
+  }
+  return step;
+}
+
+Step Study::plan_step() const {
+  Step step{"voxplan",
+            {in("scene.vox"), in("part.pshell"), "--clearance", options_.clearance, "--seat",
+             options_.seat, "-o", in("path.csv"), "--json", in("plan.json")},
+            {in("scene.vox"), in("part.pshell")},
+            {in("path.csv"), in("plan.json")},
+            "forcelayer-tools"};
+  for (const std::string& object : options_.allow) {
+    step.arguments.insert(step.arguments.end(), {"--allow", object});
+  }
+  if (!options_.time.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--time", options_.time});
+  }
+  if (!options_.seed.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seed", options_.seed});
+  }
+  return step;
+}
+
+Step Study::check_step() const {
+  Step step{"voxcheck",
+            {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance},
+            {in("scene.vox"), in("part.pshell"), path_},
+            {in("verdict.json"), in("curve.csv"), in("verdict.xml")},
+            "forcelayer-runtime"};
+  const auto add = [&](const std::vector<std::string>& more) {
+    step.arguments.insert(step.arguments.end(), more.begin(), more.end());
+  };
+  if (!options_.seat.empty()) add({"--seat", options_.seat});
+  for (const std::string& object : options_.allow) add({"--allow", object});
+  if (!options_.files_alone) {
+    add({"--exact", options_.assembly, "--part", part_mesh()});
+    add(left_out());
+    if (!options_.seat.empty() && !options_.seat_depth.empty()) {
+      add({"--seat-depth", options_.seat_depth});
+    }
+    add_reading(step);
+  }
+  add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
+  if (!options_.no_pictures) {
+    add({"--picture", in("worst.png")});
+    step.outputs.push_back(in("worst.png"));
+  }
+  return step;
+}
+
+// Where the part is installed.
+Step Study::picture_step() const {
+  Step step{"voxview",
+            {options_.assembly, "--part", part_mesh(), in("scene.vox"), in("part.pshell"),
+             "--part-pose", "0,0,0m", "--title", "where the part is installed", "--show",
+             "meshes,part", "--screenshot", in("installed.png"), "--size", "1200x800"},
+            with_references(options_.assembly),
+            {in("installed.png")},
+            "forcelayer-viewer"};
+  step.arguments.insert(step.arguments.end(), {"--hide", options_.node});
+  for (const std::string& node : options_.without) {
+    step.arguments.insert(step.arguments.end(), {"--hide", node});
+  }
+  if (!options_.units.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--units", options_.units});
+  }
+  return step;
+}
+
+Status Study::bake() {
+  if (const auto scene = run(scene_step()); !scene) return scene.error();
+  if (const auto part = run(part_step()); !part) return part.error();
+  return {};
+}
+
+Status Study::find_path() {
+  path_ = options_.path;
+  if (!path_.empty()) return {};
+  path_ = in("path.csv");
+  if (!options_.searches()) return pull();
+  const auto planned = run(plan_step(), true);
+  if (!planned) return planned.error();
+  return planned->status == 0 ? Status{} : not_found();
+}
+
+// In the words of voxplan: what it tried, and what was in the way.
+Error Study::not_found() const {
+  const json plan = read_json(in("plan.json"));
+  const bool is_told = plan.is_object() && plan.contains("error");
+  return {ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
+          is_told ? plan["error"].value("what", "") : "no path found",
+          "the same search finds none again; try a longer --time, another --seed, a smaller "
+          "--clearance or --voxel-size, or give a way of your own with --path or --pull"};
+}
+
+Status Study::pull() {
+  if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
+  const json run = read_json(in("run.json"));
+  const json ended = run.is_object() ? run.value("pull", json()) : json();
+  if (!ended.is_object() || !ended.value("held", false)) return {};
+  held_ = command::text("it does not come out: pulled %.4g mm, it went %.3g mm",
+                        1e3 * ended.value("led_m", 0.0), 1e3 * ended.value("went_m", 0.0));
+  for (const json& object : ended.value("against", json::array())) {
+    if (!object.is_string()) continue;
+    held_ += (held_.find(", held by ") == std::string::npos ? ", held by " : ", ") +
+             escaped(object.get<std::string>());
+  }
+  return {};
+}
+
+Status Study::check() {
+  const auto checked = run(check_step(), true);
+  if (!checked) return checked.error();
+  clear_ = checked->status == 0 && held_.empty();
+  sentence_ = held_.empty() ? checked->output : held_ + "\nthe way so far: " + checked->output;
+  return command::write_text(in("verdict.txt"), sentence_);
+}
+
+Status Study::draw() {
+  if (options_.no_pictures) return {};
+  const auto drawn = run(picture_step());
+  return drawn ? Status{} : drawn.error();
+}
+
+Status Study::write_page() {
+  Page page;
+  page.part = options_.node;
+  page.assembly = std::filesystem::path(options_.assembly).filename().string();
+  page.clear = clear_;
+  page.word = clear_ ? "Clear" : held_.empty() ? "Not clear" : "Does not come out";
+  page.sentence = sentence_;
+  page.verdict = read_json(in("verdict.json"));
+  page.scene = read_json(in("scene.json"));
+  page.shell = read_json(in("part.json"));
+  auto svg = curve_svg(in("curve.csv"), page.verdict);
+  if (!svg) return svg.error();
+  page.curve_svg = std::move(*svg);
+  if (Status written = command::write_text(in("curve.svg"), page.curve_svg); !written)
+    return written;
+  if (!options_.no_pictures) {
+    page.pictures = {{in("worst.png"), "The worst moment"},
+                     {in("installed.png"), "Where the part is installed"}};
+  }
+  for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
+  page.files = {in("scene.vox"), in("part.pshell"), path_, in("verdict.json"), in("curve.csv")};
+  const auto html = html_of(page);
+  if (!html) return html.error();
+  if (Status written = command::write_text(in("report.html"), *html); !written) return written;
+  if (!options_.quiet) std::printf("%s\n", escaped(in("report.html")).c_str());
+  return {};
+}
+
+Status Study::report() const {
+  if (options_.json.empty()) return {};
+  nlohmann::ordered_json report;
+  report["verdict"] = clear_ ? "clear" : held_.empty() ? "not clear" : "does not come out";
+  report["words"] = sentence_;
+  report["page"] = in("report.html");
+  report["path"] = path_;
+  report["check"] = read_json(in("verdict.json"));
+  for (const auto& line : steps_.lines()) {
+    report["steps"].push_back(
+        {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
+  }
+  return command::write_report(options_.json, report);
+}
+
+Status Study::judge() const {
+  if (clear_) return {};
+  return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
+               held_.empty() ? "its way is not clear" : held_, "see " + in("report.html")};
+}
+
+Status Study::make() {
+  if (!options_.path.empty()) {  // before minutes of baking
+    if (const auto path = MappedFile::open(options_.path); !path) return path.error();
+  }
+  if (Status s = bake(); !s) return s;
+  if (Status s = find_path(); !s) return s;
+  if (Status s = check(); !s) return s;
+  if (Status s = draw(); !s) return s;
+  if (Status s = write_page(); !s) return s;
+  if (Status s = report(); !s) return s;
+  return judge();
+}
+
+// The folder, locked for as long as this lives: two studies at once would mix their files. The
+// system lets it go however this program ends, and nothing is written. A file system that knows no
+// such lock refuses nobody.
+Result<Descriptor> lock_folder(const std::string& folder) {
+  Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (locked.valid() && ::flock(locked.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    return Error{ErrorCode::kWriteFailed, folder, "--output", "another study is writing to it",
+                 "wait for its end, or name another folder"};
+  }
+  return locked;
+}
+
+}  // namespace
+
+Status make_study(const Options& options) {
+  std::error_code failure;
+  const bool made = std::filesystem::create_directories(options.folder, failure);
+  if (failure) {
+    return Error{ErrorCode::kWriteFailed, options.folder, "--output", failure.message(),
+                 "name a folder that can be written to"};
+  }
+  const auto locked = lock_folder(options.folder);
+  if (!locked) return locked.error();
+  auto steps =
+      Steps::open((std::filesystem::path(options.folder) / "study.json").string(), options.quiet);
+  if (!steps) return steps.error();
+  Status status = Study(options, std::move(*steps)).make();
+  if (!status && made) std::filesystem::remove(options.folder, failure);  // where it is empty
+  return status;
+}
+
+}  // namespace forcelayer::study

@@ -1,0 +1,246 @@
+#include "workbench/viewer/plan/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+#include "formats/command/arguments.h"
+#include "formats/command/quantity.h"
+#include "formats/command/version.h"
+#include "formats/mesh/step_support.h"
+
+namespace forcelayer::viewer {
+namespace {
+
+using command::about;
+
+constexpr int kSmallestPicture = 64, kLargestPicture = 8192;  // pixels a side
+
+Error usage(const std::string& option, const std::string& what, const std::string& mend) {
+  return {ErrorCode::kUsage, "", option, what, mend};
+}
+
+Result<std::optional<Pose>> pose_of(const char* option, const std::string& text) {
+  if (text.empty()) return std::optional<Pose>();
+  const auto pose = command::parse_pose(text);
+  if (!pose) return about(option, pose.error());
+  const auto& p = pose->position_m;
+  const auto& q = pose->orientation_wxyz;
+  return std::optional<Pose>(Pose{{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}});
+}
+
+Result<std::optional<double>> unit_of(const std::string& text) {
+  if (text.empty()) return std::optional<double>();
+  const auto unit_m = command::parse_unit(text);
+  if (!unit_m) return unit_m.error();
+  return std::optional<double>(*unit_m);
+}
+
+Status read_size(const std::string& text, ViewOptions& options) {
+  char end = 0;
+  const int read = std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &end);
+  for (const int side : {options.width, options.height}) {
+    if (read != 2 || side < kSmallestPicture || side > kLargestPicture) {
+      return usage("--size", "'" + text + "' is no picture size",
+                   "give pixels as 1600x1000, each 64 to 8192");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+ViewOptionParser::ViewOptionParser(CLI::App& app) {
+  command::set_version(app, mesh::kStepSupport);
+  app.add_option("INPUT", options_.inputs.inputs,
+                 "meshes, scene manifests, one .vox, one .pshell, in any order");
+  app.add_option("--compare", options_.inputs.before,
+                 "an earlier .vox: show the gains and losses of the force layer since");
+  app.add_option("--part", options_.inputs.part, "mesh of the moving part");
+  app.add_option("--units", texts_.units,
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
+                 "overrides one that it defines");
+  app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
+  app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
+  app.add_option("--turntable", options_.turntable,
+                 "write a movie in which the eye goes once about z (animated PNG) and end");
+  app.add_option("--frame-times", options_.frame_times,
+                 "turn the scene once in the window, write the frame times (JSON) and end");
+  app.add_option("--json", options_.json, "write the facts of the picture in numbers");
+  app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
+  command::add_number(app, "--scale", texts_.scale,
+                      "size of words and marks: 2 on a screen of 192 pixels an inch; default: the "
+                      "screen's Xft.dpi over 96, for pictures 1",
+                      {0.5, 8});
+  auto* run = app.add_option("--trace,--replay", options_.run,
+                             "the run to show: a trace or a recording of voxrun");
+  app.add_option(
+         "--at", texts_.at,
+         "time in the run (2.5s); default: the least proven clearance, else the strongest force")
+      ->needs(run);
+  app.add_option("--listen", options_.listen,
+                 "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
+      ->excludes(run);
+  app.add_option("--path", options_.path,
+                 "a path of the part to draw as a line, such as voxplan's or --guide of voxrun");
+  app.add_option(
+      "--duration", texts_.duration,
+      "close the window, or take the picture, after this; default: a window stays, a picture of a "
+      "stream is taken after 3s");
+  app.add_option("--part-pose", texts_.part_pose,
+                 "world_from_part, as of a start: x,y,z or x,y,z,qw,qx,qy,qz")
+      ->excludes(run);
+  app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
+  app.add_option("--model", texts_.model,
+                 "model of the contacts: default, or paper for the method of 1999");
+  app.add_option(
+      "--force", texts_.force,
+      "field of the contacts: tangent-plane, level or distance; default: the model's own");
+  app.add_option("--view-from", texts_.view_from,
+                 "direction towards the eye, as 1,-1,0.5; default: where most is seen");
+  app.add_option("--focus", texts_.focus, "part or scene; auto is the part where there is one")
+      ->check(CLI::IsMember({"auto", "part", "scene"}))
+      ->capture_default_str();
+  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
+                 "scale of the picture; default: what is in focus fills it")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
+  app.add_option(
+      "--show", texts_.shown,
+      "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; default: "
+      "what suits the files");
+  app.add_option("--hide", options_.hide,
+                 "hide an object of the scene, by its name in voxelize --list; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--only", options_.only, "show these objects alone; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--color", texts_.color,
+                 "color of the scene's meshes: one, or object for one each")
+      ->check(CLI::IsMember({"one", "object"}))
+      ->capture_default_str();
+  app.add_option("--measure", texts_.measure,
+                 "x0,y0,z0,x1,y1,z1: draw the distance of two points, the part's first");
+  app.add_option("--measure-object", texts_.measure_object,
+                 "the object that it leads to: in a color of its own, by its name");
+  app.add_option("--measure-words", texts_.measure_words, "beside it; default: its length");
+  app.add_option("--title", options_.title, "a line of words above the picture; repeatable")
+      ->allow_extra_args(false);
+  app.add_flag("--quiet", options_.quiet, "print nothing but errors");
+  app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
+}
+
+Status ViewOptionParser::read_units(ViewOptions& options) const {
+  const auto unit_m = unit_of(texts_.units);
+  if (!unit_m) return unit_m.error();
+  const auto part_unit_m = unit_of(texts_.part_units);
+  if (!part_unit_m) return part_unit_m.error();
+  options.inputs.unit_m = *unit_m;
+  options.inputs.part_unit_m = *part_unit_m;
+  return {};
+}
+
+Status ViewOptionParser::read_moment(ViewOptions& options) const {
+  const auto pose = pose_of("--part-pose", texts_.part_pose);
+  if (!pose) return pose.error();
+  const auto grip = pose_of("--grip", texts_.grip);
+  if (!grip) return grip.error();
+  options.world_from_part = *pose;
+  options.handle_from_part = *grip;
+  if (!texts_.at.empty()) {
+    const auto at_s = command::parse_duration(texts_.at);
+    if (!at_s) return about("--at", at_s.error());
+    options.at_s = *at_s;
+  }
+  if (!texts_.duration.empty()) {
+    const auto duration_s = command::parse_duration(texts_.duration);
+    if (!duration_s) return about("--duration", duration_s.error());
+    options.duration_s = *duration_s;
+  }
+  if (!texts_.model.empty()) {
+    const auto model = parse_model(texts_.model);
+    if (!model)
+      return usage("--model", "no model '" + texts_.model + "'", "choose default or paper");
+    options.model = *model;
+  }
+  if (!texts_.force.empty()) {
+    options.force = parse_force(texts_.force);
+    if (!options.force) {
+      return usage("--force", "no force '" + texts_.force + "'",
+                   "choose tangent-plane, level or distance");
+    }
+  }
+  return {};
+}
+
+Status ViewOptionParser::read_camera(ViewOptions& options) const {
+  if (Status size = read_size(texts_.size, options); !size) return size;
+  if (texts_.scale > 0) options.scale = texts_.scale;
+  if (texts_.focus == "part") options.focus = Focus::kPart;
+  if (texts_.focus == "scene") options.focus = Focus::kScene;
+  if (!texts_.view_from.empty()) {
+    const auto given = command::parse_direction(texts_.view_from);
+    if (!given) return about("--view-from", given.error());
+    const glm::dvec3 direction((*given)[0], (*given)[1], (*given)[2]);
+    if (!(glm::length(direction) > 0)) {
+      return usage("--view-from", "the direction has no length", "give it as 1,-1,0.5");
+    }
+    options.to_eye = direction;
+  }
+  if (texts_.pixels_per_voxel > 0) options.pixels_per_voxel = texts_.pixels_per_voxel;
+  if (!texts_.cut.empty()) {
+    const auto cut = parse_cut(texts_.cut);
+    if (!cut) return cut.error();
+    options.cut = *cut;
+  }
+  if (!texts_.shown.empty()) {
+    const auto shown = parse_items(texts_.shown);
+    if (!shown) return shown.error();
+    options.shown = *shown;
+  }
+  return {};
+}
+
+Status ViewOptionParser::read_measure(ViewOptions& options) const {
+  if (texts_.measure.empty()) {
+    if (texts_.measure_object.empty() && texts_.measure_words.empty()) return {};
+    return usage("--measure", "is missing", "give the two points");
+  }
+  const std::string_view text = texts_.measure;
+  std::size_t half = 0;  // behind the third comma
+  for (int commas = 0; half < text.size() && commas < 3; ++half) commas += text[half] == ',';
+  const auto part = command::parse_point(text.substr(0, half == 0 ? 0 : half - 1));
+  const auto object = command::parse_point(text.substr(half));
+  if (!part || !object) {
+    return usage("--measure", "'" + texts_.measure + "' is not two points",
+                 "give x0,y0,z0,x1,y1,z1 with units, as 0,0,1mm,0,0,5mm");
+  }
+  const auto point = [](const auto& p) { return glm::dvec3(p[0], p[1], p[2]); };
+  options.measure = {point(*part), point(*object), texts_.measure_object, texts_.measure_words};
+  if (options.measure->words.empty()) {
+    char words[40];
+    std::snprintf(words, sizeof words, "%.3f mm",
+                  1e3 * glm::length(options.measure->part_m - options.measure->object_m));
+    options.measure->words = words;
+  }
+  return options.screenshot.empty() && options.turntable.empty()
+             ? usage("--measure", "goes with --screenshot or --turntable", "give both")
+             : Status();
+}
+
+Result<ViewOptions> ViewOptionParser::finish() const {
+  ViewOptions options = options_;
+  if (Status units = read_units(options); !units) return units.error();
+  if (Status moment = read_moment(options); !moment) return moment.error();
+  if (Status camera = read_camera(options); !camera) return camera.error();
+  if (Status measure = read_measure(options); !measure) return measure.error();
+  options.color_objects = texts_.color == "object";
+  if (options.inputs.inputs.empty()) {
+    return usage("", "nothing to show", "name meshes, a manifest, a .vox or a .pshell");
+  }
+  if (!options.json.empty() && options.screenshot.empty()) {
+    return usage("--json", "goes with --screenshot alone", "give both");
+  }
+  return options;
+}
+
+}  // namespace forcelayer::viewer

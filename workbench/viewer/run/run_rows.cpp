@@ -1,0 +1,110 @@
+#include "workbench/viewer/run/run_rows.h"
+
+#include <charconv>
+#include <chrono>
+
+#include "runtime/coupling/coupling.h"
+#include "runtime/model/simulation.h"
+#include "runtime/stream/replay.h"
+
+namespace forcelayer::viewer {
+namespace {
+
+std::optional<RowClearance> clearance_of(ClearanceKind kind, double clearance_m,
+                                         std::string_view object) {
+  if (kind == ClearanceKind::kNone) return std::nullopt;
+  return RowClearance{clearance_m, kind == ClearanceKind::kAtLeast, std::string(object)};
+}
+
+TraceRow row_of(const model::Simulation& simulation, const StepInput& input,
+                const StepResult& result, const Pose& target) {
+  const StepReport& report = result.report;
+  TraceRow row;
+  row.world_from_handle = input.world_from_handle;
+  row.world_from_part = simulation.world_from_part(report.world_from_center);
+  row.world_from_target = simulation.world_from_part(target);
+  row.on_hand = result.wrench;
+  row.points_proximity = report.proximity;
+  row.points_surface = report.surface;
+  row.points_interior = report.interior;
+  row.contacts = report.contacts;
+  row.guard_cuts = report.guard_cuts;
+  row.clearance = clearance_of(report.clearance_kind, report.clearance_m,
+                               simulation.voxmap().object_name(report.nearest_object));
+  return row;
+}
+
+Result<std::vector<TraceRow>> replayed(const stream::Recording& recording,
+                                       model::Simulation& simulation) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<TraceRow> rows;
+  auto before = Clock::now();
+  stream::replay_steps(recording, simulation, [&](const stream::ReplayedStep& step) {
+    const std::chrono::duration<double, std::nano> took = Clock::now() - before;
+    const Pose target = coupling::coupling_target(step.state, step.input).world_from_center;
+    rows.push_back(row_of(simulation, step.input, step.result, target));
+    rows.back().time_s = step.time_s;
+    rows.back().step_ns = took.count();
+    before = Clock::now();
+  });
+  return rows;
+}
+
+}  // namespace
+
+Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
+                                       const std::filesystem::path& voxmap,
+                                       const std::filesystem::path& shell) {
+  if (!stream::is_recording(path)) return read_trace(path);
+  if (voxmap.empty() || shell.empty()) {
+    return Error{ErrorCode::kUsage, path.string(), "", "a recording is played on its files",
+                 "give the .vox and the .pshell too"};
+  }
+  auto recording = stream::Recording::open(path);
+  if (!recording) return recording.error();
+  auto map = Voxmap::open(voxmap);
+  if (!map) return map.error();
+  auto part = Pshell::open(shell);
+  if (!part) return part.error();
+  auto simulation = stream::recorded_simulation(*recording, std::move(*map), std::move(*part));
+  if (!simulation) return simulation.error();
+  auto rows = replayed(*recording, **simulation);
+  if (rows && rows->empty()) {
+    return Error{ErrorCode::kFieldInvalid, path.string(), "", "a recording without a frame", ""};
+  }
+  return rows;
+}
+
+Result<PoseReceiver> listen_at(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string address = colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon);
+  const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
+  unsigned number = 0;
+  const auto [end, code] = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (code != std::errc{} || end != port.data() + port.size() || number > 65535) {
+    return Error{ErrorCode::kUsage, "", "--listen", "'" + text + "' is no port",
+                 "give PORT or ADDRESS:PORT, as 7000"};
+  }
+  return PoseReceiver::open(static_cast<std::uint16_t>(number), address);
+}
+
+TraceRow row_of(const PoseDatagram& datagram) {
+  const auto& f = datagram.force_n;
+  const auto& t = datagram.torque_nm;
+  TraceRow row;
+  row.time_s = datagram.time_s;
+  row.world_from_part = pose_from_numbers(datagram.world_from_part);
+  row.world_from_handle = pose_from_numbers(datagram.world_from_handle);
+  row.world_from_target = pose_from_numbers(datagram.world_from_target);
+  row.on_hand = {{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
+  row.points_proximity = datagram.points_proximity;
+  row.points_surface = datagram.points_surface;
+  row.points_interior = datagram.points_interior;
+  row.contacts = datagram.contacts;
+  row.guard_cuts = (datagram.flags & kPoseGuardCut) != 0 ? 1 : 0;
+  row.clearance = clearance_of(static_cast<ClearanceKind>(datagram.clearance_kind),
+                               datagram.clearance_m, object_name_of(datagram));
+  return row;
+}
+
+}  // namespace forcelayer::viewer

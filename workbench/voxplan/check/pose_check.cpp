@@ -1,0 +1,195 @@
+#include "workbench/voxplan/check/pose_check.h"
+
+#include <algorithm>
+#include <array>
+
+namespace forcelayer::voxplan {
+namespace {
+
+using clearance::CenterPath;
+using clearance::KnownEnds;
+using clearance::LeftOut;
+using clearance::Moment;
+using clearance::SeatStretch;
+
+constexpr double kRefusedVoxels = 1;  // of travel around a pose that is refused
+
+// As far as check_path() looks: with a lesser cap a search tells some distances less, and the part
+// could not even be where it starts.
+double cap_voxels(const Problem& problem, double required_voxels) {
+  return std::max(required_voxels + 2, clearance::reach_voxels(problem.scene.header())) + 1;
+}
+
+// No farther than distances are stored, where that is enough: nothing need be searched for.
+double clear_cap_voxels(const Problem& problem, double required_voxels) {
+  const double reach = clearance::reach_voxels(problem.scene.header());
+  return required_voxels + 2 <= reach ? reach : cap_voxels(problem, required_voxels);
+}
+
+LeftOut with_seat(const LeftOut& left_out, const std::optional<SeatStretch>& seat,
+                  const clearance::RequiredDistance& required) {
+  return seat ? clearance::with_objects(left_out, seat->near_objects(required)) : left_out;
+}
+
+// The straight motion between two poses of the centroid frame.
+CenterPath motion(const Problem& problem, const Pose& from, const Pose& to) {
+  return {std::array{row_of(0, from), row_of(1, to)}, glm::dvec3(0),
+          problem.part.header().bounding_radius_m};
+}
+
+double share_of(const Moment& moment) { return static_cast<double>(moment.pose) + moment.share; }
+
+}  // namespace
+
+Result<std::unique_ptr<PoseCheck>> PoseCheck::create(const Problem& problem) {
+  if (problem.scene.distances() != nullptr) {
+    // A part that is clear where it starts has no seat to be in: to find none takes a fifth of a
+    // short search.
+    std::unique_ptr<PoseCheck> check(new PoseCheck(problem, {}));
+    if (check->holds(Rule::kClear, problem.world_from_start)) return check;
+  }
+  auto seat = SeatStretch::find(problem.scene, problem.part, problem.world_from_start);
+  if (!seat) return seat.error();
+  return std::unique_ptr<PoseCheck>(new PoseCheck(problem, std::move(*seat)));
+}
+
+PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
+    : problem_(problem),
+      required_(problem.scene, problem.part, problem.clearance_m),
+      seat_(std::move(seat)),
+      but_seat_(with_seat(problem.allowed, seat_, required_)),
+      clear_(problem.scene, problem.part, problem.allowed,
+             clear_cap_voxels(problem, required_.voxels())),
+      in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}
+
+bool PoseCheck::holds(Rule rule, const Pose& pose) {
+  clearance::LeastDistance known;
+  return holds(rule, pose, known);
+}
+
+bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::LeastDistance& known) {
+  ++tested_;
+  if (is_refused(pose)) return false;
+  part(rule).forget();
+  const double required = required_.voxels();
+  known = part(rule).at(pose, 0, required, required);
+  if (known.voxels < required) return false;
+  return rule == Rule::kClear || !has_seat() || !seat_->is_pushed_in(pose, problem_.allowed);
+}
+
+void PoseCheck::refuse(const Pose& pose) {
+  const double from_start_m = travel_between_m(problem_, problem_.world_from_start, pose);
+  refused_.push_back(
+      {pose, std::min(kRefusedVoxels * problem_.scene.voxel_size_m(), from_start_m / 2)});
+}
+
+bool PoseCheck::is_refused(const Pose& pose) const {
+  return std::any_of(refused_.begin(), refused_.end(), [&](const Refused& refused) {
+    return travel_between_m(problem_, pose, refused.pose) < refused.within_m;
+  });
+}
+
+// Up to where no pose of a motion is refused, told to half the way within which one is.
+double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
+  const double way_m = travel_between_m(problem_, from, to);
+  double share = 1;
+  for (const Refused& refused : refused_) {
+    if (travel_between_m(problem_, from, refused.pose) > way_m + refused.within_m) continue;
+    const double step = std::min(1.0, refused.within_m / (2 * way_m));
+    for (double at = 0; at < share; at += step) {
+      if (travel_between_m(problem_, pose_between(from, to, at), refused.pose) < refused.within_m) {
+        share = std::max(0.0, at - step);
+      }
+    }
+  }
+  return share;
+}
+
+double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                             KnownEnds& known) {
+  const double share = share_told(rule, from, to, or_nothing, known);
+  ++motions_tested_;
+  if (share == 1) {
+    ++motions_kept_;
+    kept_m_ += travel_between_m(problem_, from, to);
+  }
+  return share;
+}
+
+double PoseCheck::share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                             KnownEnds& known) {
+  if (!refused_.empty()) {
+    const double share = share_not_refused(from, to);
+    if (share < 1 && (or_nothing || share == 0)) return 0;
+    if (share < 1) {
+      KnownEnds before{known.first, {KnownEnds::kUnknown}};
+      return share * share_by_proofs(rule, from, pose_between(from, to, share), false, before);
+    }
+  }
+  return share_by_proofs(rule, from, to, or_nothing, known);
+}
+
+double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                                  KnownEnds& known) {
+  const CenterPath path = motion(problem_, from, to);
+  const Moment begin{0, 0};
+  Moment end{1, 0};
+  clearance::PathWalk walk(path, part(rule), problem_.scene.voxel_size_m(),
+                           {required_.voxels(), required_.voxels()});
+  end = walk.kept_until(begin, end, or_nothing, known);
+  tested_ += walk.tested();
+  if (share_of(end) == 0 || rule == Rule::kClear || !has_seat()) return share_of(end);
+  const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
+  if (!pushed) return share_of(end);
+  // It was tested in steps of half a voxel: the last but one was right.
+  const double steps = path.travel_m({1, 0}) / (0.5 * problem_.scene.voxel_size_m());
+  return or_nothing ? 0 : std::max(0.0, share_of(*pushed) - 1.001 / std::max(1.0, steps));
+}
+
+double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to) {
+  KnownEnds known;
+  return share_kept(rule, from, to, false, known);
+}
+
+bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
+  KnownEnds known;
+  return is_kept(rule, from, to, known);
+}
+
+bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to, KnownEnds& known) {
+  return share_kept(rule, from, to, true, known) == 1;
+}
+
+double PoseCheck::clearance_m(const Pose& pose) {
+  ++tested_;
+  clear_.forget();
+  const double cap = clear_cap_voxels(problem_, required_.voxels());
+  return required_.clearance_m(clear_.at(pose, 0, cap).voxels);
+}
+
+std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
+  const double share = share_kept(rule, from, to);
+  if (share == 1) return 0;
+  const double step = 0.5 * problem_.scene.voxel_size_m() / travel_between_m(problem_, from, to);
+  for (int n = 0; n < 8; ++n) {
+    const Pose there = pose_between(from, to, std::min(1.0, share + n * step));
+    // The seat first: beside its objects, another one counts as up to 1.7 voxels nearer than it is.
+    if (rule == Rule::kInSeat && has_seat()) {
+      if (const auto pushed = seat_->pushed_in(there, problem_.allowed)) return pushed->object;
+    }
+    part(rule).forget();
+    const auto least = part(rule).at(there, 0, required_.voxels());
+    if (least.point != clearance::LeastDistance::kNone) {
+      return part(rule).nearest(part(rule).place_m(there, least.point)).object;
+    }
+  }
+  return 0;
+}
+
+const std::vector<SeatStretch::Floor>& PoseCheck::floors(const Pose& pose) {
+  floors_.clear();
+  if (has_seat()) seat_->find_floors(pose, floors_);
+  return floors_;
+}
+
+}  // namespace forcelayer::voxplan

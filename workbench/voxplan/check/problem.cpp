@@ -1,0 +1,60 @@
+#include "workbench/voxplan/check/problem.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "runtime/coupling/coupling.h"
+
+namespace forcelayer::voxplan {
+namespace {
+
+glm::dvec3 turn_between(const Pose& from, const Pose& to) {
+  return coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation));
+}
+
+}  // namespace
+
+double travel_between_m(const Problem& problem, const Pose& from, const Pose& to) {
+  return glm::length(to.position_m - from.position_m) +
+         problem.part.header().bounding_radius_m * glm::length(turn_between(from, to));
+}
+
+Pose pose_between(const Pose& from, const Pose& to, double share) {
+  return {from.position_m + (to.position_m - from.position_m) * share,
+          glm::normalize(coupling::rotation_by(turn_between(from, to) * share) * from.orientation)};
+}
+
+PathRow row_of(double time_s, const Pose& pose) {
+  const auto& p = pose.position_m;
+  const auto& q = pose.orientation;
+  return {time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
+}
+
+std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,
+                                  double step_m) {
+  std::vector<Pose> fine{way.front()};
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const double steps = std::ceil(travel_between_m(problem, way[i - 1], way[i]) / step_m);
+    for (double n = 1; n < steps; ++n) {
+      fine.push_back(pose_between(way[i - 1], way[i], n / steps));
+    }
+    fine.push_back(way[i]);
+  }
+  return fine;
+}
+
+std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
+                              const std::function<bool(const Pose&)>& ends) {
+  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
+  std::vector<Pose> first{way.front()};
+  for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
+    const bool is_end = ends(fine[i]);
+    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
+    if (is_corner) ++corner;
+    if (is_end || is_corner) first.push_back(fine[i]);
+    if (is_end) break;
+  }
+  return first;
+}
+
+}  // namespace forcelayer::voxplan

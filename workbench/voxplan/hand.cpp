@@ -1,0 +1,559 @@
+#include "workbench/voxplan/hand.h"
+
+#include <ompl/base/MotionValidator.h>
+#include <ompl/base/PlannerData.h>
+#include <ompl/base/ProblemDefinition.h>
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/goals/GoalSampleableRegion.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/PathSimplifier.h>
+#include <ompl/geometric/planners/kpiece/KPIECE1.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/util/Console.h>
+#include <ompl/util/RandomNumbers.h>
+
+#include <algorithm>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "workbench/voxplan/pose_space.h"
+#include "workbench/voxplan/pose_tree.h"
+#include "workbench/voxplan/slide.h"
+
+namespace forcelayer::voxplan {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+constexpr double kSlides = 0.75;      // of the samples near a pose of the seat: along its floors
+constexpr double kSlideVoxels = 4;    // at a step
+constexpr double kLeastSlide = 0.05;  // of a step: less is no way
+constexpr int kLifts = 3;             // of a pose off the floors: each is right to first order
+constexpr int kDirections = 26;       // that the first hand tries straight,
+constexpr int kAxes = 6;              // those of the world first
+constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
+constexpr double kLeastKept = 0.01;   // of a motion: less is no way
+constexpr unsigned kMostGoals = 1000;
+constexpr int kHeldBy = 20;  // random motions that tell what holds the part
+// The clock is read after so many poses, or questions of a planner whether it shall end: processor
+// time is a call of the system.
+constexpr std::uint64_t kClockEvery = 64;
+
+// May a slide turn to what the floors allow, or does it end where it cannot go straight on?
+enum class Turns { kNever, kToFloors };
+
+// Goes on in one direction in short steps: straight where the seat holds that, else as the floors
+// there allow; until the part is out of its seat. The poses, each reached straight from the one
+// before.
+std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m,
+                       Turns turns) {
+  const double radius_m = check.problem().part.header().bounding_radius_m;
+  const double step_m = kSlideVoxels * check.problem().scene.voxel_size_m();
+  Twist6 way = of_length(wanted, step_m);
+  bool turned = false;  // to what the floors allow
+  std::vector<Pose> trail{from};
+  for (double way_m = 0; way_m < length_m; way_m += step_m) {
+    Pose there = moved(trail.back(), way, radius_m);
+    if (!check.holds(Rule::kInSeat, there)) {
+      if (turns == Turns::kNever) break;
+      const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
+      if (length_of(step) < kLeastSlide * step_m) break;
+      if (!turned) way = of_length(step, step_m);
+      turned = true;
+      there = moved(trail.back(), step, radius_m);
+      if (!check.holds(Rule::kInSeat, there)) break;
+    }
+    if (!check.is_kept(Rule::kInSeat, trail.back(), there)) break;
+    trail.push_back(there);
+    if (check.holds(Rule::kClear, there)) break;
+  }
+  return trail;
+}
+
+// A direction of a slide: any, or one in which all floors resist little.
+Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
+  const Twist6 any = random_twist(1, random);
+  if (random.share() < 0.5) return any;
+  const double radius_m = check.problem().part.header().bounding_radius_m;
+  return free_twist(any, check.floors(from), radius_m);
+}
+
+// The poses that a planner tries.
+class Sampler final : public ob::StateSampler {
+ public:
+  Sampler(const ob::StateSpace* space, PoseCheck& check, const Destination& goal, Random& random)
+      : StateSampler(space), check_(check), goal_(goal), random_(random) {}
+
+  void sampleUniform(ob::State* state) override {
+    Pose pose = check_.problem().world_from_start;
+    if (random_.share() < 0.5) pose.orientation = random_.orientation();
+    for (int axis = 0; axis < 3; ++axis) {
+      pose.position_m[axis] = random_.between(goal_.bounds().low[axis], goal_.bounds().high[axis]);
+    }
+    put(pose, state);
+  }
+
+  void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
+    const Pose from = pose_of(near);
+    const double length_m = distance * std::pow(random_.share(), 2);
+    const bool slides = check_.has_seat() && random_.share() < kSlides;
+    put(slides ? slide(from, length_m) : moved(from, random_twist(length_m, random_), radius_m_),
+        state);
+    space_->enforceBounds(state);
+  }
+
+  void sampleGaussian(ob::State* state, const ob::State* mean, double deviation) override {
+    sampleUniformNear(state, mean, deviation);
+  }
+
+ private:
+  // To a pose that can be reached straight.
+  Pose slide(const Pose& from, double length_m) {
+    std::vector<Pose> trail =
+        slid(check_, from, slide_direction(check_, from, random_), length_m, Turns::kToFloors);
+    while (trail.size() > 2 && !check_.is_kept(Rule::kInSeat, from, trail.back())) {
+      trail.resize(trail.size() / 2 + 1);
+    }
+    return trail.back();
+  }
+
+  PoseCheck& check_;
+  const Destination& goal_;
+  Random& random_;
+  double radius_m_ = check_.problem().part.header().bounding_radius_m;
+};
+
+class Validity final : public ob::StateValidityChecker {
+ public:
+  Validity(const ob::SpaceInformationPtr& space, PoseCheck& check, Rule rule)
+      : StateValidityChecker(space), check_(check), rule_(rule) {}
+  bool isValid(const ob::State* state) const override {
+    return si_->satisfiesBounds(state) && check_.holds(rule_, pose_of(state), known_of(state));
+  }
+
+ private:
+  PoseCheck& check_;
+  Rule rule_;
+};
+
+class Motions final : public ob::MotionValidator {
+ public:
+  Motions(const ob::SpaceInformationPtr& space, PoseCheck& check, Rule rule)
+      : MotionValidator(space), check_(check), rule_(rule) {}
+
+  bool checkMotion(const ob::State* from, const ob::State* to) const override {
+    if (!si_->satisfiesBounds(to)) return false;
+    clearance::KnownEnds known{known_of(from), known_of(to)};
+    const bool is_kept = check_.is_kept(rule_, pose_of(from), pose_of(to), known);
+    if (is_kept) known_of(from) = known.first, known_of(to) = known.last;
+    return is_kept;
+  }
+
+  bool checkMotion(const ob::State* from, const ob::State* to,
+                   std::pair<ob::State*, double>& last) const override {
+    const double share = check_.share_kept(rule_, pose_of(from), pose_of(to));
+    if (share == 1) return true;
+    last.second = share;
+    if (last.first != nullptr) put(pose_between(pose_of(from), pose_of(to), share), last.first);
+    return false;
+  }
+
+ private:
+  PoseCheck& check_;
+  Rule rule_;
+};
+
+// Out of the seat: where the clearance is proven.
+class OutOfSeat final : public ob::Goal {
+ public:
+  OutOfSeat(const ob::SpaceInformationPtr& space, PoseCheck& check) : Goal(space), check_(check) {}
+  bool isSatisfied(const ob::State* state) const override {
+    return check_.holds(Rule::kClear, pose_of(state));
+  }
+
+ private:
+  PoseCheck& check_;
+};
+
+class GoalRegion final : public ob::GoalSampleableRegion {
+ public:
+  GoalRegion(const ob::SpaceInformationPtr& space, const Destination& goal, Random& random)
+      : GoalSampleableRegion(space), goal_(goal), random_(random) {
+    setThreshold(1e-9);
+  }
+  double distanceGoal(const ob::State* state) const override {
+    return goal_.distance_m(pose_of(state));
+  }
+  void sampleGoal(ob::State* state) const override { put(goal_.sample(random_), state); }
+  unsigned maxSampleCount() const override { return goal_.is_one_pose() ? 1 : kMostGoals; }
+
+ private:
+  const Destination& goal_;
+  Random& random_;
+};
+
+// RRT-Connect, whose trees find the nearest pose by PoseIndex.
+class Connect final : public og::RRTConnect {
+ public:
+  Connect(const ob::SpaceInformationPtr& space, double turn_m) : RRTConnect(space) {
+    tStart_ = std::make_shared<PoseTree<Motion*>>(turn_m);
+    tGoal_ = std::make_shared<PoseTree<Motion*>>(turn_m);
+  }
+  std::vector<Pose> reached() const {
+    std::vector<Motion*> motions;
+    tStart_->list(motions);
+    std::vector<Pose> poses;
+    for (const Motion* motion : motions) poses.push_back(pose_of(motion->state));
+    return poses;
+  }
+};
+
+// The poses that a planner reached from its start. OMPL lists a tree with its edges in hash maps.
+std::vector<Pose> reached_by(const ob::Planner& planner) {
+  if (const auto* connect = dynamic_cast<const Connect*>(&planner)) return connect->reached();
+  ob::PlannerData tree(planner.getSpaceInformation());
+  planner.getPlannerData(tree);
+  std::vector<Pose> poses;
+  for (unsigned i = 0; i < tree.numVertices(); ++i) {
+    poses.push_back(pose_of(tree.getVertex(i).getState()));
+  }
+  return poses;
+}
+
+std::vector<Pose> poses_of(const og::PathGeometric& path) {
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < path.getStateCount(); ++i) poses.push_back(pose_of(path.getState(i)));
+  return poses;
+}
+
+// The same way without poses that can be left out.
+std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& way) {
+  std::vector<Pose> few{way.front()};
+  for (std::size_t i = 0; i + 1 < way.size();) {
+    std::size_t next = way.size() - 1;
+    while (next > i + 1 && !check.is_kept(Rule::kInSeat, way[i], way[next])) {
+      next = i + (next - i + 1) / 2;
+    }
+    few.push_back(way[next]);
+    i = next;
+  }
+  return few;
+}
+
+}  // namespace
+
+void seed_planners(std::uint64_t seed) {
+  ompl::msg::noOutputHandler();
+  ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
+}
+
+struct Hand::Parts {
+  Parts(const Problem& of, const Destination& to, std::size_t its_number, std::uint64_t seed,
+        std::unique_ptr<PoseCheck> pose_check)
+      : problem(of),
+        goal(to),
+        number(its_number),
+        random(seed * 1000003 + its_number),
+        check(std::move(pose_check)) {}
+
+  // A turn counts as the way of the part's farthest point.
+  double turn_m() const { return 2 * problem.part.header().bounding_radius_m; }
+  void begin();
+  ob::SpaceInformationPtr make_space(Rule rule);
+  void plan_in_seat();
+  void plan_beyond(const Pose& from);
+  void take_out_of_seat();
+  void leave_seat(const std::vector<Pose>& way);
+  bool leave_seat_straight();
+  bool go_straight(const Pose& from);
+  bool turn_and_go(const Pose& from);
+  glm::dvec3 direction(int n);
+  std::vector<Pose> off_the_floors(const std::vector<Pose>& way);
+  void take_to_goal();
+  void note_farthest();
+
+  const Problem& problem;
+  const Destination& goal;
+  std::size_t number;
+  Random random;
+  std::unique_ptr<PoseCheck> check;
+  ob::SpaceInformationPtr space;
+  ob::ProblemDefinitionPtr question;
+  ob::PlannerPtr planner;
+  Rule rule = Rule::kInSeat;
+  std::vector<Pose> in_seat, beyond;
+  bool done = false;
+  Pose farthest = problem.world_from_start;
+  double out_m = 0;
+};
+
+ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
+  auto poses = std::make_shared<PoseSpace>(
+      goal.bounds(), turn_m(), kCellVoxels * problem.scene.voxel_size_m(),
+      [this](const ob::StateSpace* of_space) {
+        return std::make_shared<Sampler>(of_space, *check, goal, random);
+      });
+  poses->setup();
+  auto made = std::make_shared<ob::SpaceInformation>(poses);
+  made->setStateValidityChecker(std::make_shared<Validity>(made, *check, of));
+  made->setMotionValidator(std::make_shared<Motions>(made, *check, of));
+  made->setup();
+  return made;
+}
+
+void Hand::Parts::plan_in_seat() {
+  rule = Rule::kInSeat;
+  space = make_space(rule);
+  question = std::make_shared<ob::ProblemDefinition>(space);
+  PoseState start;
+  start.pose = problem.world_from_start;
+  question->addStartState(&start);
+  question->setGoal(std::make_shared<OutOfSeat>(space, *check));
+  auto kpiece = std::make_shared<og::KPIECE1>(space);
+  const double radius_m = problem.part.header().bounding_radius_m;
+  kpiece->setRange((number % 2 == 0 ? 4 : 1) * radius_m);
+  kpiece->setMinValidPathFraction(kLeastKept);
+  planner = kpiece;
+  planner->setProblemDefinition(question);
+  planner->setup();
+}
+
+void Hand::Parts::plan_beyond(const Pose& from) {
+  rule = Rule::kClear;
+  if (number == 0 && (go_straight(from) || turn_and_go(from))) return;
+  space = make_space(rule);
+  question = std::make_shared<ob::ProblemDefinition>(space);
+  PoseState start;
+  start.pose = from;
+  question->addStartState(&start);
+  question->setGoal(std::make_shared<GoalRegion>(space, goal, random));
+  auto connect = std::make_shared<Connect>(space, turn_m());
+  connect->setRange((number % 2 == 0 ? 1 : 0.25) * problem.part.header().bounding_radius_m);
+  planner = connect;
+  planner->setProblemDefinition(question);
+  planner->setup();
+}
+
+// The farthest pose of the tree that grows from the start.
+void Hand::Parts::note_farthest() {
+  for (const Pose& pose : reached_by(*planner)) {
+    const double way_m = glm::length(pose.position_m - problem.world_from_start.position_m);
+    if (way_m <= out_m) continue;
+    out_m = way_m;
+    farthest = pose;
+  }
+}
+
+void Hand::Parts::take_out_of_seat() {
+  og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
+  og::PathSimplifier(space).reduceVertices(path);
+  leave_seat(off_the_floors(poses_of(path)));
+}
+
+// Up to where the clearance is proven for the first time: there the seat is left for good.
+void Hand::Parts::leave_seat(const std::vector<Pose>& way) {
+  in_seat =
+      up_to_first(way, problem, [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
+  plan_beyond(in_seat.back());
+}
+
+// The shortest straight way out of the seat: exactly along the floors or the axes of the world,
+// which is as a hand would draw and soon settled by meshes. Where there is none, those next to the
+// axes and to some other directions. Whether there is one.
+bool Hand::Parts::leave_seat_straight() {
+  const Pose& start = problem.world_from_start;
+  const Box& bounds = goal.bounds();
+  std::vector<Pose> nearest;
+  double nearest_m = glm::length(bounds.high - bounds.low);
+  const auto go = [&](const Twist6& way, Turns turns) {
+    std::vector<Pose> trail = slid(*check, start, way, nearest_m, turns);
+    const double way_m = travel_between_m(problem, start, trail.back());
+    if (way_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
+    nearest = std::move(trail);
+    nearest_m = way_m;
+  };
+  const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
+  for (const glm::dvec3& d : free_directions(check->floors(start))) go(along(d), Turns::kNever);
+  for (int n = 0; n < kAxes; ++n) go(along(direction(n)), Turns::kNever);
+  if (!nearest.empty()) {
+    leave_seat({start, nearest.back()});
+    return true;
+  }
+  for (int n = 0; n < kDirections; ++n) {
+    Twist6 way = along(direction(n));
+    if (n >= kAxes && n % 2 == 0) way = slide_direction(*check, start, random);
+    go(way, Turns::kToFloors);
+  }
+  if (nearest.empty()) return false;
+  leave_seat(off_the_floors(without_needless(*check, nearest)));
+  return true;
+}
+
+// The shortest straight way on to the goal, as leave_seat_straight() looks for it.
+bool Hand::Parts::go_straight(const Pose& from) {
+  std::optional<Pose> nearest;
+  for (int n = 0; n < kDirections; ++n) {
+    const std::optional<Pose> there = goal.straight_from(from, direction(n));
+    if (!there) continue;
+    const double way_m = travel_between_m(problem, from, *there);
+    if (nearest && way_m >= travel_between_m(problem, from, *nearest)) continue;
+    if (check->is_kept(Rule::kClear, from, *there)) nearest = there;
+  }
+  if (!nearest) return false;
+  beyond = {from, *nearest};
+  done = true;
+  return true;
+}
+
+// The shortest way on that is a quarter turn about an axis of the world and then along one: through
+// a window that the part fits so alone. Planners seldom come upon just that attitude.
+bool Hand::Parts::turn_and_go(const Pose& from) {
+  std::vector<Pose> shortest;
+  double shortest_m = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < kAxes; ++n) {
+    const glm::dquat turn = glm::angleAxis(std::numbers::pi / 2, direction(n));
+    const Pose turned{from.position_m, turn * from.orientation};
+    if (!check->is_kept(Rule::kClear, from, turned)) continue;
+    for (int way = 0; way < kAxes; ++way) {
+      const std::optional<Pose> there = goal.straight_from(turned, direction(way));
+      if (!there) continue;
+      const double way_m =
+          travel_between_m(problem, from, turned) + travel_between_m(problem, turned, *there);
+      if (way_m >= shortest_m || !check->is_kept(Rule::kClear, turned, *there)) continue;
+      shortest = {from, turned, *there};
+      shortest_m = way_m;
+    }
+  }
+  if (shortest.empty()) return false;
+  beyond = std::move(shortest);
+  done = true;
+  return true;
+}
+
+// The axes first.
+glm::dvec3 Hand::Parts::direction(int n) {
+  glm::dvec3 d(0);
+  if (n >= kAxes) return random.direction();
+  d[n / 2] = n % 2 == 0 ? 1 : -1;
+  return d;
+}
+
+// The same way, no deeper in the seat than it must: what presses on its floors is barely held.
+std::vector<Pose> Hand::Parts::off_the_floors(const std::vector<Pose>& way) {
+  const double radius_m = problem.part.header().bounding_radius_m;
+  std::vector<Pose> shallow =
+      with_more_poses(problem, way, kSlideVoxels * problem.scene.voxel_size_m());
+  for (std::size_t i = 1; i < shallow.size(); ++i) {
+    for (int n = 0; n < kLifts; ++n) {
+      shallow[i] =
+          moved(shallow[i], allowed_twist({}, check->floors(shallow[i]), radius_m), radius_m);
+    }
+    if (!check->is_kept(Rule::kInSeat, shallow[i - 1], shallow[i])) return way;
+  }
+  return shallow;
+}
+
+void Hand::Parts::take_to_goal() {
+  og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
+  og::PathSimplifier simplifier(space);
+  simplifier.reduceVertices(path);
+  simplifier.shortcutPath(path);
+  simplifier.reduceVertices(path);
+  beyond = poses_of(path);
+  done = true;
+}
+
+Hand::Hand(const Problem& problem, const Destination& goal, std::size_t number, std::uint64_t seed,
+           std::unique_ptr<PoseCheck> check)
+    : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {
+  parts_->begin();
+}
+Hand::~Hand() = default;
+
+void Hand::Parts::begin() {
+  done = false;
+  in_seat.clear();
+  if (check->holds(Rule::kClear, problem.world_from_start)) {
+    plan_beyond(problem.world_from_start);
+  } else if (number != 0 || !leave_seat_straight()) {
+    plan_in_seat();
+  }
+}
+
+void Hand::refuse(const Pose& pose) {
+  parts_->check->refuse(pose);
+  if (parts_->done) parts_->begin();
+}
+
+void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
+  Parts& p = *parts_;
+  if (p.done) return;
+  const std::uint64_t enough = p.check->poses_tested() + poses;
+  std::uint64_t asked = 0, next_clock = 0;
+  const ob::PlannerTerminationCondition stop([&] {
+    const std::uint64_t tested = p.check->poses_tested();
+    if (tested >= enough) return true;
+    if (++asked < kClockEvery && tested < next_clock) return false;
+    asked = 0;
+    next_clock = tested + kClockEvery;
+    return is_over();
+  });
+  p.planner->solve(stop);
+}
+
+void Hand::take_stock() {
+  Parts& p = *parts_;
+  if (p.done || !p.question->hasExactSolution()) return;
+  p.note_farthest();
+  if (p.rule == Rule::kInSeat) {
+    p.take_out_of_seat();
+  } else {
+    p.take_to_goal();
+  }
+}
+
+void Hand::note_farthest() {
+  if (!parts_->done) parts_->note_farthest();
+}
+
+bool Hand::is_done() const { return parts_->done; }
+const std::vector<Pose>& Hand::in_seat() const { return parts_->in_seat; }
+const std::vector<Pose>& Hand::beyond() const { return parts_->beyond; }
+double Hand::out_m() const { return parts_->out_m; }
+std::uint64_t Hand::poses_tested() const { return parts_->check->poses_tested(); }
+std::uint64_t Hand::motions_tested() const { return parts_->check->motions_tested(); }
+std::uint64_t Hand::motions_kept() const { return parts_->check->motions_kept(); }
+double Hand::kept_m() const { return parts_->check->kept_m(); }
+
+// By motions of a planner's length: away from the start, and to all sides, with turns and without.
+std::vector<std::uint32_t> Hand::blocked_by() const {
+  Parts& p = *parts_;
+  const double radius_m = p.problem.part.header().bounding_radius_m;
+  const glm::dvec3 way = p.farthest.position_m - p.problem.world_from_start.position_m;
+  std::vector<Twist6> motions;
+  if (p.out_m > 0) motions.push_back({way.x, way.y, way.z, 0, 0, 0});
+  for (std::size_t n = 0; n < 6; ++n) {
+    for (const double sign : {1.0, -1.0}) motions.emplace_back()[n] = sign;
+  }
+  Random random(1);
+  for (int n = 0; n < kHeldBy; ++n) motions.push_back(random_twist(1, random));
+  std::map<std::uint32_t, int> refused;
+  for (const Twist6& motion : motions) {
+    const Pose there = moved(p.farthest, of_length(motion, 2 * radius_m), radius_m);
+    ++refused[p.check->met(p.rule, p.farthest, there)];
+  }
+  refused.erase(0);
+  std::vector<std::uint32_t> objects;
+  for (const auto& [object, times] : refused) objects.push_back(object);
+  std::stable_sort(objects.begin(), objects.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return refused.at(a) > refused.at(b); });
+  return objects;
+}
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,27 @@
+// The order of a plan: start, search, widening, proof.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "formats/path/path_file.h"
+#include "formats/result.h"
+#include "runtime/clearance/path_check.h"
+#include "workbench/voxplan/check/problem.h"
+#include "workbench/voxplan/options.h"
+#include "workbench/voxplan/search.h"
+
+namespace forcelayer::voxplan {
+
+struct Plan {
+  SearchResult search;
+  std::vector<PathRow> rows;       // of the path that was found,
+  clearance::CheckResult checked;  // and its proof
+  double seconds = 0;
+};
+
+// Errors: kUsage where the part cannot start or end where it is asked to; those of check_path().
+Result<Plan> plan(const Problem& problem, const Options& options,
+                  const std::function<void(double share_of_time, double out_m)>& progress);
+
+}  // namespace forcelayer::voxplan

@@ -1,0 +1,66 @@
+// The poses that OMPL plans in. A state is a pose in one piece of memory: OMPL's own of SE(3) lie
+// in three, and its trees, which compare a new pose with thousands, spent half of a search's time
+// on the way to them.
+#pragma once
+
+#include <ompl/base/StateSampler.h>
+#include <ompl/base/StateSpace.h>
+
+#include <functional>
+
+#include "forcelayer/pose.h"
+#include "runtime/clearance/path_walk.h"
+#include "workbench/voxplan/destination.h"
+
+namespace forcelayer::voxplan {
+
+struct PoseState final : ompl::base::State {
+  Pose pose;  // of the part's centroid frame, world
+  // How far its shell points are, as far as a test of it or of a motion to it told, so that the
+  // next motion from there need not ask again; below 0 where none did.
+  mutable clearance::LeastDistance known{clearance::KnownEnds::kUnknown};
+};
+
+inline const Pose& pose_of(const ompl::base::State* state) {
+  return static_cast<const PoseState*>(state)->pose;
+}
+inline clearance::LeastDistance& known_of(const ompl::base::State* state) {
+  return static_cast<const PoseState*>(state)->known;
+}
+inline void put(const Pose& pose, ompl::base::State* state) {
+  auto* const to = static_cast<PoseState*>(state);
+  to->pose = pose;
+  to->known = {clearance::KnownEnds::kUnknown};
+}
+
+class PoseSpace final : public ompl::base::StateSpace {
+ public:
+  using MakeSampler =
+      std::function<ompl::base::StateSamplerPtr(const ompl::base::StateSpace* space)>;
+
+  // Positions in `bounds`. Distances are pose_distance_m() with `turn_m`. `cell_m`: the side of the
+  // cells of positions in which a planner counts where it has been.
+  PoseSpace(const Box& bounds, double turn_m, double cell_m, MakeSampler make_sampler);
+
+  unsigned getDimension() const override { return 6; }
+  double getMaximumExtent() const override;
+  double getMeasure() const override;
+  void enforceBounds(ompl::base::State* state) const override;
+  bool satisfiesBounds(const ompl::base::State* state) const override;
+  void copyState(ompl::base::State* to, const ompl::base::State* from) const override;
+  double distance(const ompl::base::State* a, const ompl::base::State* b) const override;
+  bool equalStates(const ompl::base::State* a, const ompl::base::State* b) const override;
+  void interpolate(const ompl::base::State* from, const ompl::base::State* to, double share,
+                   ompl::base::State* state) const override;
+  ompl::base::StateSamplerPtr allocDefaultStateSampler() const override;
+  ompl::base::State* allocState() const override { return new PoseState; }
+  void freeState(ompl::base::State* state) const override { delete static_cast<PoseState*>(state); }
+  void registerProjections() override;
+
+ private:
+  Box bounds_;
+  double turn_m_, cell_m_;
+  MakeSampler make_sampler_;
+};
+
+}  // namespace forcelayer::voxplan
