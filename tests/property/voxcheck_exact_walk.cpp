@@ -108,10 +108,12 @@ TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
   int meeting = 0;
   for (int trial = 0; trial < 300; ++trial) {
     SCOPED_TRACE(trial);
-    const Surface scene = random_surface(random, 6, 1), part = random_surface(random, 4, 0.5);
+    const double scale_m = std::pow(10.0, trial % 10 - 6);  // from a micrometer to a kilometer
+    const Surface scene = random_surface(random, 6, scale_m),
+                  part = random_surface(random, 4, 0.5 * scale_m);
     Pose pose;
-    pose.position_m =
-        (trial % 3 == 0 ? 0.5 : 3.0) * glm::dvec3(unit(random), unit(random), unit(random));
+    pose.position_m = (trial % 3 == 0 ? 0.5 : 3.0) * scale_m *
+                      glm::dvec3(unit(random), unit(random), unit(random));
     if (trial % 2 == 0) {
       pose.orientation =
           glm::normalize(glm::dquat(unit(random), unit(random), unit(random), unit(random)));
@@ -124,7 +126,7 @@ TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
         least = std::min(least, between_triangles(corners(scene, s, {}), corners(part, p, pose)));
       }
     }
-    const double rounding = kRounding * 5;
+    const double rounding = 1e-14 * 5 * scale_m;
     EXPECT_NEAR(measured.distance_m, static_cast<double>(least), rounding);
     EXPECT_EQ(pair.at(pose, measured.distance_m * (1 + 1e-9) + rounding).distance_m,
               measured.distance_m);
@@ -135,9 +137,9 @@ TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
       for (std::size_t p = 0; p < part.triangles.size(); ++p) {
         away = std::min(away, to_triangle(Wide(measured.part_m), corners(part, p, pose)));
       }
-      EXPECT_LE(away, 1e-7L);
+      EXPECT_LE(away, rounding);
       EXPECT_LE(to_triangle(Wide(measured.scene_m), corners(scene, measured.scene_triangle, {})),
-                1e-7L);
+                rounding);
       continue;
     }
     EXPECT_NEAR(glm::length(measured.part_m - measured.scene_m), measured.distance_m, rounding);

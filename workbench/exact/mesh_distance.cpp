@@ -1,13 +1,13 @@
 #include "workbench/exact/mesh_distance.h"
 
 #include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/narrowphase/distance.h>
+#include <fcl/narrowphase/detail/traversal/collision_node.h>
+#include <fcl/narrowphase/detail/traversal/distance/mesh_distance_traversal_node.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <utility>
+#include <limits>
+#include <optional>
+
+#include "workbench/exact/triangle_distance.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -38,57 +38,55 @@ fcl::Transform3d transform_of(const Pose& pose) {
 
 glm::dvec3 point_of(const fcl::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-using Corners = std::array<glm::dvec3, 3>;
-
-Corners corners_of(const Model& model, std::size_t triangle, const Pose& world_from_model) {
+Corners corners_of(const Model& model, int triangle, const fcl::Transform3d& world_from_model) {
   Corners corners;
   for (std::size_t n = 0; n < 3; ++n) {
     const auto vertex = model.tri_indices[triangle][static_cast<int>(n)];
-    corners[n] = world_from_model.position_m +
-                 world_from_model.orientation * point_of(model.vertices[vertex]);
+    corners[n] = point_of(world_from_model * model.vertices[vertex]);
   }
   return corners;
 }
 
-double to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const double square = glm::dot(b - a, b - a);
-  const double share = square > 0 ? std::clamp(glm::dot(p - a, b - a) / square, 0.0, 1.0) : 0;
-  return glm::length(p - a - share * (b - a));
-}
-
-// How far a place is from a triangle.
-double off_triangle(const glm::dvec3& p, const Corners& t, const glm::dvec3& normal) {
-  const double area = glm::length(normal);
-  bool inside = area > 0;
-  double least = voxcheck::kNothingM;
-  for (std::size_t n = 0; n < 3; ++n) {
-    const glm::dvec3 &a = t[n], &b = t[(n + 1) % 3];
-    inside = inside && glm::dot(glm::cross(normal, b - a), p - a) >= 0;
-    least = std::min(least, to_segment(p, a, b));
+// FCL's search of two trees of boxes with a distance of triangles of our own: FCL's leaves out a
+// corner before a face where the square of twice its area is below 1e-15 in the mesh's unit.
+class Search final : public fcl::detail::MeshDistanceTraversalNodeOBBRSSd {
+ public:
+  Search(const Model& scene, const Model& part, const fcl::Transform3d& world_from_part,
+         double hint_m)
+      : bound_(hint_m) {
+    fcl::detail::initialize(*this, scene, fcl::Transform3d::Identity(), part, world_from_part,
+                            fcl::DistanceRequestd(), bound_);
+    fcl::detail::distance<double>(this, nullptr, 2);
   }
-  return inside ? std::abs(glm::dot(normal, p - t[0])) / area : least;
-}
 
-// A place where two triangles meet: where an edge of one comes through the plane of the other, the
-// nearest to that one.
-glm::dvec3 meeting_place(const Corners& s, const Corners& t) {
-  glm::dvec3 place = s[0];
-  double least = voxcheck::kNothingM;
-  for (const auto& [from, into] : {std::pair(&s, &t), std::pair(&t, &s)}) {
-    const glm::dvec3 normal = glm::cross((*into)[1] - (*into)[0], (*into)[2] - (*into)[0]);
-    for (std::size_t n = 0; n < 3; ++n) {
-      const glm::dvec3 &a = (*from)[n], &b = (*from)[(n + 1) % 3];
-      const double at_a = glm::dot(normal, a - (*into)[0]), at_b = glm::dot(normal, b - (*into)[0]);
-      const double share = at_a == at_b ? 0 : std::clamp(at_a / (at_a - at_b), 0.0, 1.0);
-      const glm::dvec3 p = a + share * (b - a);
-      const double off = off_triangle(p, *into, normal);
-      if (off >= least) continue;
-      least = off;
-      place = p;
-    }
+  struct Found {
+    TriangleDistance nearest;
+    int scene_triangle = 0;
+  };
+  const std::optional<Found>& found() const { return found_; }  // none beyond the hint
+
+ private:
+  // Does not begin with a pair of triangles of FCL's choice.
+  void preprocess() override {}
+  void postprocess() override {}
+
+  bool canStop(double bound_m) const override { return bound_m >= bound_.min_distance; }
+
+  void leafTesting(int scene_node, int part_node) const override {
+    const int of_scene = model1->getBV(scene_node).primitiveId();
+    const int of_part = model2->getBV(part_node).primitiveId();
+    const TriangleDistance nearest =
+        triangle_distance(corners_of(*model1, of_scene, fcl::Transform3d::Identity()),
+                          corners_of(*model2, of_part, tf));
+    if (!(nearest.distance_m < bound_.min_distance)) return;
+    bound_.min_distance = nearest.distance_m;
+    found_ = {nearest, of_scene};
   }
-  return place;
-}
+
+  // FCL searches with functions that are const.
+  mutable fcl::DistanceResultd bound_;
+  mutable std::optional<Found> found_;
+};
 
 }  // namespace
 
@@ -108,27 +106,16 @@ MeshPair::MeshPair(MeshPair&&) noexcept = default;
 
 MeshDistance MeshPair::at(const Pose& world_from_center, double hint_m) const {
   if (models_->empty) return {};
-  const fcl::DistanceRequestd request(true);  // with the nearest points
-  // The search leaves out what is farther apart than the result so far.
-  fcl::DistanceResultd result(hint_m);
-  const auto measure = [&] {
-    fcl::distance<double>(&models_->scene, fcl::Transform3d::Identity(), &models_->part,
-                          transform_of(world_from_center), request, result);
-  };
-  measure();
-  if (result.b1 == fcl::DistanceResultd::NONE) {  // the hint was too small
-    result = fcl::DistanceResultd();
-    measure();
+  const fcl::Transform3d world_from_part = transform_of(world_from_center);
+  // The search leaves out what is as far apart as the hint.
+  auto found = Search(models_->scene, models_->part, world_from_part, hint_m).found();
+  if (!found) {
+    constexpr double kAny = std::numeric_limits<double>::max();
+    found = Search(models_->scene, models_->part, world_from_part, kAny).found();
   }
-  const auto triangle = static_cast<std::size_t>(result.b1);
-  if (result.min_distance > 0) {
-    return {result.min_distance, triangle, point_of(result.nearest_points[1]),
-            point_of(result.nearest_points[0])};
-  }
-  const glm::dvec3 place = meeting_place(
-      corners_of(models_->scene, triangle, {}),
-      corners_of(models_->part, static_cast<std::size_t>(result.b2), world_from_center));
-  return {0, triangle, place, place};
+  const TriangleDistance& nearest = found->nearest;
+  return {nearest.distance_m, static_cast<std::size_t>(found->scene_triangle), nearest.second_m,
+          nearest.first_m};
 }
 
 }  // namespace forcelayer::exact

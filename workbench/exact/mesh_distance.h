@@ -1,4 +1,5 @@
-// The distance between two meshes, measured by FCL: it knows neither voxels nor points.
+// The distance between two meshes: FCL's trees of boxes find the nearest triangles, and
+// triangle_distance.h measures them. It knows neither voxels nor points.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +11,8 @@
 
 namespace forcelayer::exact {
 
-// How far a measured distance may be off, as a share of the largest coordinate: FCL is in double
-// precision, but measures edges in the wrong places that are parallel but for the rounding of their
-// directions, 1e-8 of their lengths.
+// How far a measured distance may be off, as a fraction of the largest coordinate: most files store
+// coordinates as 32-bit floats. The measurement itself is in double precision, far below it.
 inline constexpr double kRounding = 0x1p-24;
 
 struct MeshDistance {
