@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/mesh_files.h"
 #include "tests/support/places.h"
@@ -89,6 +92,63 @@ inline std::string with_type(const std::string& text, int entry, const std::stri
   }
   return result;
 }
+
+// Entries that are added to an IGES text, each with parameters on one line.
+class IgesText {
+ public:
+  explicit IgesText(const std::string& text) {
+    std::istringstream lines(text);
+    std::string line;
+    while (std::getline(lines, line)) {
+      line.resize(80, ' ');
+      sections_[line[72]].push_back(line.substr(0, 72));
+    }
+  }
+
+  // Its directory entry. `status` has four numbers of two digits; `matrix` is an entry or 0.
+  int add(int type, const std::string& parameters, int matrix = 0, int form = 0,
+          const std::string& status = "00000000") {
+    const auto entry = static_cast<int>(sections_['D'].size()) + 1;
+    const auto first = static_cast<int>(sections_['P'].size()) + 1;
+    char line[100];
+    std::snprintf(line, sizeof line, "%8d%8d%8d%8d%8d%8d%8d%8d%8s", type, first, 0, 0, 0, 0, matrix,
+                  0, status.c_str());
+    sections_['D'].push_back(line);
+    std::snprintf(line, sizeof line, "%8d%8d%8d%8d%8d%32d", type, 0, 0, 1, form, 0);
+    sections_['D'].push_back(line);
+    std::snprintf(line, sizeof line, "%-64s%8d", (std::to_string(type) + "," + parameters).c_str(),
+                  entry);
+    sections_['P'].push_back(line);
+    return entry;
+  }
+
+  // Names the matrix in an entry of the file.
+  void set_matrix(int entry, int matrix) {
+    char field[16];
+    std::snprintf(field, sizeof field, "%8d", matrix);
+    sections_['D'][static_cast<std::size_t>(entry - 1)].replace(48, 8, field);
+  }
+
+  std::string text() const {
+    std::string text;
+    for (const char section : {'S', 'G', 'D', 'P'}) {
+      int number = 0;
+      for (const std::string& line : sections_.at(section)) {
+        char end[16];
+        std::snprintf(end, sizeof end, "%c%7d\n", section, ++number);
+        text += line + end;
+      }
+    }
+    char end[100];
+    const auto size = [&](char section) { return static_cast<int>(sections_.at(section).size()); };
+    std::snprintf(end, sizeof end, "S%7dG%7dD%7dP%7d%40sT%7d\n", size('S'), size('G'), size('D'),
+                  size('P'), "", 1);
+    return text + end;
+  }
+
+ private:
+  std::map<char, std::vector<std::string>> sections_;
+};
 
 // Faces that a STEP text holds, without OpenCASCADE: entities of the two types of face.
 inline std::size_t count_step_faces(const std::string& text) {

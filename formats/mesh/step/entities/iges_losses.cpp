@@ -5,6 +5,7 @@
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <IGESData_UndefinedEntity.hxx>
+#include <IGESDraw_CircArraySubfigure.hxx>
 #include <IGESGeom_Line.hxx>
 #include <IGESSolid_EdgeList.hxx>
 #include <IGESSolid_HArray1OfFace.hxx>
@@ -28,6 +29,7 @@
 
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/iges_numbers.h"
+#include "formats/mesh/step/entities/iges_placings.h"
 #include "formats/mesh/step/entities/iges_trims.h"
 
 namespace forcelayer::mesh {
@@ -63,11 +65,49 @@ bool is_constructive(const Entity& entity) {
 }
 
 // Instances, single and in arrays, of what is defined once.
-bool is_placing(const Entity& entity) { return is_one_of(entity, {408, 412, 414}); }
+bool is_placing(const Entity& entity) { return is_one_of(entity, {408, 412, 414, 420}); }
 
 constexpr int kExternalReference = 416;
 
-bool is_group(const Entity& entity) { return is_one_of(entity, {308, 402, 406, 408, 412, 414}); }
+bool is_group(const Entity& entity) {
+  return is_placing(entity) || is_one_of(entity, {308, 320, 402, 406});
+}
+
+bool fails(const Handle(IGESData_IGESModel) & model, const Entity& entity) {
+  const Standard_Integer number = model->Number(entity);
+  return number > 0 && model->Check(number, Standard_True)->NbFails() > 0;
+}
+
+// Which groups and placings have faces, over others too.
+class FaceHolders {
+ public:
+  explicit FaceHolders(const Handle(XSControl_WorkSession) & session)
+      : model_(Handle(IGESData_IGESModel)::DownCast(session->Model())), graph_(session->Graph()) {}
+
+  // True too for one that makes no sense: nobody knows what it places.
+  bool holds(const Entity& entity) {
+    if (is_face(entity) || is_surface(entity)) return true;
+    const auto [known, is_new] = holds_.try_emplace(entity.get(), false);
+    if (!is_new) return known->second;
+    bool holds_any = is_group(entity) && fails(model_, entity);
+    // The graph of OpenCASCADE lacks what a circular array repeats.
+    const auto circle = Handle(IGESDraw_CircArraySubfigure)::DownCast(entity);
+    if (!circle.IsNull() && !circle->BaseEntity().IsNull() && holds(circle->BaseEntity())) {
+      holds_any = true;
+    }
+    Interface_EntityIterator part = graph_.Shareds(entity);
+    for (part.Start(); part.More() && !holds_any; part.Next()) {
+      const Entity other = Entity::DownCast(part.Value());
+      holds_any = !other.IsNull() && holds(other);
+    }
+    return holds_[entity.get()] = holds_any;
+  }
+
+ private:
+  Handle(IGESData_IGESModel) model_;
+  const Interface_Graph& graph_;
+  std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
+};
 
 // All that refer to it, over others too.
 std::vector<Entity> holders_of(const Interface_Graph& graph, const Entity& entity) {
@@ -91,6 +131,7 @@ class IgesCheck {
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
         faces_(document),
+        holders_(session),
         damage_(damage) {}
 
   FileLosses find() {
@@ -99,6 +140,7 @@ class IgesCheck {
     found.pieces = damage_.pieces;
     lost_faces_.count = damage_.cut_faces;
     lost_faces_.names = damage_.faces;
+    lost_placings_.names = damage_.placings;
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
     std::vector<Losses> all = {lost_faces_, lost_owners_, lost_solids_, lost_placings_,
                                lost_files_};
@@ -128,7 +170,7 @@ class IgesCheck {
       lose(entity, lost_owners_);
     } else if (entity->TypeNumber() == kExternalReference) {
       lose(entity, lost_files_);
-    } else if (is_placing(entity) && holds_faces(entity)) {
+    } else if (is_placing(entity) && holders_.holds(entity)) {
       if (!faces_.has(TransferBRep::ShapeResult(process_, entity))) {
         lose(entity, lost_placings_);
       }
@@ -186,27 +228,14 @@ class IgesCheck {
     return (entity->SubordinateStatus() & kPhysicallyDependent) != 0;
   }
 
-  bool holds_faces(const Entity& entity) {
-    if (is_face(entity) || is_surface(entity)) return true;
-    const auto [known, is_new] = holds_.try_emplace(entity.get(), false);
-    if (!is_new) return known->second;
-    bool holds = false;
-    Interface_EntityIterator part = graph_.Shareds(entity);
-    for (part.Start(); part.More(); part.Next()) {
-      const Entity other = Entity::DownCast(part.Value());
-      if (!other.IsNull() && holds_faces(other)) holds = true;
-    }
-    return holds_[entity.get()] = holds;
-  }
-
   std::string name_of(const Entity& entity) const { return iges_name(model_, entity); }
 
   Handle(IGESData_IGESModel) model_;
   const Interface_Graph& graph_;
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
+  FaceHolders holders_;
   const IgesDamage& damage_;
-  std::unordered_map<const IGESData_IGESEntity*, bool> holds_;
   std::vector<Entity> lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
       lost_files_{"external reference", 0, {}}, lost_owners_{"faceless boundary", 0, {}};
@@ -356,15 +385,15 @@ class IgesEdges {
   bool is_damaged(const Entity& list, Standard_Integer i) const {
     const auto edges = Handle(IGESSolid_EdgeList)::DownCast(list);
     if (edges.IsNull()) return true;
-    if (fails(edges)) return false;  // it is damaged itself
+    if (fails(model_, edges)) return false;  // it is damaged itself
     if (i < 1 || i > edges->NbEdges() || edges->Curve(i).IsNull()) return true;
-    return fails(edges->Curve(i)) || is_point(edges->Curve(i)) ||
+    return fails(model_, edges->Curve(i)) || is_point(edges->Curve(i)) ||
            is_damaged(edges->StartVertexList(i), edges->StartVertexIndex(i)) ||
            is_damaged(edges->EndVertexList(i), edges->EndVertexIndex(i));
   }
 
   bool is_damaged(const Handle(IGESSolid_VertexList) & list, Standard_Integer i) const {
-    return list.IsNull() || (!fails(list) && (i < 1 || i > list->NbVertices()));
+    return list.IsNull() || (!fails(model_, list) && (i < 1 || i > list->NbVertices()));
   }
 
   // A line whose numbers are left out: OpenCASCADE crashes on some.
@@ -373,18 +402,16 @@ class IgesEdges {
     return !line.IsNull() && line->StartPoint().Distance(line->EndPoint()) == 0;
   }
 
-  bool fails(const Entity& entity) const {
-    const Standard_Integer number = model_->Number(entity);
-    return number > 0 && model_->Check(number, Standard_True)->NbFails() > 0;
-  }
-
   Handle(IGESData_IGESModel) model_;
 };
 
-// The faces that use these entries of the directory, over others too; of those that no face uses,
-// the surfaces, solids and placings.
+// What uses these entries of the directory, over others too.
+enum class Users { kFacesOrSurfaces, kAllThatPlaces };
+
+// The faces that use them; of those that no face uses, the surfaces, or the solids and placings
+// too.
 EntitySet users_of(const Interface_Graph& graph, const Handle(IGESData_IGESModel) & model,
-                   const std::set<int>& entries) {
+                   const std::set<int>& entries, Users kind) {
   EntitySet users;
   if (entries.empty()) return users;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
@@ -393,11 +420,10 @@ EntitySet users_of(const Interface_Graph& graph, const Handle(IGESData_IGESModel
     const std::vector<Entity> holders = holders_of(graph, entity);
     const bool has_faces = std::any_of(holders.begin(), holders.end(), is_face);
     for (const Entity& holder : holders) {
-      const bool is_user = has_faces ? is_face(holder)
-                                     : is_surface(holder) || is_placing(holder) ||
-                                           is_constructive(holder) ||
-                                           is_of_boundary_representation(holder);
-      if (is_user) users.insert(holder.get());
+      const bool places =
+          kind == Users::kAllThatPlaces &&
+          (is_placing(holder) || is_constructive(holder) || is_of_boundary_representation(holder));
+      if (has_faces ? is_face(holder) : is_surface(holder) || places) users.insert(holder.get());
     }
   }
   return users;
@@ -422,10 +448,22 @@ IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
   IgesDamage damage;
   const IgesEdges edges(model);
-  const EntitySet garbled = users_of(session->Graph(), model, iges_entries_without_numbers(text));
+  const IgesMisplaced misplaced = settle_iges_placings(session, text);
+  EntitySet garbled =
+      users_of(session->Graph(), model, iges_entries_without_numbers(text), Users::kAllThatPlaces);
+  garbled.merge(users_of(session->Graph(), model, misplaced.geometry, Users::kFacesOrSurfaces));
   std::vector<Entity> damaged;
+  FaceHolders face_holders(session);
+  for (const Entity& entity : misplaced.holders) {
+    if (!is_of_boundary_representation(entity) && !face_holders.holds(entity)) continue;
+    damage.placings.push_back(iges_name(model, entity));
+    damaged.push_back(entity);
+  }
+  EntitySet is_misplaced;
+  for (const Entity& entity : damaged) is_misplaced.insert(entity.get());
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
+    if (is_misplaced.contains(entity.get())) continue;
     const bool is_damaged =
         garbled.contains(entity.get()) ||
         (is_of_boundary_representation(entity)

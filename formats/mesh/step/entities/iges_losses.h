@@ -24,8 +24,8 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
 
 // Damage that was taken out of a file before it was transferred.
 struct IgesDamage {
-  std::vector<std::string> faces, others;  // names
-  std::uint64_t cut_faces = 0;             // taken out
+  std::vector<std::string> faces, placings, others;  // names
+  std::uint64_t cut_faces = 0;                       // taken out
   std::vector<LostPiece> pieces;
   std::vector<std::vector<Handle(IGESData_IGESEntity)>> holders;  // [pieces] all that refer to them
   std::unordered_set<const Standard_Transient*> below;            // entities that the pieces hold

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
-#include <map>
 #include <string>
 
 namespace forcelayer::mesh {
@@ -88,15 +87,20 @@ bool has_only_numbers(std::string_view parameters, const Delimiters& delimiters)
   return true;
 }
 
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
 }  // namespace
 
 std::set<int> iges_entries_without_numbers(std::string_view text) {
   std::string globals;
   std::map<int, std::string> parameters;  // by entry
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view line = take_line(text);
     if (line.size() < kLine) continue;
     if (line[kSection] == 'G') globals += line.substr(0, kDataOfGlobals);
     if (line[kSection] != 'P') continue;
@@ -109,6 +113,20 @@ std::set<int> iges_entries_without_numbers(std::string_view text) {
     if (!has_only_numbers(values, delimiters)) entries.insert(entry);
   }
   return entries;
+}
+
+std::map<int, int> iges_matrix_entries(std::string_view text) {
+  constexpr std::size_t kMatrix = 48, kField = 8;
+  std::map<int, int> matrices;
+  bool is_first = true;  // of the two lines of an entry
+  while (!text.empty()) {
+    const std::string_view line = take_line(text);
+    if (line.size() < kLine || line[kSection] != 'D') continue;
+    const int matrix = whole_number(line.substr(kMatrix, kField));
+    if (is_first && matrix != 0) matrices[whole_number(line.substr(kLine))] = matrix;
+    is_first = !is_first;
+  }
+  return matrices;
 }
 
 }  // namespace forcelayer::mesh

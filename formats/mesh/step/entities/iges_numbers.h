@@ -1,6 +1,7 @@
-// Numbers of an IGES file that are none.
+// What the text of an IGES file says that OpenCASCADE does not keep.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -10,5 +11,9 @@ namespace forcelayer::mesh {
 // that is neither empty nor a number: OpenCASCADE takes it for 0 without an error. `text` is the
 // whole file; one that is binary or compressed has none.
 std::set<int> iges_entries_without_numbers(std::string_view text);
+
+// The transformation matrices that entries of the directory name (field 7), by entry: OpenCASCADE
+// forgets one that is not there.
+std::map<int, int> iges_matrix_entries(std::string_view text);
 
 }  // namespace forcelayer::mesh
