@@ -367,6 +367,38 @@ TEST(StepLosses, OccurrencesWithoutAPlacing) {
                                          "NO_SUCH_PLACING();")));
 }
 
+// Properties by which receivers check volumes have a shape of their own, of no product, which lists
+// the solid of a product once more.
+TEST(StepLosses, AShapeThatOnlyRepeatsASolidLosesNothing) {
+  const ScratchFolder folder;
+  run_in(folder.path(), "make_step_assembly clamp.step");
+  const std::string clamp = read_text(folder / "clamp.step");
+  const auto repeating = [&](const std::string& relation) {
+    return with_entities(
+        replaced(clamp,
+                 R"(#75 = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\((#\d+),(#\d+)\),(#\d+)\);)",
+                 "$&\n#9001=SHAPE_REPRESENTATION('',($2),$3);\n"
+                 "#9002=SHAPE_DEFINITION_REPRESENTATION(#9003,#9001);"),
+        "#9003=PROPERTY_DEFINITION('','solid data',#9004);\n"
+        "#9004=SHAPE_ASPECT('','solid data',#69,.F.);\n" +
+            relation);
+  };
+  const auto assembly = mesh::read_assembly(write_file(folder / "a.step", repeating("")));
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  const auto whole = mesh::read_assembly(folder / "clamp.step");
+  ASSERT_TRUE(whole) << to_line(whole.error());
+  EXPECT_EQ(assembly->instances.size(), whole->instances.size());
+  EXPECT_EQ(assembly->triangle_count(), whole->triangle_count());
+  // One that a relation gives a place is lost.
+  expect_in("1 placing: #9001 SHAPE_REPRESENTATION",
+            step_error(repeating(
+                "#9005=ITEM_DEFINED_TRANSFORMATION('','',#9006,#9006);\n"
+                "#9006=AXIS2_PLACEMENT_3D('',#9007,$,$);\n#9007=CARTESIAN_POINT('',(0.,0.,0.));\n"
+                "#9008=(REPRESENTATION_RELATIONSHIP('','',#9001,#75)"
+                "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#9005)"
+                "SHAPE_REPRESENTATION_RELATIONSHIP());\n")));
+}
+
 TEST(IgesLosses, ADamagedSurfaceOfACube) {
   const std::string box = iges_box(false);
   const std::string lost = "1 of 6 faces: D19 (type 144)";

@@ -48,6 +48,7 @@
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
+#include <algorithm>
 #include <gp_Vec.hxx>
 #include <string_view>
 #include <unordered_set>
@@ -317,13 +318,30 @@ class StepCheck {
   }
 
   // A shape with faces that no product of an assembly has: OpenCASCADE leaves it at the origin, and
-  // the occurrences of its product out.
+  // the occurrences of its product out. A shape that only repeats faces of products, such as that
+  // of a property by which receivers check volumes, places nothing.
   bool is_of_no_product(const Entity& entity) const {
     const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity);
     if (shape.IsNull() || shape->Items().IsNull() || !is_assembly_) return false;
+    std::vector<Entity> items;
     for (Standard_Integer i = 1; i <= shape->NbItems(); ++i) {
-      if (shape->ItemsValue(i).IsNull() || !is_in_document(shape->ItemsValue(i))) continue;
-      return step_piece(session_, entity).products.empty();
+      const Entity item = shape->ItemsValue(i);
+      if (!item.IsNull() && is_in_document(item)) items.push_back(item);
+    }
+    if (items.empty() || !step_piece(session_, entity).products.empty()) return false;
+    return is_placed(shape) || std::any_of(items.begin(), items.end(), [&](const Entity& item) {
+             return step_piece(session_, item).products.empty();
+           });
+  }
+
+  // Whether a relation gives the shape a place in another one.
+  bool is_placed(const Entity& shape) const {
+    Interface_EntityIterator user = graph_.Sharings(shape);
+    for (user.Start(); user.More(); user.Next()) {
+      if (user.Value()->IsKind(
+              STANDARD_TYPE(StepRepr_RepresentationRelationshipWithTransformation))) {
+        return true;
+      }
     }
     return false;
   }
