@@ -3,19 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/command/command.h"
+#include "formats/mesh/content_hash.h"
 #include "formats/mesh/missing_faces.h"
 
 namespace forcelayer::voxelize {
 namespace {
 
-// Hash of a mesh in its pose: vertices, triangles and transform.
-std::string content_hash(const cache::MeshOutline& mesh, const mesh::Affine& world_from_mesh) {
-  const cache::Digest pieces[] = {
-      mesh.vertices, mesh.triangles,
-      cache::digest_of(std::as_bytes(std::span(world_from_mesh.linear))),
-      cache::digest_of(std::as_bytes(std::span(world_from_mesh.translation)))};
-  return cache::digest_of(std::as_bytes(std::span(pieces))).hex();
-}
+mesh::Hash128 hash_of(const cache::Digest& digest) { return {digest.low, digest.high}; }
 
 }  // namespace
 
@@ -25,10 +19,12 @@ std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshO
   Json parts = Json::array();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const mesh::MeshObject& part = scene.objects[i];
-    parts.push_back({{"name", part.name},
-                     {"xxh128", content_hash(meshes[i], part.world_from_mesh)},
-                     {"free_seeds_m", part.free_seeds_m},
-                     {"mesh_deviation_m", part.deviation_m}});
+    parts.push_back(
+        {{"name", part.name},
+         {"xxh128", mesh::content_hash(hash_of(meshes[i].vertices), hash_of(meshes[i].triangles),
+                                       part.world_from_mesh)},
+         {"free_seeds_m", part.free_seeds_m},
+         {"mesh_deviation_m", part.deviation_m}});
   }
   Json json = {{"tool", std::string("voxelize ") + command::kVersion},
                {"voxel_size_m", options.voxel_size_m},

@@ -54,11 +54,32 @@ class FaceCounter {
   bool in_faces_ = false, in_array_ = false;
 };
 
+// The text of a key; empty where there is none.
+std::string text_in(const Json& json, const char* key) {
+  const auto at = json.is_object() ? json.find(key) : json.end();
+  return at != json.end() && at->is_string() ? at->get<std::string>() : "";
+}
+
 }  // namespace
 
 std::uint64_t missing_faces_in(std::string_view provenance) {
   FaceCounter counter;
   return Json::sax_parse(provenance, &counter) ? counter.count() : 0;
+}
+
+std::vector<std::string> object_hashes_in(std::string_view provenance) {
+  const Json json = Json::parse(provenance, nullptr, false);
+  std::vector<std::string> hashes;
+  if (!json.is_object() || !json.contains("parts")) return hashes;
+  for (const Json& part : json["parts"]) {
+    hashes.push_back(text_in(part, "xxh128"));
+    if (hashes.back().empty()) return {};
+  }
+  return hashes;
+}
+
+std::string part_hash_in(std::string_view provenance) {
+  return text_in(Json::parse(provenance, nullptr, false), "part_xxh3");
 }
 
 std::string missing_faces_text(std::string_view provenance) {

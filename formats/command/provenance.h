@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace forcelayer::command {
 
@@ -13,5 +14,10 @@ std::uint64_t missing_faces_in(std::string_view provenance);
 
 // "2 faces are missing from it, and no guarantee covers them"; empty where none is missing.
 std::string missing_faces_text(std::string_view provenance);
+
+// The hash of each object that a scene was baked from, and of the part that a shell was. Empty
+// where the text does not have all of them.
+std::vector<std::string> object_hashes_in(std::string_view provenance);
+std::string part_hash_in(std::string_view provenance);
 
 }  // namespace forcelayer::command

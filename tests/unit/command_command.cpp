@@ -38,6 +38,22 @@ TEST(ErrorLine, IsOneLineWithFilePlaceReasonAndMend) {
             "a\\x0ab\\x1b[31m\\x7f: c\\x09d");
 }
 
+TEST(Provenance, HasTheHashesOfTheMeshes) {
+  using command::object_hashes_in, command::part_hash_in;
+  using Hashes = std::vector<std::string>;
+  EXPECT_EQ(object_hashes_in(R"({"parts": [{"xxh128": "ab"}, {"xxh128": "cd"}]})"),
+            (Hashes{"ab", "cd"}));
+  for (const char* none :
+       {"", "[]", "{", "7", R"({"parts": 3})", R"({"parts": ["xxh128"]})",
+        R"({"parts": [{"xxh128": "ab"}, {"name": "x"}]})", R"({"parts": [{"xxh128": 5}]})"}) {
+    EXPECT_EQ(object_hashes_in(none), Hashes()) << none;
+  }
+  EXPECT_EQ(part_hash_in(R"({"part_xxh3": "ab"})"), "ab");
+  for (const char* none : {"", "[1]", "{}", R"({"part_xxh3": 1})"}) {
+    EXPECT_EQ(part_hash_in(none), "") << none;
+  }
+}
+
 TEST(Provenance, CountsMissingFacesOfWhateverStandsThere) {
   using command::missing_faces_in;
   EXPECT_EQ(missing_faces_in(R"({"missing_faces": [{"node": "a", "size": [1, 2]}, {}]})"), 2u);

@@ -5,8 +5,11 @@
 
 #include "formats/command/provenance.h"
 #include "formats/command/text.h"
+#include "formats/mesh/content_hash.h"
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
+#include "pointshell/part/part_files.h"
+#include "pointshell/report.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -32,10 +35,10 @@ Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, dou
 Error other_meshes(const std::string& file, std::string why) {
   return {ErrorCode::kFilesDoNotMatch, file, "--exact",
           "was not baked from these meshes: " + std::move(why),
-          "name the inputs of the bake, with its --without"};
+          "name the inputs of the bake, with its --without and units, or bake again"};
 }
 
-Surface surface_of(const mesh::Scene& scene, const glm::dvec3& origin_m) {
+Surface surface_of(const mesh::Scene& scene) {
   Surface surface;
   for (std::size_t n = 0; n < scene.objects.size(); ++n) {
     const mesh::MeshObject& object = scene.objects[n];
@@ -43,7 +46,7 @@ Surface surface_of(const mesh::Scene& scene, const glm::dvec3& origin_m) {
     const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
     for (const mesh::Vec3d& vertex : mesh.vertices) {
       const mesh::Vec3d p = apply(object.world_from_mesh, vertex);
-      surface.vertices_m.push_back(glm::dvec3(p[0], p[1], p[2]) - origin_m);
+      surface.vertices_m.push_back(glm::dvec3(p[0], p[1], p[2]));
       for (const double coordinate : p) {
         surface.largest_m = std::max(surface.largest_m, std::abs(coordinate));
       }
@@ -53,6 +56,18 @@ Surface surface_of(const mesh::Scene& scene, const glm::dvec3& origin_m) {
     }
     surface.object.resize(surface.triangles.size(), static_cast<std::uint32_t>(n + 1));
   }
+  return surface;
+}
+
+// About an origin; each body is an object of its own.
+Surface surface_of(const part::Part& part, const glm::dvec3& origin_m) {
+  Surface surface;
+  for (const part::Vec3& v : part.vertices) {
+    surface.vertices_m.push_back(glm::dvec3(v.x, v.y, v.z) - origin_m);
+  }
+  surface.triangles = part.triangles;
+  for (const std::uint32_t body : part.body) surface.object.push_back(body + 1);
+  surface.largest_m = part.largest_coordinate;
   return surface;
 }
 
@@ -74,6 +89,17 @@ Status check_names(const std::string& file, const mesh::Scene& scene, const Voxm
       return other_meshes(file, "its object " + std::to_string(n) + " is '" +
                                     std::string(voxmap.object_name(n)) + "', not '" + name + "'");
     }
+  }
+  return {};
+}
+
+// Whether the meshes are, triangle by triangle and where they stand, those of the bake.
+Status check_content(const std::string& file, const mesh::Scene& scene, const Voxmap& voxmap) {
+  const std::vector<std::string> baked = command::object_hashes_in(voxmap.provenance());
+  for (std::size_t n = 0; n < std::min(baked.size(), scene.objects.size()); ++n) {
+    const mesh::MeshObject& object = scene.objects[n];
+    if (mesh::content_hash(scene.mesh_of(object), object.world_from_mesh) == baked[n]) continue;
+    return other_meshes(file, "'" + object.name + "' has another shape, size or place");
   }
   return {};
 }
@@ -100,7 +126,7 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
   const auto scene = mesh::read_scene(request.meshes, request.unit_m, *reading);
   if (!scene) return scene.error();
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
-  Surface surface = surface_of(*scene, glm::dvec3(0));
+  Surface surface = surface_of(*scene);
   if (Status same =
           check_triangles(request.scene, surface.triangles.size(), voxmap.header().triangles);
       !same) {
@@ -111,6 +137,7 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
   } else if (Status same = check_names(request.scene, *scene, voxmap); !same) {
     return same.error();
   }
+  if (Status same = check_content(request.scene, *scene, voxmap); !same) return same.error();
   return surface;
 }
 
@@ -119,16 +146,22 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
   const PshellHeader& header = shell.header();
   const auto reading = reading_of(request, header.voxel_size_m, shell.provenance());
   if (!reading) return reading.error();
-  const auto scene = mesh::read_scene(request.part_meshes, request.part_unit_m, *reading);
-  if (!scene) return scene.error();
-  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
-  const auto& c = header.center_m;
-  Surface surface = surface_of(*scene, {c[0], c[1], c[2]});
-  if (Status same = check_triangles(request.part, surface.triangles.size(), header.triangles);
-      !same) {
+  mesh::ReadOptions options;
+  options.deflection_m = mesh::baked_deflection_m(header.voxel_size_m);
+  options.missing_faces = reading->missing_faces;
+  auto files = part::read_part(request.part_meshes, request.part_unit_m, options, reading->read);
+  if (!files) return files.error();
+  warnings.insert(warnings.end(), files->warnings.begin(), files->warnings.end());
+  const part::Part& part = files->part;
+  if (Status same = check_triangles(request.part, part.input_triangles, header.triangles); !same) {
     return same.error();
   }
-  return surface;
+  const std::string baked = command::part_hash_in(shell.provenance());
+  if (!baked.empty() && pointshell::part_hash(part) != baked) {
+    return other_meshes(request.part, "the part has another shape, size or place");
+  }
+  const auto& c = header.center_m;
+  return surface_of(part, {c[0], c[1], c[2]});
 }
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {
