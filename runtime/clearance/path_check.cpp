@@ -140,7 +140,8 @@ CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
   if (moment.beyond_side) return moment;
   const auto nearest = part.nearest(moment.point_m);
   moment.object = nearest.object;
-  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + required_.deviations_m();
+  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + required_.deviations_m() +
+                  required_.point_off_surface_m();
   return moment;
 }
 

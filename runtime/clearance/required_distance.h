@@ -21,9 +21,12 @@ class RequiredDistance {
   // By how much scene, part and arithmetic together may be off, m.
   double deviations_m() const { return deviations_m_; }
 
+  // How far a shell point may be from the part's surface, m: voxel centers are not on it.
+  double point_off_surface_m() const { return point_off_surface_m_; }
+
  private:
   SurfaceDistanceTerms terms_;
-  double voxel_size_m_, deviations_m_, voxels_;
+  double voxel_size_m_, deviations_m_, point_off_surface_m_, voxels_;
 };
 
 }  // namespace forcelayer::clearance

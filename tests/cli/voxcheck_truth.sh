@@ -45,6 +45,10 @@ for name, key, value in ("scaled", "scale", 1.5), ("turned", "rotation", [0, 0, 
     changed = json.load(open("room.json"))
     changed["parts"][1][key] = value
     json.dump(changed, open(name + ".json", "w"))
+with open("tip.obj", "w") as file:
+    for vertex in (.1, .1, 1.9), (9, 0, 30), (-4, 8, 30), (-4, -8, 30):
+        file.write("v %g %g %g\n" % vertex)
+    file.writelines("f %d %d %d\n" % face for face in ((1, 3, 2), (1, 4, 3), (1, 2, 4), (2, 3, 4)))
 path("over", (0, -30, 0, 30), (1, -30, 0, 8), (2, 48, 0, 8), (3, 48, 0, 30))  # 3 mm above the floor, 7 before the wall
 # A cube on a floor, 2.5 mm beside a wall: up, on a way that goes sideways by that much.
 box("stand", (-30, -30, -10), (30, 30, 0))
@@ -72,6 +76,7 @@ path("moment", (0, 0, 0, 0))
 path("through", (0, -100, 0, 0), (1, 100, 0, 0))
 path("skin", (0, 0, 0, 49), (1, 10, 0, 49))
 path("between", (0, 35, 0, 0), (1, 36, 0, 0))
+path("down", (0, .3, .2, 18.1), (1, .3, .2, 7.4), (2, .3, .2, 18.1))
 path("side", (0, 0, 0, 30), (1, 0, 0, 12), (2, 15, 0, 12), (3, 15, 0, 30))
 END
 fine=(--voxel-size 1mm --quiet)
@@ -128,6 +133,15 @@ if [ -x "$bin/voxcheck-exact" ]; then
   done
   check 4 room.vox part.pshell over.csv --clearance 5mm --exact room.json --part part.obj --part-units in
   errs 'with its --without and units, or bake again$'
+
+  # Voxel centers are up to half a voxel diagonal off the surface: what the exact clearance is at most counts it.
+  "$bin/voxelize" floor.obj --units mm --voxel-size 2mm --quiet -o under.vox
+  "$bin/pointshell" tip.obj --units mm --voxel-size 2mm --method voxel-centers --quiet -o centers.pshell
+  check 6 under.vox centers.pshell down.csv --clearance 20mm --json centers.json
+  python3 -c 'import json; v = json.load(open("centers.json"))["least_clearance"]; assert v["clearance_m"] <= 0.0093 <= v["at_most_m"] < 0.0115, v' ||
+    fail "the tip is 9.3 mm up: $(cat centers.json)"
+  check 0 under.vox centers.pshell down.csv --clearance 1mm --exact floor.obj --part tip.obj --units mm
+  says '^clear: .* 9\.300 mm exact to floor'
 
   # A part that is all inside of a solid is far from its surface, and not clear.
   solid=(--clearance 1mm --exact solid.obj --part part.obj --units mm)
