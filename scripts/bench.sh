@@ -137,7 +137,7 @@ part_loop() {
   "$bench/bench_loop.py" --minutes "$(either 1 30)" --out "$root/build/loop_bench" --json "$out/loop.json"
 }
 
-install_packages libbullet-dev libfcl-dev libopenvdb-tools  # what is compared with
+install_packages commands tests benchmarks
 configure release -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=
 # shellcheck disable=SC2046
 build release $(for part in "${parts[@]}"; do echo ${targets[$part]}; done | tr ' ' '\n' | sort -u)

@@ -5,12 +5,15 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 say() { printf '\n== %s\n' "$*"; }
 
-# install_packages [PACKAGE ...]: installs those of packages.txt and of these that are missing, with sudo where we are
-# not root.
+# install_packages GROUP ...: installs those packages of these groups of packages.txt that are missing, with sudo where we
+# are not root.
 install_packages() {
-  local wanted missing=() package sudo=()
-  mapfile -t wanted < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/scripts/packages.txt")
-  wanted+=("$@")
+  local group wanted=() listed missing=() package sudo=()
+  for group in "$@"; do
+    mapfile -t listed < <(sed -n "/^\[$group\]$/,/^\[/{/^[a-z]/p}" "$root/scripts/packages.txt")
+    [ ${#listed[@]} -gt 0 ] || { echo "packages.txt has no group $group" >&2; return 1; }
+    wanted+=("${listed[@]}")
+  done
   for package in "${wanted[@]}"; do
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
       missing+=("$package")

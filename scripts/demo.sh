@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# The whole chain on the sample data: bakes the scene and the part, runs the 1 kHz loop with a
-# simulated device and a scripted hand, and leaves everything in build/demo. On a bare Debian 12 it
-# first installs what is missing.
+# Builds all commands, then runs the whole chain on the sample data: bakes the scene and the part, runs the 1 kHz loop with a
+# simulated device and a scripted hand, and leaves everything in build/demo. On a bare Debian 12 it first installs the
+# packages that are missing.
 source "$(dirname "$0")/common.sh"
 
-install_packages
-configure release
-build release voxelize pointshell voxinfo voxrun voxview
+install_packages commands
+configure release -DFORCELAYER_TESTS=OFF
+build release commands
 bin=$root/build/release/bin
 out=$root/build/demo
 data=$root/sample_data

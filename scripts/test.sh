@@ -73,7 +73,8 @@ else
   echo "This takes about 15 minutes on two cores where nothing is compiled yet."
 fi
 
-install_packages
+install_packages commands tests
+[ "$more" = no ] || install_packages ci
 check_layout
 if [ "$more" = no ]; then
   configure release -DFORCELAYER_BENCHMARKS=OFF -DFORCELAYER_SLOW_TESTS=OFF

@@ -81,12 +81,14 @@ function(forcelayer_library name)
 endfunction()
 
 # forcelayer_command(NAME [INTERNAL] COMPONENT package SOURCES ... LIBRARIES ...)
-# makes and installs the executable NAME, with a man page where help2man is there to write it and
-# users start it themselves (not INTERNAL).
+# makes and installs the executable NAME, and adds it to the target `commands`. A command that users start
+# themselves (not INTERNAL) gets a man page where help2man is installed.
 find_program(HELP2MAN help2man)
+add_custom_target(commands)
 function(forcelayer_command name)
   cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  add_dependencies(commands ${name})
   target_link_libraries(${name} PRIVATE forcelayer_options ${ARG_LIBRARIES})
   target_compile_options(${name} PRIVATE ${forcelayer_small})  # the command's own code runs once
   forcelayer_use_headers(${name} command)
