@@ -345,15 +345,15 @@ class PathParts {
   double nearest_voxels_ = std::numeric_limits<double>::infinity();
 };
 
-using NoObjects = std::span<const field::SeatObject>;
+using NoObjects = std::span<const guard::SeatObject>;
 
 // An object that lies wholly inside the part as the path begins is no distance away. Unless the
 // surfaces meet there, it stays inside until they do.
 void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
-                       const CheckRequest& request, std::span<const field::SeatObject> seat,
+                       const CheckRequest& request, std::span<const guard::SeatObject> seat,
                        CheckResult& result) {
   std::vector<std::uint32_t> felt;
-  for (const field::SeatObject& object : seat) felt.push_back(object.object);
+  for (const guard::SeatObject& object : seat) felt.push_back(object.object);
   for (std::uint32_t object = 1; object < request.allowed.size(); ++object) {
     if (request.allowed[object] != 0) felt.push_back(object);
   }
@@ -395,7 +395,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
     if (!found) return found.error();
     seat.emplace(std::move(*found));
     result.seat_objects = seat->near_objects(check.required(), request.far_in_seat);
-    result.seat_points = field::points_in_seat(seat->objects());
+    result.seat_points = guard::points_in_seat(seat->objects());
   }
   PathParts parts(check, path, request, voxmap.voxel_size_m());
   if (seat) parts.leave_seat(in_seat);

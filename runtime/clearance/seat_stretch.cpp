@@ -1,7 +1,7 @@
 #include "runtime/clearance/seat_stretch.h"
 
 #include "runtime/clearance/part_distance.h"
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/pose_guard.h"
 
 namespace forcelayer::clearance {
 namespace {
@@ -22,7 +22,7 @@ struct SeatStretch::Parts {
     points.reserve(shell.view().point_count);
     samples.reserve(shell.view().point_count);
     contacts.reserve(shell.view().point_count);
-    probe = std::make_unique<field::FieldProbe>(query, *field, points, samples);
+    probe = std::make_unique<guard::PoseGuard>(query, *field, points, samples);
   }
 
   query::ContactQuery query;
@@ -30,7 +30,7 @@ struct SeatStretch::Parts {
   query::CollectedPoints points;
   field::FieldSamples samples;
   field::ContactSet contacts;
-  std::unique_ptr<field::FieldProbe> probe;
+  std::unique_ptr<guard::PoseGuard> probe;
   Pose in_seat;  // world_from_center
   std::uint64_t looked_up = 0;
 };
@@ -57,7 +57,7 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
   return stretch;
 }
 
-std::span<const field::SeatObject> SeatStretch::objects() const {
+std::span<const guard::SeatObject> SeatStretch::objects() const {
   return parts_->probe->seat().objects();
 }
 
@@ -65,7 +65,7 @@ std::vector<std::uint32_t> SeatStretch::near_objects(const RequiredDistance& req
                                                      const LeftOut& far) const {
   const Voxmap& voxmap = parts_->query.voxmap();
   std::vector<std::uint32_t> near;
-  for (const field::SeatObject& object : objects()) {
+  for (const guard::SeatObject& object : objects()) {
     const std::uint32_t number = object.object;
     if (number < far.size() && far[number] != 0) continue;
     LeftOut others(voxmap.header().object_count + std::size_t{1}, 1);
@@ -88,7 +88,7 @@ std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_fr
                                                             const LeftOut& left_out) {
   ++parts_->looked_up;
   field::ContactSet& contacts = parts_->contacts;
-  parts_->probe->look_up(world_from_center, contacts);
+  parts_->probe->query_pose(world_from_center, contacts);
   std::optional<PushedIn> deepest;
   for (std::uint32_t i = 0; contacts.barred > 0 && i < contacts.count; ++i) {
     if (contacts.is_barred[i] == 0 || contacts.of_seat[i] == 0) continue;
@@ -104,14 +104,14 @@ std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_fr
 
 void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>& floors) {
   field::ContactSet& contacts = parts_->contacts;
-  parts_->probe->look_up(world_from_center, contacts);
+  parts_->probe->query_pose(world_from_center, contacts);
   floors.clear();
   const PshellView& v = parts_->query.shell().view();
   const glm::quat turn(world_from_center.orientation);
   const auto touching_m = static_cast<float>(kTouchVoxels * parts_->query.voxmap().voxel_size_m());
   for (std::uint32_t i = 0; i < contacts.count; ++i) {
     if (contacts.of_seat[i] == 0) continue;
-    const field::SeatObject* const object = parts_->probe->seat().find(parts_->probe->object_of(i));
+    const guard::SeatObject* const object = parts_->probe->seat().find(parts_->probe->object_of(i));
     if (object == nullptr) continue;
     const field::Contact contact = contacts[i];
     const glm::vec3 normal =
@@ -120,7 +120,7 @@ void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>&
     if (!flush && contact.depth_m < -touching_m) continue;
     // Before an edge of the scene the field mixes its faces: there the part's own face tells.
     const glm::vec3 slope(contacts.gx[i], contacts.gy[i], contacts.gz[i]);
-    const bool own = flush || glm::length(slope) <= field::kFaceSlope;
+    const bool own = flush || glm::length(slope) <= guard::kFaceSlope;
     const float may_m = object->contact_m - object->floor_m;
     floors.push_back(
         {contact.arm_m, own ? normal : contact.direction, may_m * kShallow - contact.depth_m});

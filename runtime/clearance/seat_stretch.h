@@ -13,7 +13,7 @@
 #include "runtime/clearance/center_path.h"
 #include "runtime/clearance/front.h"
 #include "runtime/clearance/required_distance.h"
-#include "runtime/field/seat.h"
+#include "runtime/guard/seat.h"
 
 namespace forcelayer::clearance {
 
@@ -21,13 +21,13 @@ class SeatStretch {
  public:
   // Finds the objects that the part touches with its centroid frame at `world_from_center`, as
   // voxrun does (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
-  // where FieldProbe::find_seat() refuses the pose.
+  // where PoseGuard::find_seat() refuses the pose.
   static Result<SeatStretch> find(const Voxmap& voxmap, const Pshell& shell,
                                   const Pose& world_from_center);
   SeatStretch(SeatStretch&&) noexcept;
   ~SeatStretch();
 
-  std::span<const field::SeatObject> objects() const;
+  std::span<const guard::SeatObject> objects() const;
 
   // The numbers of those that are not proven to be `required` away where the part is installed, nor
   // are among `far`: only they may be nearer than that while it is in its seat.

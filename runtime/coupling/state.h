@@ -10,7 +10,7 @@
 
 namespace forcelayer {
 
-// The seat of a part that starts installed (runtime/field/seat.h). It closes when the part has
+// The seat of a part that starts installed (runtime/guard/seat.h). It closes when the part has
 // entered it and left it again, and nothing opens it anew.
 enum SeatUse : std::uint32_t {
   kSeatClosed = 0,   // or none

@@ -1,5 +1,5 @@
 // average_directions(), for as many contacts at a time as the machine's vectors hold.
-#include "runtime/field/field_probe.h"
+#include "runtime/field/average_directions.h"
 
 #include <algorithm>
 

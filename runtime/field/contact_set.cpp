@@ -14,16 +14,4 @@ void ContactSet::reserve(std::uint64_t points) {
   of_seat.resize(room);
 }
 
-bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept {
-  if (later.barred == 0) return true;
-  std::uint32_t at = 0;
-  for (std::uint32_t i = 0; i < later.count; ++i) {
-    if (later.is_barred[i] == 0) continue;
-    while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
-    if (at == earlier.count || earlier.point[at] != later.point[i]) return false;
-    if (earlier.is_barred[at] == 0) return false;
-  }
-  return true;
-}
-
 }  // namespace forcelayer::field

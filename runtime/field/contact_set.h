@@ -54,12 +54,12 @@ struct ContactSet {
   std::vector<float> depth_m, weight;
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> value;      // VoxelValue: 1, 2 or 3
-  std::vector<std::uint8_t> is_barred;  // 0: not; kBarredWay: by the way there, and depth_m is how
-                                        // far it went against its side
-  static constexpr std::uint8_t kBarredWay = 2;
+  std::vector<std::uint8_t> is_barred;  // 0: not; kCrossed: it went through a surface, and depth_m
+                                        // is how far it went against its side
+  static constexpr std::uint8_t kCrossed = 2;
   // Only while the seat is open: whether the nearest object is of the seat; the arm of the shell
-  // point itself, where arm_m is that of a place beside it; the field's slope, per voxel; the unit
-  // direction away from the surface, to the side on which the point is.
+  // point itself, where arm_m is that of a position beside it; the field's slope, per voxel; the
+  // unit direction away from the surface, to the side on which the point is.
   std::vector<std::uint8_t> of_seat;
   std::vector<float> ax, ay, az;
   std::vector<float> gx, gy, gz;
@@ -73,26 +73,24 @@ struct ContactSet {
   bool in_free_space() const noexcept { return interior + surface + proximity == 0; }
 };
 
-// Whether every barred point of `later` is barred in `earlier` too.
-bool none_newly_barred(const ContactSet& earlier, const ContactSet& later) noexcept;
-
-// Finds the contacts of a pose for the default model.
+// Finds the contacts of a pose for the default model, and which of them the guard bars
+// (runtime/guard/pose_guard.h).
 class ContactProbe {
  public:
   virtual ~ContactProbe() = default;
 
   // Every point in values 1, 2 and 3 at this pose. Never allocates, locks or throws.
-  virtual void look_up(const Pose& world_from_center, ContactSet& out) noexcept = 0;
+  virtual void query_pose(const Pose& world_from_center, ContactSet& out) noexcept = 0;
 
   // Whether the rules of the seat hold from now on. Without one: never.
   virtual void open_seat(bool) noexcept {}
 
-  // Bars the points of the seat in `later`, the set of the last look_up(), that have gone through a
-  // surface on the way from `earlier`. `way_m` is the centroid's.
-  virtual void bar_crossings(const ContactSet& /*earlier*/, const glm::vec3& /*way_m*/,
-                             ContactSet& /*later*/) const noexcept {}
+  // Bars the points of the seat in `later`, the set of the last query_pose(), that have gone
+  // through a surface since `earlier`. The centroid has moved by `shift_m`.
+  virtual void mark_crossings(const ContactSet& /*earlier*/, const glm::vec3& /*shift_m*/,
+                              ContactSet& /*later*/) const noexcept {}
 
-  // The number of the object nearest to a place, world; 0 where none is known.
+  // The number of the object nearest to a position, world; 0 where none is known.
   virtual std::uint32_t object_near(const glm::dvec3& /*world_m*/) const noexcept { return 0; }
 };
 

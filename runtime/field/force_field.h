@@ -53,7 +53,7 @@ class ForceField {
   virtual bool proves_distances() const noexcept { return false; }
 
   // Whether the directions of measure() are exact enough to need no averaging over neighbors
-  // (average_directions() in field_probe.h).
+  // (average_directions.h).
   virtual bool has_exact_slopes() const noexcept { return false; }
 };
 

@@ -31,7 +31,7 @@ struct PartStart {
   std::optional<Pose> handle_from_part;  // the grip; none: whatever holds it without stretch, and
                                          // the identity where the place is not given either
   // Where the part is installed, world_from_part: there it may touch what it touches, and come so
-  // near to those objects until it has left them (runtime/field/seat.h). None: where it starts.
+  // near to those objects until it has left them (runtime/guard/seat.h). None: where it starts.
   std::optional<Pose> world_from_seat = std::nullopt;
 };
 

@@ -9,6 +9,7 @@
 #include "runtime/coupling/coupling_angle.h"
 #include "runtime/coupling/passivity.h"
 #include "runtime/field/surface_clearance.h"
+#include "runtime/guard/point_rule.h"
 #include "runtime/model/motion_allowance.h"
 #include "runtime/model/principal_inertia.h"
 #include "runtime/model/touched_objects.h"
@@ -104,7 +105,7 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   StepResult result;
   const coupling::GripTarget target = coupling::grip_target(state, input);
   open_seat(state.seat != kSeatClosed);
-  look_up_here(state.world_from_center);
+  query_here(state.world_from_center);
   const bool hand_still = state.has_handle != 0 &&
                           same_bits(input.world_from_handle, state.world_from_handle) &&
                           same_bits(input.handle_velocity, state.handle_velocity);
@@ -154,16 +155,16 @@ void DefaultModel::open_seat(bool open) noexcept {
   here_known_ = false;
 }
 
-void DefaultModel::look_up(const Pose& pose, LookUp& out) noexcept {
-  probe_.look_up(pose, out);
+void DefaultModel::query_pose(const Pose& pose, LookUp& out) noexcept {
+  probe_.query_pose(pose, out);
   out.totals = contact_totals(out, contact_);
   out.load = LoadSharing(out.totals);
   out.energy_j = contact_energy_j(out.totals, out.load, contact_);
 }
 
-void DefaultModel::look_up_here(const Pose& pose) noexcept {
+void DefaultModel::query_here(const Pose& pose) noexcept {
   if (here_known_ && same_bits(pose, here_pose_)) return;
-  look_up(pose, here_);
+  query_pose(pose, here_);
   here_pose_ = pose;
   here_known_ = true;
 }
@@ -193,7 +194,7 @@ void DefaultModel::move(State& state, const coupling::GripTarget& target, double
   for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
     Motion motion = prepare(state, target, dt_s);
     choose(motion, remaining_s);
-    if (!make(state, motion, target, report)) {
+    if (!try_motion(state, motion, target, report)) {
       state.velocity = {};
       state.settled = 1;
       return;
@@ -232,7 +233,8 @@ DefaultModel::Motion DefaultModel::prepare(const State& state, const coupling::G
 void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
   solve_motion(motion, remaining_s);
   const double shares =
-      std::ceil(travel_m(motion, remaining_s) / (0.5 * kTravelMargin * parameters_.voxel_size_m));
+      std::ceil(travel_m(motion, remaining_s) /
+                (kTravelMargin * guard::kMaxTravelVoxels * parameters_.voxel_size_m));
   if (shares > 1) solve_motion(motion, remaining_s / shares);
   limit_travel(motion);
 }
@@ -250,8 +252,8 @@ void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
 
 // Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
 // stays where it is.
-bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget& target,
-                        StepReport& report) noexcept {
+bool DefaultModel::try_motion(State& state, Motion& motion, const coupling::GripTarget& target,
+                              StepReport& report) noexcept {
   const double dt_s = motion.system.dt_s;
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
@@ -263,11 +265,11 @@ bool DefaultModel::make(State& state, Motion& motion, const coupling::GripTarget
                                               at_arm(first, motion.system.arm_m));
     Twist velocity;
     const Pose candidate = moved(state.world_from_center, target, motion, velocity);
-    look_up(candidate, there_);
-    probe_.bar_crossings(
+    query_pose(candidate, there_);
+    probe_.mark_crossings(
         here_, glm::vec3(candidate.position_m - state.world_from_center.position_m), there_);
     double rise_j = 0;
-    const bool clear = field::none_newly_barred(here_, there_);
+    const bool clear = guard::accepts_pose(here_, there_);
     if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad = angle_rad(state, target, candidate);
@@ -321,7 +323,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
     // A point that went through a sheet ends a little before where it was; others are led back into
     // the force layer.
-    const double back_m = there_.is_barred[i] == field::ContactSet::kBarredWay
+    const double back_m = there_.is_barred[i] == field::ContactSet::kCrossed
                               ? double{c.depth_m} + kSheetPushVoxels * s
                               : std::max(kGuardPushVoxels * s, c.depth_m - guard_depth_m);
     row.onset = separation + back_m / dt_s;
@@ -331,7 +333,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
 
 void DefaultModel::limit_travel(Motion& motion) const noexcept {
   const double dt_s = motion.system.dt_s;
-  double limit_m = 0.5 * kTravelMargin * parameters_.voxel_size_m;
+  double limit_m = kTravelMargin * guard::kMaxTravelVoxels * parameters_.voxel_size_m;
   if (here_.barred > 0) limit_m = std::min(limit_m, parameters_.recovery_mps * dt_s);
   const double travel = travel_m(motion, dt_s);
   if (!(travel > limit_m)) return;
@@ -343,7 +345,8 @@ void DefaultModel::limit_travel(Motion& motion) const noexcept {
 // it goes slower: s/2 holds for the pose itself.
 Pose DefaultModel::moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
                          Twist& velocity) const noexcept {
-  const double dt_s = motion.system.dt_s, limit_m = 0.5 * parameters_.voxel_size_m;
+  const double dt_s = motion.system.dt_s;
+  const double limit_m = guard::kMaxTravelVoxels * parameters_.voxel_size_m;
   const glm::dvec3& arm_m = motion.system.arm_m;
   for (double share = 1; share > 1e-3; share *= 0.5) {
     const Twist first{share * coupling::linear_part(motion.velocity),
@@ -357,9 +360,10 @@ Pose DefaultModel::moved(const Pose& from, const coupling::GripTarget& target, M
     velocity = at_arm(velocity, -arm_there_m);
     const double turn_rad =
         glm::length(coupling::rotation_vector(pose.orientation * glm::conjugate(from.orientation)));
-    const double way_m =
-        glm::length(pose.position_m - from.position_m) + parameters_.part_radius_m * turn_rad;
-    if (way_m <= limit_m) return pose;
+    if (guard::is_within_travel(glm::length(pose.position_m - from.position_m), turn_rad,
+                                parameters_.part_radius_m, parameters_.voxel_size_m)) {
+      return pose;
+    }
   }
   velocity = {};
   return from;

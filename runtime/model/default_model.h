@@ -2,7 +2,7 @@
 // when the hand rests, whatever the stiffness, mass and rate.
 //
 // A frame is one or more motions of at most s/2 of travel. Each is solved, looked up where it
-// leads, and kept only if no point is barred there (contact_set.h) and its energy is in order
+// leads, and kept only if the guard accepts it (runtime/guard) and its energy is in order
 // (motion_allowance.h); the pose that was looked up is the pose that is kept, bit for bit. A motion
 // that fails is solved again with the contacts found where it led, then shortened, then dropped.
 #pragma once
@@ -36,10 +36,10 @@ class DefaultModel {
     double energy_j = 0;  // of the contact springs
   };
 
-  void look_up(const Pose& pose, LookUp& out) noexcept;
+  void query_pose(const Pose& pose, LookUp& out) noexcept;
 
   void open_seat(bool open) noexcept;
-  void look_up_here(const Pose& pose) noexcept;
+  void query_here(const Pose& pose) noexcept;
   void report_distance(StepReport& report) const noexcept;
   void refill_allowance(State& state, const coupling::GripTarget& target, const Pose& handle,
                         double dt_s) const noexcept;
@@ -49,8 +49,8 @@ class DefaultModel {
                  double dt_s) const noexcept;
   void choose(Motion& motion, double remaining_s) noexcept;
   void solve_motion(Motion& motion, double dt_s) noexcept;
-  bool make(State& state, Motion& motion, const coupling::GripTarget& target,
-            StepReport& report) noexcept;
+  bool try_motion(State& state, Motion& motion, const coupling::GripTarget& target,
+                  StepReport& report) noexcept;
   bool affordable(const State& state, const Motion& motion, const coupling::GripTarget& target,
                   const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
@@ -75,7 +75,7 @@ class DefaultModel {
   LookUp here_, there_;  // at the part's pose, and where a motion would lead
   Pose here_pose_;
   bool here_known_ = false;
-  bool seat_open_ = false;  // what the probe was told last
+  bool seat_open_ = false;  // as the probe has it
   ContactRows rows_;
 };
 

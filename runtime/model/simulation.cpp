@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "runtime/guard/pose_guard.h"
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/paper_model.h"
 #include "runtime/model/vectors.h"
@@ -97,12 +98,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
 }
 
 void Simulation::make_default_model() {
-  probe_ = std::make_unique<field::FieldProbe>(query_, *field_, points_, samples_);
-  make_default_model_of_probe();
+  guard_ = std::make_unique<guard::PoseGuard>(query_, *field_, points_, samples_);
+  make_default_model_of_guard();
 }
 
-void Simulation::make_default_model_of_probe() {
-  default_ = std::make_unique<DefaultModel>(parameters_, *probe_, shell_.view().point_count,
+void Simulation::make_default_model_of_guard() {
+  default_ = std::make_unique<DefaultModel>(parameters_, *guard_, shell_.view().point_count,
                                             field::ForceCurve(voxmap_));
 }
 
@@ -133,16 +134,16 @@ State Simulation::registered(const PartStart& start, const Pose& world_from_hand
 
 Status Simulation::find_seat(const Pose& world_from_center) {
   world_from_seat_.reset();
-  if (!probe_) return {};
+  if (!guard_) return {};
   const machine::StepArithmetic arithmetic;
-  if (Status found = probe_->find_seat(world_from_center); !found) return found;
-  make_default_model_of_probe();
-  if (!probe_->seat().empty()) world_from_seat_ = world_from_center;
+  if (Status found = guard_->find_seat(world_from_center); !found) return found;
+  make_default_model_of_guard();
+  if (!guard_->seat().empty()) world_from_seat_ = world_from_center;
   return {};
 }
 
-std::span<const field::SeatObject> Simulation::seat() const {
-  return probe_ ? probe_->seat().objects() : std::span<const field::SeatObject>{};
+std::span<const guard::SeatObject> Simulation::seat() const {
+  return guard_ ? guard_->seat().objects() : std::span<const guard::SeatObject>{};
 }
 
 Result<State> Simulation::begin(const PartStart& start, const Pose& world_from_handle) {
@@ -150,9 +151,9 @@ Result<State> Simulation::begin(const PartStart& start, const Pose& world_from_h
   const Pose seat =
       start.world_from_seat ? world_from_center(*start.world_from_seat) : state.world_from_center;
   if (Status found = find_seat(seat); !found) return found.error();
-  if (start.world_from_seat && probe_) {
+  if (start.world_from_seat && guard_) {
     const machine::StepArithmetic arithmetic;
-    if (Status clear = probe_->check_clear(state.world_from_center); !clear) return clear.error();
+    if (Status clear = guard_->check_clear(state.world_from_center); !clear) return clear.error();
   }
   state.seat = world_from_seat_ ? kSeatOpen : kSeatClosed;
   return state;

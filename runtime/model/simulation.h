@@ -11,12 +11,16 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/coupling/state.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
 #include "runtime/field/surface_clearance.h"
+#include "runtime/guard/seat.h"
 #include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
 #include "runtime/query/contact_query.h"
+
+namespace forcelayer::guard {
+class PoseGuard;
+}
 
 namespace forcelayer::model {
 
@@ -49,10 +53,10 @@ class Simulation {
   State registered(const PartStart& start, const Pose& world_from_handle) const;
 
   // Seats the part: from here on registered() opens the seat on the objects that the part touches
-  // at `world_from_center` (runtime/field/seat.h), or none where it touches nothing. The paper's
+  // at `world_from_center` (runtime/guard/seat.h), or none where it touches nothing. The paper's
   // model has none. Not beside step(). Errors: kUsage where no seat can be told from a penetration.
   Status find_seat(const Pose& world_from_center);
-  std::span<const field::SeatObject> seat() const;
+  std::span<const guard::SeatObject> seat() const;
   const std::optional<Pose>& world_from_seat() const { return world_from_seat_; }
 
   // registered(), seated where `start` says. Errors: as find_seat().
@@ -86,7 +90,7 @@ class Simulation {
   Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters,
              const query::QueryOptions& query);
   void make_default_model();
-  void make_default_model_of_probe();
+  void make_default_model_of_guard();
   bool files_lost() const noexcept;
   bool step_model(State& state, const StepInput& input, double dt_s, StepResult& result) noexcept;
 
@@ -99,7 +103,7 @@ class Simulation {
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;
   field::FieldSamples samples_;
-  std::unique_ptr<field::FieldProbe> probe_;  // of the default model
+  std::unique_ptr<guard::PoseGuard> guard_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
   double guaranteed_m_ = 0;
   bool astray_ = false;                  // a step was, by a file that was written to

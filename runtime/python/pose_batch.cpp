@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "formats/bricks/unpacked_distances.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/surface_clearance.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/machine/step_arithmetic.h"
 
 namespace forcelayer::python {
@@ -113,7 +113,7 @@ class PoseBatch::Probe {
     if (!read_pose(numbers, pose)) return false;
     if (!probe_) prepare();
     pose = pose * Pose{center_m_, {1, 0, 0, 0}};
-    probe_->look_up(pose, contacts_);
+    probe_->query_pose(pose, contacts_);
     field::PoseClearance least = field::point_clearance(contacts_, pose.position_m, *probe_);
     surface_.prove(least.kind, least.clearance_m);
     out.measured = least.kind == ClearanceKind::kProven;
@@ -138,7 +138,7 @@ class PoseBatch::Probe {
     field_ =
         field::make_force_field(Model::kDefault, field::usual_force(Model::kDefault, scene), scene)
             .value();
-    probe_ = std::make_unique<field::FieldProbe>(query_, *field_, points_, samples_);
+    probe_ = std::make_unique<guard::PoseGuard>(query_, *field_, points_, samples_);
   }
 
   glm::dvec3 center_m_;
@@ -149,7 +149,7 @@ class PoseBatch::Probe {
   field::FieldSamples samples_;
   field::ContactSet contacts_;
   std::unique_ptr<field::ForceField> field_;
-  std::unique_ptr<field::FieldProbe> probe_;
+  std::unique_ptr<guard::PoseGuard> probe_;
 };
 
 PoseBatch::PoseBatch(const Voxmap& scene, const Pshell& part) : scene_(scene), part_(part) {}

@@ -13,7 +13,7 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
   // An object of the seat that reaches into the part, as modeled, crosses its surface and is held
   // there.
   std::vector<std::uint32_t> felt;
-  for (const field::SeatObject& object : simulation.seat()) felt.push_back(object.object);
+  for (const guard::SeatObject& object : simulation.seat()) felt.push_back(object.object);
   const auto enclosed =
       query::find_enclosed_object(voxmap, simulation.shell(), world_from_center, felt);
   if (!enclosed) return {};

@@ -70,16 +70,16 @@ std::string Scenes::object_text(std::uint32_t object) const {
   return name.empty() ? text("object %u", object) : name;
 }
 
-std::vector<field::SeatObject> Scenes::seat() const {
+std::vector<guard::SeatObject> Scenes::seat() const {
   const std::size_t last = count() - 1;
-  const std::span<const field::SeatObject> of_last =
+  const std::span<const guard::SeatObject> of_last =
       last == 0 ? first_.simulation().seat() : (*this)[last].seat;
   std::uint32_t before = 0;
   for (std::size_t n = 0; n < last; ++n) {
     before += static_cast<std::uint32_t>((*this)[n].object_names.size());
   }
-  std::vector<field::SeatObject> seat(of_last.begin(), of_last.end());
-  for (field::SeatObject& of_seat : seat) {
+  std::vector<guard::SeatObject> seat(of_last.begin(), of_last.end());
+  for (guard::SeatObject& of_seat : seat) {
     if (of_seat.object != 0) of_seat.object += before;
   }
   return seat;

@@ -23,7 +23,7 @@ struct UsedScene {
   double from_s = 0;
   std::vector<std::string> object_names;  // [number in the file - 1]
   SeparationGuarantee guarantee;
-  std::vector<field::SeatObject> seat;
+  std::vector<guard::SeatObject> seat;
 };
 
 // The scenes of a run in their order. Objects are numbered as in LoopStatistics. Any thread may
@@ -46,7 +46,7 @@ class Scenes {
   std::string object_name(std::uint32_t object) const;
   // "object 3" by its number in the file, where it has no name there.
   std::string object_text(std::uint32_t object) const;
-  std::vector<field::SeatObject> seat() const;  // in the scene that came last
+  std::vector<guard::SeatObject> seat() const;  // in the scene that came last
   SeparationGuarantee guarantee() const;        // the least of all
 
  private:

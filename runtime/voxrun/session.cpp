@@ -10,7 +10,7 @@
 #include "formats/command/provenance.h"
 #include "formats/command/text.h"
 #include "formats/path/path_file.h"
-#include "runtime/field/seat.h"
+#include "runtime/guard/seat.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
 #include "runtime/machine/map_loss.h"
@@ -191,7 +191,7 @@ Status prepare_run(const Options& options, Session& session) {
   if (options.start.world_from_seat && simulation.seat().empty()) {
     warn({"--seat: the part touches nothing there"}, session.facts.warnings);
   }
-  const std::uint64_t touching = field::points_in_seat(simulation.seat());
+  const std::uint64_t touching = guard::points_in_seat(simulation.seat());
   if (const auto warning = part_in_scene_warning(simulation.shell(), touching)) {
     warn({*warning}, session.facts.warnings);
   }

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "forcelayer/step.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/model/default_model.h"
 #include "runtime/model/paper_model.h"
 #include "runtime/query/contact_query.h"

@@ -7,8 +7,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
+#include "runtime/field/average_directions.h"
 #include "runtime/field/distance_field.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/level_field.h"
 #include "runtime/field/tangent_plane.h"
 #include "tests/bench/force_bench_contacts.h"

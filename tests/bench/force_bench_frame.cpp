@@ -58,12 +58,12 @@ Wrench ModelFrame::shared() noexcept {
 
 Wrench ModelFrame::at(const Pose& world_from_center) {
   if (averaging_ == Averaging::kShared) {
-    probe_.look_up(world_from_center, set_);
+    probe_.query_pose(world_from_center, set_);
     return shared();
   }
   const bool averaged = averaging_ == Averaging::kDirections;
   if (averaged) {
-    probe_.look_up(world_from_center, set_);
+    probe_.query_pose(world_from_center, set_);
   } else {
     query_.run(world_from_center, points_);
     field_.measure(points_, samples_);

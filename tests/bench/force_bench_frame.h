@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "formats/pshell.h"
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/model/contact_force.h"
 #include "tests/bench/force_bench_shell.h"
 
@@ -42,7 +42,7 @@ class ModelFrame {
   std::vector<float> weights_;  // by shell point
   query::CollectedPoints points_;
   field::FieldSamples samples_;
-  field::FieldProbe probe_;
+  guard::PoseGuard probe_;
   field::ContactSet set_;
   model::ContactLaw law_;  // of kShared, with 1 N/m
   model::ContactRows rows_;

@@ -11,8 +11,8 @@
 
 #include "forcelayer/pose_datagram.h"
 #include "forcelayer/run.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/surface_clearance.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/machine/step_arithmetic.h"
 #include "runtime/model/simulation.h"
@@ -48,7 +48,7 @@ struct Asker {
     points.reserve(count);
     samples.reserve(count);
     contacts.reserve(count);
-    probe = std::make_unique<field::FieldProbe>(query, *field, points, samples);
+    probe = std::make_unique<guard::PoseGuard>(query, *field, points, samples);
     const auto& c = part.header().center_m;
     part_from_center.position_m = {c[0], c[1], c[2]};
   }
@@ -64,7 +64,7 @@ struct Asker {
     const machine::StepArithmetic arithmetic;
     for (const Pose& pose : poses) {
       const Pose center = pose * part_from_center;
-      probe->look_up(center, contacts);
+      probe->query_pose(center, contacts);
       auto least = field::point_clearance(contacts, center.position_m, *probe);
       surface.prove(least.kind, least.clearance_m);
       sum += least.clearance_m;
@@ -77,7 +77,7 @@ struct Asker {
   query::CollectedPoints points;
   field::FieldSamples samples;
   field::ContactSet contacts;
-  std::unique_ptr<field::FieldProbe> probe;
+  std::unique_ptr<guard::PoseGuard> probe;
   Pose part_from_center;
   double sum = 0;  // so that nothing is left out
 };

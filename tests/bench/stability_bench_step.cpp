@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/model/default_model.h"
 #include "runtime/model/simulation.h"
@@ -26,15 +26,15 @@ double us_since(std::chrono::steady_clock::time_point begin) {
 // Times the two halves of the look-ups of a step.
 class TimedProbe final : public field::ContactProbe {
  public:
-  TimedProbe(field::FieldProbe& probe, query::ContactQuery& query, query::CollectedPoints& points)
+  TimedProbe(guard::PoseGuard& probe, query::ContactQuery& query, query::CollectedPoints& points)
       : probe_(probe), query_(query), points_(points) {}
 
-  void look_up(const Pose& pose, field::ContactSet& out) noexcept override {
+  void query_pose(const Pose& pose, field::ContactSet& out) noexcept override {
     ++look_ups;
     const auto begin = std::chrono::steady_clock::now();
     query_.run(pose, points_);
     const double one_us = us_since(begin);
-    probe_.read(out);
+    probe_.measure_and_judge(out);
     query_us += one_us;
     field_us += us_since(begin) - one_us;
   }
@@ -46,7 +46,7 @@ class TimedProbe final : public field::ContactProbe {
   int look_ups = 0;
 
  private:
-  field::FieldProbe& probe_;
+  guard::PoseGuard& probe_;
   query::ContactQuery& query_;
   query::CollectedPoints& points_;
 };
@@ -97,7 +97,7 @@ Json step_cost(std::uint64_t steps) {
   field::FieldSamples samples;
   points.reserve(shell.view().point_count);
   samples.reserve(shell.view().point_count);
-  field::FieldProbe probe(query, **field, points, samples);
+  guard::PoseGuard probe(query, **field, points, samples);
   TimedProbe timed(probe, query, points);
   model::DefaultModel model(simulation->parameters(), timed, shell.view().point_count,
                             field::ForceCurve(simulation->voxmap()));

@@ -58,11 +58,12 @@ pointshell/part:        formats formats/mesh formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
 pointshell/certificate: formats pointshell/part
-runtime/model:          formats runtime/coupling runtime/field runtime/forcelayer runtime/machine runtime/query
+runtime/guard:          formats runtime/field runtime/forcelayer runtime/query
+runtime/model:          formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/machine runtime/query
 voxelize/limits:        formats formats/lattice voxelize/masks voxelize/scan
 voxelize/distance:      formats formats/lattice voxelize/masks voxelize/scan
 pointshell/sample:      formats formats/lattice pointshell/certificate pointshell/part
-runtime/clearance:      formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/query
+runtime/clearance:      formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/query
 runtime/devices:        formats formats/path runtime/coupling runtime/forcelayer runtime/model
 voxelize/cache:         formats formats/lattice formats/mesh formats/mesh/sandbox voxelize/distance voxelize/fill voxelize/masks voxelize/scan
 pointshell/normals:     formats pointshell/part pointshell/sample
@@ -74,10 +75,10 @@ pointshell:             formats formats/command formats/mesh formats/mesh/sandbo
 runtime/run:            formats formats/audit formats/digest runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
-runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/stream
+runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
-runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query

@@ -104,7 +104,7 @@ FAULTS = [
      "every bad read is taken for a changed file", [LOSS]),
     ("watch", "formats/file/mapped_file.cpp", "return !explained;", "return false;",
      "times that are set back hide what was written", [LOSS]),
-    ("guard", MODEL, "const bool clear = field::none_newly_barred(here_, there_);", "const bool clear = true;",
+    ("guard", MODEL, "const bool clear = guard::accepts_pose(here_, there_);", "const bool clear = true;",
      "no guard", [GUARD, FRAMES]),
     ("guard", MODEL, "for (double& component : motion.velocity) component *= limit_m / travel;", "",
      "points travel as far as they like", [GUARD]),

@@ -1,5 +1,5 @@
 // Averaged directions: bit for bit their scalar twin, whatever the width of vectors.
-#include "runtime/field/field_probe.h"
+#include "runtime/field/average_directions.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -47,7 +47,7 @@ Collected random_contacts(Random& random, std::uint32_t count, float s) {
   return c;
 }
 
-// The definition in field_probe.h, one sample after the other.
+// The definition in average_directions.h, one sample after the other.
 glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
   const std::uint32_t count = c.points.count, last = count > 32 ? count - 32 : 0;
   const std::uint32_t first = std::min(i > 16 ? i - 16 : 0, last);

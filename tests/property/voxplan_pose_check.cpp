@@ -10,7 +10,7 @@
 
 #include "runtime/clearance/path_check.h"
 #include "runtime/coupling/coupling.h"
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/pose_guard.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
 #include "tests/support/shape_scene.h"
@@ -173,7 +173,7 @@ TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   field::ContactSet contacts;
   const std::uint64_t count = bench.part.view().point_count;
   points.reserve(count), samples.reserve(count), contacts.reserve(count);
-  field::FieldProbe probe(query, *field, points, samples);
+  guard::PoseGuard probe(query, *field, points, samples);
   ASSERT_TRUE(probe.find_seat(bench.problem.world_from_start));
   ASSERT_FALSE(probe.seat().empty());
   probe.open_seat(true);
@@ -184,7 +184,7 @@ TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
     const double length_m = kS * std::pow(random.share(), 2);
     const Pose pose = voxplan::moved(bench.problem.world_from_start,
                                      voxplan::random_twist(length_m, random), radius_m);
-    probe.look_up(pose, contacts);
+    probe.query_pose(pose, contacts);
     bool is_barred = false;
     for (std::uint32_t i = 0; i < contacts.count; ++i) {
       is_barred = is_barred || (contacts.is_barred[i] != 0 && contacts.of_seat[i] != 0);

@@ -6,8 +6,8 @@
 
 #include "runtime/coupling/coupling.h"
 #include "runtime/coupling/virtual_coupling.h"
-#include "runtime/field/field_probe.h"
 #include "runtime/field/force_field.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/model/contact_force.h"
 
 namespace forcelayer::stress {
@@ -36,7 +36,7 @@ class RestEnergy {
 
   // Infinite with a point in the interior.
   double operator()(const Pose& pose) {
-    probe_.look_up(pose, contacts_);
+    probe_.query_pose(pose, contacts_);
     if (contacts_.interior > 0) return INFINITY;
     const model::ContactTotals totals = model::contact_totals(contacts_, law_);
     return coupling::spring_energy_j(translation_, coupling::grip_stretch_m(target_, pose)) +
@@ -60,7 +60,7 @@ class RestEnergy {
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;
   field::FieldSamples samples_;
-  field::FieldProbe probe_;
+  guard::PoseGuard probe_;
   field::ContactSet contacts_;
   coupling::CouplingHalf translation_, rotation_;
   model::ContactLaw law_;

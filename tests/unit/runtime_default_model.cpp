@@ -9,6 +9,7 @@
 #include <glm/vector_relational.hpp>
 #include <limits>
 
+#include "runtime/guard/pose_guard.h"
 #include "tests/support/motion_bench.h"
 
 namespace forcelayer::test {
@@ -236,8 +237,8 @@ TEST(DefaultModel, TheCouplingsAngleIsContinuousPastHalfATurn) {
 class WatchedProbe final : public field::ContactProbe {
  public:
   explicit WatchedProbe(field::ContactProbe& probe) : probe_(probe) {}
-  void look_up(const Pose& pose, field::ContactSet& out) noexcept override {
-    probe_.look_up(pose, out);
+  void query_pose(const Pose& pose, field::ContactSet& out) noexcept override {
+    probe_.query_pose(pose, out);
     if (out.interior == 0) clear.push_back(pose);
   }
   std::vector<Pose> clear;  // poses with no point in the interior
@@ -265,7 +266,7 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
   samples.reserve(simulation.shell().view().point_count);
   field::ContactSet looked_up;
   looked_up.reserve(simulation.shell().view().point_count);
-  field::FieldProbe probe(query, **field, points, samples);
+  guard::PoseGuard probe(query, **field, points, samples);
   WatchedProbe watched(probe);
   model::DefaultModel model(simulation.parameters(), watched,
                             simulation.shell().view().point_count);
@@ -292,7 +293,7 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
         << frame;
     ASSERT_TRUE(same(result.report.world_from_center)) << frame;
     touching += result.report.contacts > 0;
-    probe.look_up(result.report.world_from_center, looked_up);
+    probe.query_pose(result.report.world_from_center, looked_up);
     double deepest_m = 0;
     for (std::uint32_t i = 0; i < looked_up.count; ++i) {
       deepest_m = std::max(deepest_m, double{looked_up.depth_m[i]});

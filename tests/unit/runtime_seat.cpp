@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/pose_guard.h"
 #include "runtime/query/shell_neighbors.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/stream/recording.h"
@@ -267,7 +267,7 @@ TEST(Seat, ARibThatStandsBetweenPointsIsNotInTheWay) {
 // The depth of what lies between points, from all pairs of collected points.
 std::vector<float> depths_between(const query::CollectedPoints& points,
                                   const field::FieldSamples& samples, float zero_force_m,
-                                  float near_m, const field::SeatObject& object,
+                                  float near_m, const guard::SeatObject& object,
                                   std::vector<float> depth_m) {
   for (std::uint32_t a = 0; a < points.count; ++a) {
     for (std::uint32_t b = a + 1; b < points.count; ++b) {
@@ -320,9 +320,9 @@ TEST(Seat, DepthsBetweenPointsAreThoseOfAllPairs) {
   field::ContactSet contacts;
   points.reserve(shell.view().point_count), samples.reserve(shell.view().point_count);
   contacts.reserve(shell.view().point_count);
-  field::FieldProbe probe(query, **force, points, samples);
+  guard::PoseGuard probe(query, **force, points, samples);
   ASSERT_TRUE(probe.find_seat(on_edge()));
-  const field::SeatObject seat = probe.seat().objects()[0];
+  const guard::SeatObject seat = probe.seat().objects()[0];
   Random random(24);
   int felt = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -330,7 +330,7 @@ TEST(Seat, DepthsBetweenPointsAreThoseOfAllPairs) {
     at.position_m.x += uniform(random, -1, 1) * kS;
     at.orientation = coupling::rotation_by(uniform(random, 0, 0.4) * random_direction(random));
     probe.open_seat(true);
-    probe.look_up(at, contacts);
+    probe.query_pose(at, contacts);
     std::vector<float> own(points.count);
     for (std::uint32_t i = 0; i < points.count; ++i) {
       own[i] = std::min(seat.contact_m, 0.0f) - static_cast<float>(voxmap.header().zero_force_m) -
@@ -360,10 +360,10 @@ TEST(Seat, TheQuickLookUpBarsWhatLiesBetweenPoints) {
   field::ContactSet contacts;
   points.reserve(shell.view().point_count), samples.reserve(shell.view().point_count);
   contacts.reserve(shell.view().point_count);
-  field::FieldProbe probe(query, **force, points, samples);
+  guard::PoseGuard probe(query, **force, points, samples);
   ASSERT_TRUE(probe.find_seat(on_edge()));
   probe.open_seat(true);
-  const field::SeatObject seat = probe.seat().objects()[0];
+  const guard::SeatObject seat = probe.seat().objects()[0];
   const auto zero_force_m = static_cast<float>(voxmap.header().zero_force_m);
   Random random(26);
   int free = 0, between_alone = 0;
@@ -371,7 +371,7 @@ TEST(Seat, TheQuickLookUpBarsWhatLiesBetweenPoints) {
     Pose at = on_edge(-uniform(random, 0, 0.6) * kS);
     at.position_m.x += uniform(random, -1, 1) * kS;
     at.orientation = coupling::rotation_by(uniform(random, 0, 0.4) * random_direction(random));
-    probe.look_up(at, contacts);
+    probe.query_pose(at, contacts);
     bool is_barred = false, by_points = false;
     for (std::uint32_t i = 0; i < contacts.count; ++i) {
       is_barred = is_barred || contacts.is_barred[i] != 0;

@@ -17,7 +17,7 @@ constexpr double kS = 0.001;  // voxel size, m
 class Slabs final : public field::ContactProbe {
  public:
   explicit Slabs(double width_m) : width_m_(width_m) {}
-  void look_up(const Pose&, field::ContactSet&) noexcept override {}
+  void query_pose(const Pose&, field::ContactSet&) noexcept override {}
   std::uint32_t object_near(const glm::dvec3& world_m) const noexcept override {
     ++asked;
     return of(world_m);

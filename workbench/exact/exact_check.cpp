@@ -33,7 +33,7 @@ constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
 constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
 constexpr double kLeastSeatDepthVoxels = 2 * kDepthVoxels;
 // How much deeper than installed the part may go: as the guard of a run lets a shell point
-// (FieldProbe::find_seat), beside a step of the stored distances.
+// (PoseGuard::find_seat), beside a step of the stored distances.
 constexpr double kSeatGiveVoxels = 0.25;
 constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 

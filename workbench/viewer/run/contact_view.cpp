@@ -109,7 +109,7 @@ ContactView ContactViewSource::as_counted(const Pose& world_from_part, const Con
 ContactView ContactViewSource::look_up(const Pose& world_from_part, bool seat_open) {
   const Pose pose = world_from_center(world_from_part, shell_);
   probe_.open_seat(seat_open);
-  probe_.look_up(pose, contacts_);
+  probe_.query_pose(pose, contacts_);
   const bool paper = model_ == Model::kPaper;
   ContactView view;
   view.proximity = contacts_.proximity;
@@ -136,7 +136,7 @@ ContactView ContactViewSource::look_up(const Pose& world_from_part, bool seat_op
   }
   prove_clearance(pose, view);
   if (contacts_.seat_open && contacts_.seated > 0) {
-    for (const field::SeatObject& object : probe_.seat().objects()) {
+    for (const guard::SeatObject& object : probe_.seat().objects()) {
       const std::string_view name = voxmap_.object_name(object.object);
       view.seated_on.emplace_back(name.empty() ? "the scene" : name);
     }

@@ -12,7 +12,7 @@
 #include "forcelayer/pose.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/pose_guard.h"
 
 namespace forcelayer::viewer {
 
@@ -78,7 +78,7 @@ class ContactViewSource {
   std::unique_ptr<field::ForceField> field_;
   query::CollectedPoints points_;
   field::FieldSamples samples_;
-  field::FieldProbe probe_;
+  guard::PoseGuard probe_;
   field::ContactSet contacts_;
 };
 

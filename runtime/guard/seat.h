@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace forcelayer::field {
+namespace forcelayer::guard {
 
 // An object of the seat. Distances are interpolated stored distances from its surface, negative
 // inside.
@@ -59,4 +59,4 @@ class Seat {
   std::vector<SeatObject> objects_;
 };
 
-}  // namespace forcelayer::field
+}  // namespace forcelayer::guard

@@ -1,12 +1,12 @@
-// The set-up of a seat: FieldProbe::find_seat().
+// The set-up of a seat: SeatRule::find().
 #include <algorithm>
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "runtime/field/field_probe.h"
+#include "runtime/guard/seat_rule.h"
 
-namespace forcelayer::field {
+namespace forcelayer::guard {
 namespace {
 
 // The floor of a seat, in voxels: at least kSeatGiveVoxels deep, which leaves room for the contact
@@ -40,8 +40,8 @@ Error no_distances(bool stored) {
 
 // An error where an object's floor lies too near the lowest code. Below that code the stored
 // distances tell no depth, and close above it interpolation is too coarse.
-Status FieldProbe::check_depth(const SeatObject& object) const {
-  const VoxmapHeader& header = query_.voxmap().header();
+Status SeatRule::check_depth(const SeatObject& object) const {
+  const VoxmapHeader& header = probe_.voxmap().header();
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
   if (-double{object.corner_floor_m} < told_m) return {};
@@ -63,70 +63,54 @@ Status FieldProbe::check_depth(const SeatObject& object) const {
                "the inside of an object is air, or with a larger --range"};
 }
 
-std::string FieldProbe::name_of(std::uint32_t object) const {
-  const std::string_view name = query_.voxmap().object_name(object);
+std::string SeatRule::name_of(std::uint32_t object) const {
+  const std::string_view name = probe_.voxmap().object_name(object);
   return name.empty() ? "the scene" : std::string(name);
 }
 
-Status FieldProbe::check_clear(const Pose& world_from_center) {
-  ContactSet there;
-  there.reserve(weight_.size());
-  const bool open = seat_open_;
-  open_seat(true);
-  look_up(world_from_center, there);
-  seat_open_ = open;
-  for (std::uint32_t i = 0; i < there.count; ++i) {
-    if (there.is_barred[i] == 0) continue;
-    return Error{ErrorCode::kUsage, "", "start",
-                 "the part starts inside " + name_of(object_of(i)) +
-                     ", or nearer to it than the guard allows, and that is not where its seat is",
-                 "start it clear of the scene (--start), or leave out --seat"};
-  }
-  return {};
-}
-
 // An error where collected point i does not tell on which side of the scene's surface it lies.
-Status FieldProbe::check_side(std::uint32_t i) const {
-  const glm::vec3 slope(samples_.gx[i], samples_.gy[i], samples_.gz[i]);
-  if (!is_two_sided(i) || glm::length(slope) >= kSideSlope || lies_beside_solid(i)) return {};
+Status SeatRule::check_side(std::uint32_t i) const {
+  if (!probe_.is_two_sided(i) || glm::length(probe_.slope(i)) >= field::kSideSlope ||
+      probe_.lies_beside_solid(i)) {
+    return {};
+  }
   return Error{ErrorCode::kUsage, "", "start",
-               "an open sheet of the part starts in a sheet of " + name_of(object_of(i)) +
+               "an open sheet of the part starts in a sheet of " + name_of(probe_.object_of(i)) +
                    ": nothing tells on which side of it",
                "give one of them a thickness, or start elsewhere (--start)"};
 }
 
-Status FieldProbe::find_seat(const Pose& world_from_center) {
+Status SeatRule::find(const Pose& world_from_center) {
   seat_ = {};
-  seat_open_ = false;
-  in_seat_m_.assign(weight_.size(), 0);
-  in_seat_steepness_.assign(weight_.size(), 1);
+  const std::size_t points = probe_.query().shell().view().point_count;
+  in_seat_m_.assign(points, 0);
+  in_seat_steepness_.assign(points, 1);
   corner_points_ = 0;
-  query_.run(world_from_center, points_);
-  forget_sides();
-  field_.measure(points_, samples_);
-  const auto voxel_size_m = static_cast<float>(query_.voxmap().voxel_size_m());
+  probe_.query_pose(world_from_center);
+  const field::FieldSamples& samples = probe_.samples();
+  const auto voxel_size_m = static_cast<float>(probe_.voxmap().voxel_size_m());
   Seat seat;
-  for (std::uint32_t i = 0; i < points_.count; ++i) {
-    const bool interior = !told_by_distance_ && is_interior(points_.value[i]);
-    const bool near =
-        field_.proves_distances() && (samples_.distance_m[i] < guard_m_ || samples_.depth_m[i] > 0);
+  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
+    const bool interior = rule_.goes_by_value() && field::is_interior(probe_.points().value[i]);
+    const bool near = probe_.proves_distances() &&
+                      (rule_.is_too_near(samples.distance_m[i]) || samples.depth_m[i] > 0);
     if (!interior && !near) continue;
-    if (!field_.proves_distances()) return no_distances(query_.voxmap().distances() != nullptr);
+    if (!probe_.proves_distances()) return no_distances(probe_.voxmap().distances() != nullptr);
     if (Status side = check_side(i); !side) return side;
-    SeatObject& object = seat.at(object_of(i));
-    const float distance_m = stored_distance_m(i);
-    in_seat_m_[points_.index[i]] = distance_m;
+    SeatObject& object = seat.at(probe_.object_of(i));
+    const float distance_m = probe_.stored_distance_m(i);
+    in_seat_m_[probe_.point(i)] = distance_m;
     object.corner_floor_m = std::min(object.corner_floor_m, distance_m);
     ++object.points;
     // In a corner, interpolation mixes two faces: the depth there does not hold for other points.
-    const float steepness = glm::length(slope(i));
+    const float steepness = glm::length(probe_.slope(i));
     if (steepness > kFaceSlope) object.contact_m = std::min(object.contact_m, distance_m);
     if (!touches_in_corner(i)) continue;
-    in_seat_steepness_[points_.index[i]] = steepness;
+    in_seat_steepness_[probe_.point(i)] = steepness;
     ++corner_points_;
   }
-  find_between(seat);
-  const auto step_m = static_cast<float>(query_.voxmap().header().distance_quantum_m);
+  between_.find(seat);
+  const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
     object.overlap_m = -double{object.corner_floor_m};
     const auto floor_m = [&](float least_m) {
@@ -143,4 +127,4 @@ Status FieldProbe::find_seat(const Pose& world_from_center) {
   return {};
 }
 
-}  // namespace forcelayer::field
+}  // namespace forcelayer::guard

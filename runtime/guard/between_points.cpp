@@ -1,0 +1,151 @@
+#include "runtime/guard/between_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace forcelayer::guard {
+namespace {
+
+// Points with normals nearer than this, as a cosine, lie in one flat face, and those nearer than
+// kOneFace in one that bends, unless the path between them lies in the face of one of them:
+// its fraction along that normal is at most kInFace.
+constexpr float kSameNormal = 0.9f, kOneFace = 0.74f, kInFace = 0.12f;
+// Interpolation makes a distance fall by up to kFlatFall per length where there is nothing, in a
+// bore of a few voxels. A fall counts from there on, and in full from kSteepFall on.
+constexpr float kFlatFall = 0.2f, kSteepFall = 0.4f;
+
+// By how much the distance falls along a path, as far as that counts.
+float counted_fall_m(float fall_m, float path_m) {
+  const float fraction = (fall_m - kFlatFall * path_m) / ((kSteepFall - kFlatFall) * path_m);
+  return fall_m * std::clamp(fraction, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+std::optional<BetweenPoints::Edge> BetweenPoints::edge_between(std::uint32_t a,
+                                                               std::uint32_t b) const noexcept {
+  const glm::vec3 path_m = probe_.arm_m(b) - probe_.arm_m(a);
+  const float length_m = glm::length(path_m);
+  const float distance_a_m = probe_.stored_distance_m(a),
+              distance_b_m = probe_.stored_distance_m(b);
+  // A slope is hardly above 1: two points that are farther from the scene than apart have nothing
+  // in it between them.
+  if (distance_a_m + distance_b_m > 1.2f * length_m) return std::nullopt;
+  glm::vec3 normal_a = probe_.normal(a), normal_b = probe_.normal(b);
+  const float alike = glm::dot(normal_a, normal_b);
+  if (alike < kSameNormal) {
+    // The normal of a point on a sharp edge is that of no face.
+    if (std::abs(glm::dot(path_m, normal_b)) <= kInFace * length_m) {
+      normal_a = normal_b;
+    } else if (std::abs(glm::dot(path_m, normal_a)) <= kInFace * length_m) {
+      normal_b = normal_a;
+    } else if (alike < kOneFace) {
+      return std::nullopt;
+    }
+  }
+  const auto along = [&](const glm::vec3& n) { return path_m - glm::dot(path_m, n) * n; };
+  const float fall_a_m = counted_fall_m(-glm::dot(probe_.slope(a), along(normal_a)), length_m);
+  const float fall_b_m = counted_fall_m(glm::dot(probe_.slope(b), along(normal_b)), length_m);
+  if (!(fall_a_m > 0 && fall_b_m > 0)) return std::nullopt;
+  const float per_fall = 1 / (fall_a_m + fall_b_m);
+  const float t = (distance_a_m - distance_b_m + fall_b_m) * per_fall;
+  if (!(t > 0 && t < 1)) return std::nullopt;
+  const std::uint32_t object = probe_.object_of(a);
+  if (probe_.object_of(b) != object) return std::nullopt;
+  return Edge{distance_a_m - fall_a_m * t, fall_b_m * per_fall, object};
+}
+
+// Finds the pairs of neighbors near one object with an edge between them, and gives each to `take`.
+// Points that `may_count` refuses by distance and squared slope are left out.
+template <typename MayCount, typename Take>
+void BetweenPoints::for_each_edge(const MayCount& may_count, const Take& take) noexcept {
+  tilted_.clear();
+  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
+    const float distance_m = probe_.stored_distance_m(i);
+    if (!(distance_m < neighbor_m_)) continue;
+    const glm::vec3 g = probe_.slope(i);
+    const float squared = glm::dot(g, g), out = glm::dot(g, probe_.normal(i));
+    if (!(squared - out * out > kFlatFall * kFlatFall)) continue;
+    if (!may_count(distance_m, squared)) continue;
+    tilted_.push_back(i);
+    position_[probe_.point(i)] = i;
+  }
+  for (const std::uint32_t a : tilted_) {
+    for (const std::uint32_t point : neighbors_->after(probe_.point(a))) {
+      const std::uint32_t b = position_[point];
+      if (b == field::ContactSet::kNone) continue;
+      if (const std::optional<Edge> edge = edge_between(a, b)) take(a, b, *edge);
+    }
+  }
+  for (const std::uint32_t a : tilted_) position_[probe_.point(a)] = field::ContactSet::kNone;
+}
+
+bool BetweenPoints::bars_any(const Seat& seat, std::span<const std::uint8_t> left_out) noexcept {
+  constexpr float kMargin = 1.001f;  // exceeds rounding
+  float highest_m = -neighbor_m_;
+  for (const SeatObject& object : seat.objects()) {
+    if (object.feels_between) highest_m = std::max(highest_m, object.between_floor_m);
+  }
+  // The distance falls no faster than by the slope: from some points it cannot fall so far.
+  const auto may_reach = [&](float distance_m, float squared_slope) {
+    return !(distance_m - kMargin * std::sqrt(squared_slope) * neighbor_m_ > highest_m);
+  };
+  bool barred = false;
+  for_each_edge(may_reach, [&](std::uint32_t, std::uint32_t, const Edge& edge) {
+    if (!(edge.distance_m < highest_m)) return;
+    const SeatObject* const object = seat.find(edge.object);
+    if (object == nullptr || !object->feels_between) return;
+    if (edge.object < left_out.size() && left_out[edge.object] != 0) return;
+    barred = barred || edge.distance_m < object->between_floor_m;
+  });
+  return barred;
+}
+
+void BetweenPoints::find(Seat& seat) {
+  if (!neighbors_) {
+    const Pshell& shell = probe_.query().shell();
+    neighbor_m_ = static_cast<float>(2 * shell.header().covering_radius_m);
+    neighbors_.emplace(shell.view(), double{neighbor_m_});
+    position_.assign(shell.view().point_count, field::ContactSet::kNone);
+    tilted_.reserve(shell.view().point_count);
+  }
+  for_each_edge([](float, float) { return true; },
+                [&](std::uint32_t, std::uint32_t, const Edge& edge) {
+                  for (SeatObject& object : seat.entries()) {
+                    if (object.object != edge.object) continue;
+                    object.between_m = std::min(object.between_m, edge.distance_m);
+                  }
+                });
+}
+
+void BetweenPoints::press(const Seat& seat, field::ContactSet& out) noexcept {
+  for_each_edge([](float, float) { return true; },
+                [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
+                  press_pair(a, b, edge, seat, out);
+                });
+}
+
+// An edge between two points presses both, where it is deeper than they are.
+void BetweenPoints::press_pair(std::uint32_t a, std::uint32_t b, const Edge& edge, const Seat& seat,
+                               field::ContactSet& out) const noexcept {
+  const SeatObject* const object = seat.find(edge.object);
+  if (object == nullptr || !object->feels_between) return;
+  const float depth_m = object->between_m - edge.distance_m;
+  const glm::vec3 push = glm::mix(probe_.slope(b), probe_.slope(a), edge.weight);
+  const float length = glm::length(push);
+  if (!(depth_m > 0 && length >= field::kLeastSlope)) return;
+  const glm::vec3 u = push / length;
+  const glm::vec3 arm = glm::mix(probe_.arm_m(b), probe_.arm_m(a), edge.weight);
+  const bool barred = edge.distance_m < object->between_floor_m;
+  for (const std::uint32_t i : {a, b}) {
+    if (barred && out.is_barred[i] == 0) out.is_barred[i] = 1, ++out.barred;
+    if (depth_m <= out.depth_m[i]) continue;
+    out.depth_m[i] = depth_m;
+    out.ux[i] = u.x, out.uy[i] = u.y, out.uz[i] = u.z;
+    out.rx[i] = arm.x, out.ry[i] = arm.y, out.rz[i] = arm.z;
+  }
+}
+
+}  // namespace forcelayer::guard

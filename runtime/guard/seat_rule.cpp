@@ -1,0 +1,150 @@
+#include "runtime/guard/seat_rule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <optional>
+
+namespace forcelayer::guard {
+namespace {
+
+// Cosine between gradient and slope of the field, from which on both face the same side: they
+// differ by some degrees before a face and up to 30 at an edge, and by up to 180 beside a sheet.
+constexpr float kSameSide = 0.7f;
+
+}  // namespace
+
+SeatRule::SeatRule(field::FieldProbe& probe, const PointRule& rule)
+    : probe_(probe),
+      rule_(rule),
+      between_(probe),
+      corner_m_(static_cast<float>(0.25 * probe.voxmap().voxel_size_m())) {}
+
+// Whether the i-th point touches where the field mixes two faces: in a corner of the scene, or at
+// an edge of it.
+bool SeatRule::touches_in_corner(std::uint32_t i) const noexcept {
+  return probe_.stored_distance_m(i) < corner_m_ && glm::length(probe_.slope(i)) <= kFaceSlope;
+}
+
+// Whether it does so in the seat too.
+bool SeatRule::is_in_corner(std::uint32_t i) const noexcept {
+  return in_seat_steepness_[probe_.point(i)] < 1 && touches_in_corner(i);
+}
+
+// Whether the part lies in the corners of its seat: with an eighth of the points that do there. An
+// edge of the scene that a few of them meet elsewhere looks like a corner.
+bool SeatRule::lies_in_corners() const noexcept {
+  std::uint32_t in_corner = 0;
+  for (std::uint32_t i = 0; i < probe_.count(); ++i) in_corner += is_in_corner(i) ? 1 : 0;
+  return 8 * in_corner > corner_points_;
+}
+
+void SeatRule::apply(field::ContactSet& out) noexcept {
+  for (std::uint32_t i = 0; i < out.count; ++i) {
+    out.ax[i] = out.rx[i], out.ay[i] = out.ry[i], out.az[i] = out.rz[i];
+  }
+  const bool in_corners = corner_points_ > 0 && lies_in_corners();
+  for (std::uint32_t i = 0; i < out.count; ++i) {
+    const SeatObject* const object = seat_.find(probe_.object_of(i));
+    out.of_seat[i] = object != nullptr ? 1 : 0;
+    if (object == nullptr) continue;
+    const glm::vec3 g = probe_.slope(i), n = probe_.normal(i);
+    const float steepness = glm::length(g), distance_m = probe_.stored_distance_m(i);
+    const std::uint32_t point = probe_.point(i);
+    const bool barred =
+        distance_m < (in_corners && is_in_corner(i) ? object->corner_floor_m : object->floor_m);
+    if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
+    const bool interior =
+        rule_.goes_by_value() ? field::is_interior(out.value[i]) : out.is_barred[i] != 0;
+    if (interior && !barred) --out.interior, ++out.surface;
+    if (out.is_barred[i] != 0) --out.barred;
+    if (barred) ++out.barred;
+    out.is_barred[i] = barred ? 1 : 0;
+    const glm::vec3 direction = steepness < field::kLeastSlope ? n : g / steepness;
+    // Along the gradient, where it has the same side, the push is that of a potential: a closed
+    // path gives nothing. The slope is some degrees aside of it.
+    const glm::vec3 e = probe_.gradient(i);
+    const float fall = glm::length(e);
+    const glm::vec3 push = glm::dot(e, direction) > kSameSide * fall ? e / fall : direction;
+    out.ux[i] = push.x, out.uy[i] = push.y, out.uz[i] = push.z;
+    float contact_m = std::min(object->contact_m, in_seat_m_[point]);
+    if (const float there = in_seat_steepness_[point]; there < 1) {
+      // In the seat itself as deep as there, before a face as other points.
+      const float fraction = in_corners ? (1 - steepness) / (1 - there) : 0;
+      contact_m = std::lerp(object->contact_m, contact_m, std::clamp(fraction, 0.0f, 1.0f));
+    }
+    out.depth_m[i] = contact_m - distance_m;
+    if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
+    // Short slopes are of positions near the middle of a sheet, where they have no side. A point
+    // that touches it has the part, and so its inward normal, on its own side. One without an
+    // inside has no side there.
+    const glm::vec3 side = steepness < field::kSideSlope ? n : direction;
+    out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
+    out.gx[i] = g.x, out.gy[i] = g.y, out.gz[i] = g.z;
+  }
+  if (out.seated > 0) {
+    out.least_distance_m = 0;
+    out.nearest = field::ContactSet::kNone;
+  }
+  between_.press(seat_, out);
+}
+
+void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
+                              field::ContactSet& later) const noexcept {
+  if (!earlier.seat_open || !later.seat_open) return;
+  // A sheet midway between voxel centers has this distance in the middle: half a diagonal.
+  const auto sheet_m = static_cast<float>(0.87 * probe_.voxmap().voxel_size_m());
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < later.count; ++i) {
+    if (later.of_seat[i] == 0) continue;
+    while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
+    if (at == earlier.count) return;
+    if (earlier.point[at] != later.point[i] || earlier.of_seat[at] == 0) continue;
+    const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
+    const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
+    const glm::vec3 moved_m =
+        shift_m + glm::vec3(later.ax[i] - earlier.ax[at], later.ay[i] - earlier.ay[at],
+                            later.az[i] - earlier.az[at]);
+    const float into_m = -glm::dot(moved_m, side);
+    // Halfway between two walls the slope turns as well, but the distance falls from there on, and
+    // is larger than it can be for a sheet.
+    const bool rises = glm::dot(moved_m, slope) > 0 && probe_.stored_distance_m(i) < sheet_m;
+    // Not that of a wall of the part that stands on the sheet, whose normal lies along it.
+    const bool turned = glm::dot(slope, side) < -0.5f * glm::length(slope);
+    // A point without an inside would forget its side in the middle of a sheet: it may not go
+    // there.
+    const bool forgets = probe_.is_two_sided(i) && later.sx[i] == 0 && later.sy[i] == 0 &&
+                         later.sz[i] == 0 && probe_.stored_distance_m(i) < sheet_m;
+    if (!(into_m > 0 && (forgets || (rises && turned))) || probe_.lies_beside_solid(i)) continue;
+    if (later.is_barred[i] == 0) ++later.barred;
+    later.is_barred[i] = field::ContactSet::kCrossed;
+    later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
+    later.depth_m[i] = into_m;
+  }
+}
+
+bool SeatRule::bars_any(std::span<const std::uint8_t> left_out) noexcept {
+  float highest_m = -std::numeric_limits<float>::infinity();
+  for (const SeatObject& object : seat_.objects()) {
+    highest_m = std::max({highest_m, object.floor_m, object.corner_floor_m});
+  }
+  std::optional<bool> in_corners;
+  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
+    const float distance_m = probe_.stored_distance_m(i);
+    if (!(distance_m < highest_m)) continue;  // all but a few
+    const std::uint32_t number = probe_.object_of(i);
+    const SeatObject* const object = seat_.find(number);
+    if (object == nullptr || (number < left_out.size() && left_out[number] != 0)) continue;
+    float floor_m = object->floor_m;
+    if (corner_points_ > 0 && is_in_corner(i)) {
+      if (!in_corners) in_corners = lies_in_corners();
+      if (*in_corners) floor_m = object->corner_floor_m;
+    }
+    if (distance_m < floor_m) return true;
+  }
+  return between_.bars_any(seat_, left_out);
+}
+
+}  // namespace forcelayer::guard
