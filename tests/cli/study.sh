@@ -12,6 +12,16 @@ study() {
   "$bin/forcelayer" study "$@" $pictures >out.txt 2>err.txt || status=$?
   [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
 }
+# says_no FILE TEST: a JUnit file of one failed test of that name.
+says_no() {
+  python3 - "$@" <<'END' || fail "JUnit: $(cat "$1")"
+import sys, xml.etree.ElementTree as tree
+suite = next(tree.parse(sys.argv[1]).getroot().iter("testsuite"))
+[case] = suite.iter("testcase")
+assert suite.get("tests") == suite.get("failures") == "1" and case.get("name") == sys.argv[2]
+assert case.find("failure").get("message")
+END
+}
 
 "$bin/forcelayer" >list.txt || fail "the list"
 for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do
@@ -23,7 +33,7 @@ pin=('gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm)
 study 0 "${pin[@]}" -o pin --json pin.json
 grep -q '^\$ voxelize gearbox.glb --without Pin' out.txt || fail "commands are not shown: $(cat out.txt)"
 grep -q '^unchanged' out.txt && fail "something was known before"
-for file in scene.vox part.pshell path.csv verdict.json verdict.txt verdict.xml curve.csv curve.svg report.html; do
+for file in scene.vox part.pshell path.csv trace.csv verdict.json verdict.txt verdict.xml curve.csv curve.svg report.html; do
   [ -s "pin/$file" ] || fail "no pin/$file"
 done
 study 0 "${pin[@]}" -o pin
@@ -81,12 +91,15 @@ study 3 'other.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o othe
 grep -q '^\$ voxelize' out.txt || fail "a change is not seen: $(cat out.txt)"
 grep -q '^forcelayer: voxelize: ended with status 3' err.txt || fail "$(cat err.txt)"
 
-# Neither a path nor a pull: voxplan finds the way; where it finds none, there is no page.
+# Neither a path nor a pull: voxplan finds the way; where it finds none, all files and the page say so.
 if [ -x "$bin/voxplan" ]; then
   study 0 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o found --json found.json
   grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
-  grep -q '^voxplan: .*: no path found in .* (best: out to ' err.txt && [ ! -e lost/report.html ] || fail "lost: $(cat err.txt)"
+  grep -q '^voxplan: .*: no path found in .* (best: out to ' err.txt || fail "lost: $(cat err.txt)"
+  grep -q 'class="verdict no"><strong>No path found' lost/report.html && grep -q '"verdict": "no path found"' lost/verdict.json &&
+    grep -q '^no path found in ' lost/verdict.txt || fail "the page of a search that found none"
+  says_no lost/verdict.xml Cover
   grep -q '^forcelayer: gearbox.glb: Cover: no path found in .* (best: out to .*; the same search finds none again; try a longer' \
     err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s --seed 5 -o lost
@@ -117,10 +130,17 @@ if [ -x "$bin/voxplan" ]; then
 fi
 
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
-study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held
-grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it went .* held by .*Bolt' err.txt ||
+study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held --json held.json
+grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it moved .*; blocked by Gearbox/Lid/Bolt, ' err.txt ||
   fail "$(cat err.txt)"
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
+says_no held/verdict.xml held/straight.csv
+python3 - <<'END' || fail "what blocks the cover: $(cat held.json)"
+import json
+report, verdict = json.load(open("held.json")), json.load(open("held/verdict.json"))
+assert report["verdict"] == "does not come out" and verdict["verdict"] == "not clear"
+assert report["blocked_by"] == ["Gearbox/Lid/Bolt"] + [f"Gearbox/Lid/Bolt[{n}]" for n in (2, 3, 4)]
+END
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
 # At 2 mm the bolt heads are too narrow to be felt: the meshes tell, and without them it stays open.
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given

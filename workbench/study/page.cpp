@@ -192,6 +192,14 @@ constexpr const char* kStyle =
 
 }  // namespace
 
+std::string junit_of(const std::string& part, const std::string& failure) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"forcelayer study\" "
+         "tests=\"1\" "
+         "failures=\"1\">\n  <testcase classname=\"forcelayer.study\" name=\"" +
+         html(part) + "\">\n    <failure message=\"" + html(failure) +
+         "\"/>\n  </testcase>\n</testsuite>\n";
+}
+
 Result<std::string> html_of(const Page& page) {
   const auto drawn = pictures(page.pictures);
   if (!drawn) return drawn.error();
@@ -200,16 +208,19 @@ Result<std::string> html_of(const Page& page) {
   const std::string title = page.part + " of " + page.assembly;
   std::string commands;
   for (const std::string& line : page.commands) commands += html(line) + "\n";
+  std::string found;
+  if (page.verdict.is_object()) {
+    found = facts_table(page) + violations_table(page.verdict["violations"]) +
+            "<h2>Clearance along the path</h2>\n" + page.curve_svg +
+            "<p>The curve is what the baked files prove, between poses as at them; the dot is the "
+            "least clearance. Gray: in its seat. Red: less than required. Elsewhere the curve is "
+            "only as near to the truth as the verdict needs.</p>\n";
+  }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
          "</h1>\n<p class=\"verdict " + (page.clear ? "yes" : "no") + "\"><strong>" +
-         html(page.word) + "</strong>\n" + html_lines(page.sentence) + "</p>\n" +
-         facts_table(page) + violations_table(page.verdict["violations"]) +
-         "<h2>Clearance along the way</h2>\n" + page.curve_svg +
-         "<p>The curve is what the baked files prove, between poses as at them; the dot is the "
-         "least clearance. Gray: in its seat. Red: less than required. Elsewhere the curve is only "
-         "as near to the truth as the verdict needs.</p>\n" +
-         *drawn + "<h2>How it was found</h2>\n<pre>" + commands + "</pre>\n" + *files +
+         html(page.word) + "</strong>\n" + html_lines(page.sentence) + "</p>\n" + found + *drawn +
+         "<h2>How it was found</h2>\n<pre>" + commands + "</pre>\n" + *files +
          "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +
          ".</p>\n</body></html>\n";

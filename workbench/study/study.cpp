@@ -3,14 +3,19 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "formats/command/command.h"
+#include "formats/command/quantity.h"
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/file/descriptor.h"
@@ -56,11 +61,13 @@ class Study {
 
   Status bake();
   Status find_path();
-  Error not_found() const;
   Status pull();
+  Status write_straight_path();
   Status check();
+  Status say_that_no_path_was_found();
   Status draw();
   Status write_page();
+  const char* word() const;
   Status report() const;
   Status judge() const;
 
@@ -69,11 +76,36 @@ class Study {
 
   const Options& options_;
   Steps steps_;
-  std::string path_;
+  std::string path_;  // that is checked; empty where the search found none
+  json verdict_;      // of voxcheck; null where there is no path
   bool clear_ = false;
-  std::string held_;  // why the part did not come out; empty: it did, or its path was given
+  std::string held_;  // how far the pulled part went; empty: to the end, or its path was given
   std::string sentence_;
 };
+
+// The objects that a path is not clear of, by name. Those that are entered deepest come first, to
+// the micrometer: depths that differ by rounding alone keep the order of the report.
+std::vector<std::string> blockers(const json& verdict) {
+  if (!verdict.is_object()) return {};
+  std::vector<std::pair<long long, std::string>> found;
+  for (const json& violation : verdict.value("violations", json::array())) {
+    const json& object = violation["object"];
+    if (!object.is_string()) continue;
+    const long long depth_um = std::llround(1e6 * violation.value("depth_m", 0.0));
+    const auto same = std::find_if(found.begin(), found.end(),
+                                   [&](const auto& other) { return other.second == object; });
+    if (same == found.end()) {
+      found.emplace_back(depth_um, object.get<std::string>());
+    } else {
+      same->first = std::max(same->first, depth_um);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> names;
+  for (auto& [depth_um, name] : found) names.push_back(std::move(name));
+  return names;
+}
 
 Result<StepEnd> Study::run(const Step& step, bool or_no) {
   const auto end = steps_.run(step);
@@ -144,9 +176,9 @@ Step Study::part_step() const {
 Step Study::pull_step() const {
   Step step{"voxrun",
             {in("scene.vox"), in("part.pshell"), "--pull", options_.pull, "--as-fast-as-possible",
-             "--save-path", in("path.csv"), "--json", in("run.json")},
+             "--save-path", in("path.csv"), "--trace", in("trace.csv"), "--json", in("run.json")},
             {in("scene.vox"), in("part.pshell")},
-            {in("path.csv"), in("run.json")},
+            {in("path.csv"), in("trace.csv"), in("run.json")},
             "forcelayer-runtime"};
   if (!options_.seat.empty()) {
     step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
@@ -232,39 +264,74 @@ Status Study::find_path() {
   if (!options_.searches()) return pull();
   const auto planned = run(plan_step(), true);
   if (!planned) return planned.error();
-  return planned->status == 0 ? Status{} : not_found();
+  if (planned->status != 0) path_.clear();
+  return {};
 }
 
-// In the words of voxplan: what it tried, and what was in the way.
-Error Study::not_found() const {
-  const json plan = read_json(in("plan.json"));
-  const bool is_told = plan.is_object() && plan.contains("error");
-  return {ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
-          is_told ? plan["error"].value("what", "") : "no path found",
-          "the same search finds none again; try a longer --time, another --seed, a smaller "
-          "--clearance or --voxel-size, or give a way of your own with --path or --pull"};
-}
-
+// A part that is held off the end of its pull did not follow the straight path. Whether that path
+// is free is asked of the meshes, and which objects block it: a simulated hand feels one of them.
 Status Study::pull() {
   if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
   if (!ended.is_object() || !ended.value("held", false)) return {};
-  held_ = command::text("it does not come out: pulled %.4g mm, it went %.3g mm",
-                        1e3 * ended.value("led_m", 0.0), 1e3 * ended.value("went_m", 0.0));
-  for (const json& object : ended.value("against", json::array())) {
-    if (!object.is_string()) continue;
-    held_ += (held_.find(", held by ") == std::string::npos ? ", held by " : ", ") +
-             escaped(object.get<std::string>());
+  held_ = command::text("pulled %.4g mm, it moved %.3g mm", 1e3 * ended.value("led_m", 0.0),
+                        1e3 * ended.value("went_m", 0.0));
+  path_ = in("straight.csv");
+  return write_straight_path();
+}
+
+Status Study::write_straight_path() {
+  const auto pull_m = command::parse_point(options_.pull);
+  const auto seat = command::parse_pose(options_.seat.empty() ? "0,0,0m" : options_.seat);
+  if (!pull_m || !seat) return pull_m ? seat.error() : pull_m.error();
+  const auto& [position_m, orientation] = *seat;
+  std::string rows = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  for (const double fraction : {0.0, 1.0}) {
+    rows += command::text("%.17g", fraction);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows += command::text(",%.17g", position_m[axis] + fraction * (*pull_m)[axis]);
+    }
+    for (const double q : orientation) rows += command::text(",%.17g", q);
+    rows += "\n";
   }
-  return {};
+  return command::write_text(path_, rows);
 }
 
 Status Study::check() {
+  if (path_.empty()) return say_that_no_path_was_found();
   const auto checked = run(check_step(), true);
   if (!checked) return checked.error();
-  clear_ = checked->status == 0 && held_.empty();
-  sentence_ = held_.empty() ? checked->output : held_ + "\nthe way so far: " + checked->output;
+  verdict_ = read_json(in("verdict.json"));
+  clear_ = checked->status == 0;
+  sentence_ = checked->output;
+  if (!held_.empty() && clear_) {
+    sentence_ =
+        "the straight path is clear by the meshes; a simulated hand did not feel its way: " +
+        held_ + "\n" + sentence_;
+  } else if (!held_.empty()) {
+    std::string by;
+    for (const std::string& name : blockers(verdict_)) {
+      by += (by.empty() ? "; blocked by " : ", ") + escaped(name);
+    }
+    held_ = "it does not come out: " + held_ + by;
+    sentence_ = held_ + "\nthe straight path: " + sentence_;
+  }
+  return command::write_text(in("verdict.txt"), sentence_);
+}
+
+// In the words of voxplan: what it tried, and what was in the way. The files of an earlier verdict
+// would say something else.
+Status Study::say_that_no_path_was_found() {
+  const json plan = read_json(in("plan.json"));
+  const bool is_reported = plan.is_object() && plan.contains("error");
+  sentence_ = is_reported ? plan["error"].value("what", "") : "no path found";
+  for (const char* name : {"curve.csv", "curve.svg", "worst.png"}) std::remove(in(name).c_str());
+  const json verdict{{"verdict", "no path found"}, {"words", sentence_}};
+  if (Status s = command::write_text(in("verdict.json"), verdict.dump(2) + "\n"); !s) return s;
+  if (Status s = command::write_text(in("verdict.xml"), junit_of(options_.node, sentence_)); !s) {
+    return s;
+  }
   return command::write_text(in("verdict.txt"), sentence_);
 }
 
@@ -279,22 +346,25 @@ Status Study::write_page() {
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
   page.clear = clear_;
-  page.word = clear_ ? "Clear" : held_.empty() ? "Not clear" : "Does not come out";
+  page.word = word();
+  page.word.front() = static_cast<char>(std::toupper(page.word.front()));
   page.sentence = sentence_;
-  page.verdict = read_json(in("verdict.json"));
+  page.verdict = verdict_;
   page.scene = read_json(in("scene.json"));
   page.shell = read_json(in("part.json"));
-  auto svg = curve_svg(in("curve.csv"), page.verdict);
-  if (!svg) return svg.error();
-  page.curve_svg = std::move(*svg);
-  if (Status written = command::write_text(in("curve.svg"), page.curve_svg); !written)
-    return written;
+  page.files = {in("scene.vox"), in("part.pshell"), in("verdict.json")};
+  if (!path_.empty()) {
+    auto svg = curve_svg(in("curve.csv"), page.verdict);
+    if (!svg) return svg.error();
+    page.curve_svg = std::move(*svg);
+    if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
+    page.files.insert(page.files.end(), {path_, in("curve.csv")});
+    if (!options_.no_pictures) page.pictures.push_back({in("worst.png"), "The worst moment"});
+  }
   if (!options_.no_pictures) {
-    page.pictures = {{in("worst.png"), "The worst moment"},
-                     {in("installed.png"), "Where the part is installed"}};
+    page.pictures.push_back({in("installed.png"), "Where the part is installed"});
   }
   for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
-  page.files = {in("scene.vox"), in("part.pshell"), path_, in("verdict.json"), in("curve.csv")};
   const auto html = html_of(page);
   if (!html) return html.error();
   if (Status written = command::write_text(in("report.html"), *html); !written) return written;
@@ -302,14 +372,21 @@ Status Study::write_page() {
   return {};
 }
 
+const char* Study::word() const {
+  if (path_.empty()) return "no path found";
+  if (clear_) return "clear";
+  return held_.empty() ? "not clear" : "does not come out";
+}
+
 Status Study::report() const {
   if (options_.json.empty()) return {};
   nlohmann::ordered_json report;
-  report["verdict"] = clear_ ? "clear" : held_.empty() ? "not clear" : "does not come out";
+  report["verdict"] = word();
   report["words"] = sentence_;
   report["page"] = in("report.html");
-  report["path"] = path_;
-  report["check"] = read_json(in("verdict.json"));
+  report["path"] = path_.empty() ? json() : json(path_);
+  report["blocked_by"] = blockers(verdict_);
+  report["check"] = verdict_;
   for (const auto& line : steps_.lines()) {
     report["steps"].push_back(
         {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
@@ -319,8 +396,13 @@ Status Study::report() const {
 
 Status Study::judge() const {
   if (clear_) return {};
+  if (path_.empty()) {
+    return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node, sentence_,
+                 "the same search finds none again; try a longer --time, another --seed, a smaller "
+                 "--clearance or --voxel-size, or give a path of your own with --path or --pull"};
+  }
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
-               held_.empty() ? "its way is not clear" : held_, "see " + in("report.html")};
+               held_.empty() ? "its path is not clear" : held_, "see " + in("report.html")};
 }
 
 Status Study::make() {
