@@ -208,8 +208,8 @@ sed -n 's/^    cc/cc/p; s/^A plugin links nothing: `\(.*\)`\.$/\1/p' README.md >
 test "$(grep -c ^cc commands.sh)" = 2
 sh -eux commands.sh
 ./embed ../floor.vox ../part.pshell ../part.pshell
-voxrun ../floor.vox ../part.pshell --device plugin --plugin ./spring_plugin.so --plugin-args depth=0.01 \
-  --world-from-device 0.1m,0.1m,0.1m --duration 200ms --stale-limit 50ms
+voxrun ../floor.vox ../part.pshell --device plugin:library=./spring_plugin.so,args=depth=0.01 \
+  --world-from-device 0.1m,0.1m,0.1m --duration 200ms --set stale_s=0.05
 
 # C++ by CMake.
 cat >CMakeLists.txt <<'CMAKE'

@@ -6,6 +6,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/help.h"
+#include "formats/command/old_options.h"
 #include "formats/command/report.h"
 #include "formats/command/version.h"
 
@@ -24,6 +25,18 @@ std::string with_default(const char* help, double number) {
 std::string in_plain_words(std::string what) {
   const std::size_t at = what.find(" At Most 1 required but");
   return at == what.npos ? what : what.replace(at, what.npos, " is given more than once");
+}
+
+// The error of the first argument that was an option in an earlier version; no mend where none was.
+Error old_spelling(const CLI::App& app) {
+  for (const std::string& argument : app.remaining(true)) {
+    const std::string option = argument.substr(0, argument.find('='));
+    const std::string_view now = new_spelling(app.get_name(), option);
+    if (!now.empty()) {
+      return {ErrorCode::kUsage, "", option, "is an old spelling", "write " + std::string(now)};
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -52,13 +65,16 @@ bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code) {
   } catch (const CLI::Success& done) {  // --help, --version
     exit_code = app.exit(done);
   } catch (const CLI::ParseError& wrong) {
-    std::string mend = did_you_mean(app);
-    if (mend.empty()) {
-      mend = "see " + app.get_name();
-      for (const CLI::App* const sub : app.get_subcommands()) mend += " " + sub->get_name();
-      mend += " --help";
+    Error error = old_spelling(app);
+    if (error.mend.empty()) {
+      std::string mend = did_you_mean(app);
+      if (mend.empty()) {
+        mend = "see " + app.get_name();
+        for (const CLI::App* const sub : app.get_subcommands()) mend += " " + sub->get_name();
+        mend += " --help";
+      }
+      error = {ErrorCode::kUsage, "", "", in_plain_words(wrong.what()), mend};
     }
-    const Error error{ErrorCode::kUsage, "", "", in_plain_words(wrong.what()), mend};
     exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   }
   return false;
@@ -132,6 +148,8 @@ CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* 
 }
 
 void group(CLI::Option* option, const char* title) { option->group(title); }
+
+void name_value(CLI::Option* option, const char* words) { option->type_name(words); }
 
 bool is_given(const CLI::App& app, const char* name) { return app.count(name) > 0; }
 

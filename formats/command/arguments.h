@@ -22,7 +22,8 @@ namespace forcelayer::command {
 std::shared_ptr<CLI::App> make_app(const char* description, const char* name, const char* footer);
 
 // Parses argv into `app`; --help and --version print and end with status 0 (returns false with
-// `exit_code` 0), a wrong command line gives one line on stderr and status 2.
+// `exit_code` 0), a wrong command line gives one line on stderr and status 2. The line of an option
+// that has another name now says so (old_options.h).
 bool parse_arguments(CLI::App& app, int argc, char** argv, int& exit_code);
 
 // The same for an app with subcommands: a first argument that is no file, but spelled nearly like
@@ -71,6 +72,9 @@ CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* 
 
 // Puts an option under a heading of the help.
 void group(CLI::Option* option, const char* title);
+
+// What stands behind the option in the help: "NAME=VALUE", or "a|b|c" for choices.
+void name_value(CLI::Option* option, const char* words);
 
 // Whether the option was typed.
 bool is_given(const CLI::App& app, const char* name);

@@ -35,6 +35,17 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
   return lines;
 }
 
+// A name and its meaning, in two columns.
+std::string entry(const std::string& name, std::string_view what) {
+  std::string line = "  " + name;
+  if (line.size() + 2 > kNameColumns) {
+    line += '\n' + std::string(kNameColumns, ' ');
+  } else {
+    line.resize(kNameColumns, ' ');
+  }
+  return line + wrapped(what, kHelpColumns - kNameColumns, kNameColumns) + '\n';
+}
+
 // A type as CLI11 names it, in words: what stands behind the option, and what is said of it.
 struct TypeWords {
   std::string value_word, bounds;
@@ -134,15 +145,6 @@ class HelpFormatter : public CLI::Formatter {
   static std::string bold(const std::string& text) {
     return wants_color(STDOUT_FILENO) ? "\x1b[1m" + text + "\x1b[0m" : text;
   }
-  static std::string entry(const std::string& name, const std::string& what) {
-    std::string line = "  " + name;
-    if (line.size() + 2 > kNameColumns) {
-      line += '\n' + std::string(kNameColumns, ' ');
-    } else {
-      line.resize(kNameColumns, ' ');
-    }
-    return line + wrapped(what, kHelpColumns - kNameColumns, kNameColumns) + '\n';
-  }
 };
 
 }  // namespace
@@ -166,6 +168,21 @@ void arrange_help(CLI::App& app, std::initializer_list<HelpGroup> groups,
   std::string footer = app.get_footer();
   if (!footer.empty()) footer += "\n\n";
   app.footer(footer + "Lengths are at most 1e9m, times at most 10000h.\n\nExamples:\n" + examples);
+}
+
+void add_help_table(CLI::App& app, const char* title, std::string_view rows) {
+  std::string text = app.get_footer();
+  if (!text.empty()) text += "\n\n";
+  text += title;
+  text += ':';
+  while (!rows.empty()) {
+    const std::size_t tab = rows.find('\t'), end = rows.find('\n');
+    const std::string line =
+        entry(std::string(rows.substr(0, tab)), rows.substr(tab + 1, end - tab - 1));
+    text += '\n' + line.substr(0, line.size() - 1);
+    rows.remove_prefix(end + 1);
+  }
+  app.footer(text);
 }
 
 void wrap_help(CLI::App& app) {

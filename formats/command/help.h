@@ -3,6 +3,7 @@
 
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -24,6 +25,9 @@ struct HelpGroup {
 // their own. A name that is no option is a bug: std::logic_error.
 void arrange_help(CLI::App& app, std::initializer_list<HelpGroup> groups,
                   const std::string& examples);
+
+// Puts a table before the examples of the help. `rows`: "NAME\tMEANING\n" each.
+void add_help_table(CLI::App& app, const char* title, std::string_view rows);
 
 // Makes --help of `app` and its subcommands wrap at kHelpColumns, with bounds and choices in words,
 // headings bold on a terminal.

@@ -1,8 +1,8 @@
 /* A device plugin to begin with: a handle of 0.3 kg that a soft hand (400 N/m) moves up and down,
  * simulated where a real plugin calls its SDK. It needs one header and nothing else:
  *   cc -shared -fPIC spring_plugin.c -o spring_plugin.so -lm    (in the source tree: -I runtime)
- *   voxrun scene.vox part.pshell --device plugin --plugin ./spring_plugin.so
- * with --plugin-args depth=0.03 for a hand that goes 30 mm down. */
+ *   voxrun scene.vox part.pshell --device plugin:library=./spring_plugin.so
+ * with ,args=depth=0.03 behind it for a hand that goes 30 mm down. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -71,8 +71,7 @@ struct Parameters {
 
 // One parameter that a user may set.
 struct ParameterInfo {
-  std::string_view name;  // key in reports and recordings; its last part is the unit
-  const char* option;     // of voxrun
+  std::string_view name;  // of --set and in reports and recordings; its last part is the unit
   const char* what;       // its meaning, for --help
   double Parameters::*member;
   Range range;                   // of a setting

@@ -76,8 +76,8 @@ typedef struct forcelayer_plugin_host {
 } forcelayer_plugin_host;
 
 typedef struct forcelayer_plugin {
-  /* Connects. `arguments` is what the user gave with --plugin-args, never NULL. 0, and *device for
-   * the other calls; else not 0 and a line in `error` that says what is wrong. */
+  /* Connects. `arguments` is what the user gave with args= of --device, never NULL. 0, and *device
+   * for the other calls; else not 0 and a line in `error` that says what is wrong. */
   int (*open)(const char* arguments, forcelayer_plugin_info* info, void** device, char* error,
               size_t error_bytes);
 

@@ -36,88 +36,54 @@ constexpr double kAllowanceFadeS = 0.01;
 constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
-    {"mass_kg",
-     "--mass",
-     "apparent mass of the part in the scene, kg",
-     &Parameters::mass_kg,
-     {1e-6, 1e3}},
-    {"coupling_n_per_m",
-     "--coupling-stiffness",
-     "coupling spring k_T, N/m",
-     &Parameters::coupling_n_per_m,
-     {1e-3, 1e7}},
+    {"mass_kg", "apparent mass of the part in the scene, kg", &Parameters::mass_kg, {1e-6, 1e3}},
+    {"coupling_n_per_m", "coupling spring k_T, N/m", &Parameters::coupling_n_per_m, {1e-3, 1e7}},
     {"coupling_ns_per_m",
-     "--coupling-damping",
      "coupling damper b_T, N s/m",
      &Parameters::coupling_ns_per_m,
      {1e-6, 1e5}},
     {"coupling_nm_per_rad",
-     "--coupling-stiffness-rot",
      "coupling spring k_R, N m/rad",
      &Parameters::coupling_nm_per_rad,
      {1e-6, 1e5}},
     {"coupling_nms_per_rad",
-     "--coupling-damping-rot",
      "coupling damper b_R, N m s/rad",
      &Parameters::coupling_nms_per_rad,
      {1e-9, 1e4}},
     {"coupling_force_limit_n",
-     "--coupling-force-limit",
      "clamp of the coupling's force, N",
      &Parameters::coupling_force_limit_n,
      {1e-6, 1e4},
      true},
     {"coupling_torque_limit_nm",
-     "--coupling-torque-limit",
      "clamp of the coupling's torque, N m",
      &Parameters::coupling_torque_limit_nm,
      {1e-6, 1e3},
      true},
-    {"field_n_per_m",
-     "--field-stiffness",
-     "force field stiffness K_ff, N/m",
-     &Parameters::field_n_per_m,
-     {1e-3, 1e8}},
+    {"field_n_per_m", "force field stiffness K_ff, N/m", &Parameters::field_n_per_m, {1e-3, 1e8}},
     {"contact_damping_ratio",
-     "--contact-damping",
      "damping of a contact over sqrt(K_ff m)",
      &Parameters::contact_damping_ratio,
      {1e-3, 100}},
-    {"look_ups",
-     "--look-ups",
-     "most motions of up to s/2 in a frame",
-     &Parameters::look_ups,
-     {1, 10'000}},
+    {"look_ups", "most motions of up to s/2 in a frame", &Parameters::look_ups, {1, 10'000}},
     {"recovery_mps",
-     "--recovery-speed",
      "at which a part that starts inside is led out, m/s",
      &Parameters::recovery_mps,
      {1e-6, 10}},
     {"allowance_j",
-     "--allowance",
      "energy by which the scene may lift a part that the hand moves, J",
      &Parameters::allowance_j,
      {1e-12, 100}},
     {"allowance_fade_s",
-     "--allowance-fade",
      "time in which that fades while the hand rests, s",
      &Parameters::allowance_fade_s,
      {1e-6, 3600}},
     {"passivity_damping_ns_per_m",
-     "--passivity-damping",
      "most damping that a passivity controller may inject at the device, N s/m",
      &Parameters::passivity_damping_ns_per_m,
      {0, 1e5}},
-    {"max_force_n",
-     "--max-force",
-     "largest force at the device, N",
-     &Parameters::max_force_n,
-     {1e-6, 1000}},
-    {"max_torque_nm",
-     "--max-torque",
-     "largest torque at the device, N m",
-     &Parameters::max_torque_nm,
-     {1e-6, 100}},
+    {"max_force_n", "largest force at the device, N", &Parameters::max_force_n, {1e-6, 1000}},
+    {"max_torque_nm", "largest torque at the device, N m", &Parameters::max_torque_nm, {1e-6, 100}},
 };
 
 std::string format(const char* pattern, double a, double b = 0, double c = 0) {
@@ -228,11 +194,11 @@ Bound rotation_damping_bound(const RunRequest& request, double dt_s) {
 }
 
 // Warns where a setting is beyond its bound.
-void warn_beyond(const Bound& bound, const char* option, double value, const char* unit,
+void warn_beyond(const Bound& bound, const char* name, double value, const char* unit,
                  const DeviceCapabilities& device, DerivedParameters& derived) {
   if (!(value > bound.value * (1 + 1e-9))) return;
   char text[256];
-  std::snprintf(text, sizeof text, "%s %g %s is above the %g %s that ", option, value, unit,
+  std::snprintf(text, sizeof text, "%s %g %s is above the %g %s that ", name, value, unit,
                 bound.value, unit);
   derived.warnings.push_back(text + device.name + " can render stably: " + bound.source);
 }
@@ -241,14 +207,14 @@ void warn_of_coupling(const RunRequest& request, DerivedParameters& derived) {
   const DeviceCapabilities& device = request.device;
   const Parameters& p = derived.values;
   const double dt_s = 1 / p.rate_hz;
-  warn_beyond(stiffness_bound(request, dt_s), "--coupling-stiffness", p.coupling_n_per_m, "N/m",
+  warn_beyond(stiffness_bound(request, dt_s), "coupling_n_per_m", p.coupling_n_per_m, "N/m", device,
+              derived);
+  warn_beyond(rotation_bound(device, dt_s), "coupling_nm_per_rad", p.coupling_nm_per_rad, "N m/rad",
               device, derived);
-  warn_beyond(rotation_bound(device, dt_s), "--coupling-stiffness-rot", p.coupling_nm_per_rad,
-              "N m/rad", device, derived);
-  warn_beyond(linear_damping_bound(request, dt_s), "--coupling-damping", p.coupling_ns_per_m,
+  warn_beyond(linear_damping_bound(request, dt_s), "coupling_ns_per_m", p.coupling_ns_per_m,
               "N s/m", device, derived);
-  warn_beyond(rotation_damping_bound(request, dt_s), "--coupling-damping-rot",
-              p.coupling_nms_per_rad, "N m s/rad", device, derived);
+  warn_beyond(rotation_damping_bound(request, dt_s), "coupling_nms_per_rad", p.coupling_nms_per_rad,
+              "N m s/rad", device, derived);
 }
 
 std::string borne_reason(const char* what, const DeviceCapabilities& device, const Bound& bound) {
@@ -283,7 +249,8 @@ void choose_limits(const RunRequest& request, DerivedParameters& derived) {
   choice.set("max_force_n", device.max_force_n, "rating of " + device.name);
   choice.set("max_torque_nm", device.max_torque_nm, "rating of " + device.name);
   if (p.max_force_n > device.max_force_n || p.max_torque_nm > device.max_torque_nm) {
-    derived.warnings.push_back("--max-force and --max-torque end at the ratings of " + device.name +
+    derived.warnings.push_back("max_force_n and max_torque_nm end at the ratings of " +
+                               device.name +
                                format(": %g N, %g N m", device.max_force_n, device.max_torque_nm));
   }
   p.max_force_n = std::min(p.max_force_n, device.max_force_n);
@@ -336,10 +303,10 @@ void choose_field(const RunRequest& request, double arm_m, DerivedParameters& de
   if (room <= 0) {
     derived.warnings.push_back(
         "the coupling alone is unstable at this rate: h^2 k/m + 2 h b/m reaches 4 (symplectic "
-        "Euler); lower --coupling-stiffness or raise --mass or --rate");
+        "Euler); lower coupling_n_per_m, or raise mass_kg or the rate");
   } else if (p.field_n_per_m > largest) {
     derived.warnings.push_back(
-        format("--field-stiffness %g N/m is above the %g N/m", p.field_n_per_m, largest) +
+        format("field_n_per_m %g N/m is above the %g N/m", p.field_n_per_m, largest) +
         " that is stable for ten intersections at this rate (symplectic Euler)");
   }
 }
@@ -441,8 +408,8 @@ void choose_control(const RunRequest& request, DerivedParameters& derived) {
   if (!(device.damping_ns_per_m > 0)) return;
   Bound bound;
   bound.lower_to(device.damping_ns_per_m, "b > |B|, b its own damping (Colgate and Schenkel)");
-  warn_beyond(bound, "--passivity-damping", derived.values.passivity_damping_ns_per_m, "N s/m",
-              device, derived);
+  warn_beyond(bound, "passivity_damping_ns_per_m", derived.values.passivity_damping_ns_per_m,
+              "N s/m", device, derived);
 }
 
 void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshell& shell,
@@ -517,7 +484,7 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
             "the scene has a soft covering, which the paper's model leaves out: it presses with "
-            "--field-stiffness all the way");
+            "field_n_per_m all the way");
       }
       break;
     case Model::kDefault:

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "runtime/devices/hid/hid_device.h"
 #include "runtime/devices/plugin/plugin_device.h"
 #include "runtime/devices/sim_device.h"
 #include "runtime/loop/input_source.h"
@@ -77,7 +78,7 @@ Status check_rate(const Options& options) {
 }
 
 Result<ChosenDevice> make_device(const Options& options, const std::atomic<int>& stop) {
-  if (options.device == "plugin" || is_hid(options.device)) {
+  if (options.device != "sim") {
     if (Status fast = check_rate(options); !fast) return fast.error();
   }
   if (options.device == "plugin") {
@@ -91,9 +92,16 @@ Result<ChosenDevice> make_device(const Options& options, const std::atomic<int>&
     chosen.device = std::make_unique<devices::PluginDevice>(plugin);
     return chosen;
   }
-  if (is_hid(options.device)) {
+  if (options.device == "hid") {
     ChosenDevice chosen;
-    chosen.device = make_hid_device(options.hid, options.device, watch_s(options));
+    chosen.device = std::make_unique<devices::HidDevice>(devices::make_hid_bus(), options.hid,
+                                                         watch_s(options));
+    return chosen;
+  }
+  if (options.device == "spacemouse") {
+    ChosenDevice chosen;
+    chosen.device = std::make_unique<devices::SpaceMouse>(devices::make_hid_bus(), options.hid,
+                                                          options.spacemouse);
     return chosen;
   }
   return make_sim(options);
@@ -107,7 +115,7 @@ Status check_watchdog(const Options& options, const DeviceCapabilities& device) 
       ErrorCode::kDeviceRefused, "", device.name,
       "has motors and no watchdog of its own, or one above 100 ms: when its driver dies, its "
       "last force stays",
-      "give --without-watchdog if somebody stands at its switch"};
+      "add without-watchdog to --device if somebody stands at its switch"};
 }
 
 // A reading that a run can begin with.

@@ -85,24 +85,20 @@ void arrange(CLI::App& app) {
   command::arrange_help(
       app,
       {{"Device",
-        {"--device", "--plugin", "--plugin-args", "--motion", "--hand", "--world-from-device",
-         "--motion-scale", "--pull", "--trust-plugin", "--clutch-button", "--after-trip",
-         "--stale-limit", "--max-speed", "--max-turn", "--without-watchdog"}},
+        {"--device", "--buttons", "--motion", "--hand", "--world-from-device", "--motion-scale",
+         "--pull", "--after-trip"}},
        {"Part and scene",
         {"--start", "--seat", "--grip", "--reach", "--without-guarantee", "--fail-on",
-         "--scene-next", "--scene-button", "--guide", "--guide-force", "--guide-button",
-         "--expect"}},
+         "--scene-next", "--guide", "--expect"}},
        {"Loop",
         {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
-         "--no-braking"}},
-       {"Output",
-        {"--trace", "--save-path", "--record", "--replay", "--on-new-scene", "--udp",
-         "--udp-rate"}}},
+         "--set"}},
+       {"Output", {"--trace", "--save-path", "--record", "--replay", "--on-new-scene", "--udp"}}},
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
       "  voxrun opened.vox cover.pshell --guide lift.csv --hand loose --duration 30s\n"
-      "  voxrun bay.vox part.pshell --device replay --replay run.flr     again, bit for bit\n"
+      "  voxrun bay.vox part.pshell --replay run.flr                     again, bit for bit\n"
       "  voxrun doctor                                                   looks at the machine");
 }
 

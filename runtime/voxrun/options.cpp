@@ -6,6 +6,8 @@
 
 #include "formats/command/arguments.h"
 #include "formats/digest/file_digest.h"
+#include "runtime/voxrun/device_text.h"
+#include "runtime/voxrun/settings.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -45,14 +47,7 @@ Status check_scene_change(const Options& options, const char* asked_by) {
 OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_required(app, "scene", texts_.scene, "the scene, a .vox file");
   command::add_required(app, "part", texts_.part, "the moving part, a .pshell file");
-  command::add_choice(app, "--device", options_.device,
-                      {"sim", "hid", "spacemouse", "plugin", "replay"},
-                      "sim (a scripted hand; default), hid, spacemouse, plugin or replay");
-  add_hid_options(app, options_.hid);
-  command::add_text(app, "--plugin", options_.plugin, "library of the device plugin");
-  command::add_text(app, "--plugin-args", options_.plugin_args, "text for the plugin");
-  command::add_flag(app, "--trust-plugin", options_.trust_plugin,
-                    "let the plugin write files and start programs");
+  add_device_options(app, texts_.device);
   command::add_text(app, "--duration", texts_.duration,
                     "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", bounds_of(kRatesHz));
@@ -63,7 +58,6 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "dynamic model: default, or paper for the method of 1999");
   command::add_text(app, "--force", texts_.force,
                     "force field: tangent-plane, level or distance; default: the model's own");
-  command::add_flag(app, "--no-braking", texts_.no_braking, "no pre-contact braking");
   command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
                     "no clock: every frame follows the last at once");
   command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the sim device");
@@ -106,20 +100,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
       "that time (2.5s), or at the button or SIGUSR1; the force fades out and in; "
       "repeatable");
-  command::add_count(
-      app, "--scene-button", texts_.scene_button,
-      "device button for the next scene: that of --scene-next, else the last one's file "
-      "anew",
-      0, 31);
   command::add_text(
       app, "--guide", options_.guide,
       "a path of the part, as of voxplan, that leads the hand: a weak spring to it and "
       "along it, until it is switched off");
-  command::add_number(app, "--guide-force", options_.guide_force_n,
-                      "most that --guide pulls with, N; times 0.02 m its torque",
-                      {0.01, loop::kHighestGuideForceN});
-  command::add_count(app, "--guide-button", texts_.guide_button,
-                     "device button that switches --guide off and on again", 0, 31);
   command::add_texts(
       app, "--expect", texts_.expect, ',',
       "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
@@ -129,40 +113,21 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(app, "--save-path", options_.save_path,
                     "write the part's path, a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
-  command::add_text(app, "--replay", options_.replay, "repeat a recording bit for bit");
+  command::add_text(app, "--replay", options_.replay,
+                    "repeat a recording bit for bit, in place of a device");
   command::add_flag(app, "--on-new-scene", options_.on_new_scene,
                     "of a recording replay the inputs alone, on another bake");
-  command::add_text(app, "--udp", options_.udp, "send the pose stream to [HOST:]PORT");
-  command::add_number(app, "--udp-rate", options_.udp_rate_hz,
-                      "datagrams of the pose stream a second", bounds_of(kRatesHz));
+  command::add_text(app, "--udp", options_.udp,
+                    "send the pose stream to [HOST:]PORT[@RATE], RATE datagrams a second, default "
+                    "60 (1 to 100000)");
   command::add_flag(app, "--without-guarantee", options_.run.without_guarantee,
                     "start even where no separation is guaranteed");
   command::add_choice(
       app, "--after-trip", texts_.after_trip, {"end", "wait", "rearm"},
       "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
       "rearm; the default is end, for sim and replay rearm");
-  command::add_count(app, "--clutch-button", texts_.clutch_button,
-                     "device button that holds the part while the hand moves (default of "
-                     "hardware: 0)",
-                     0, 31);
-  command::add_text(
-      app, "--stale-limit", texts_.stale,
-      "how long device or loop may be silent before the output trips, to 50ms (default "
-      "5ms)");
-  command::add_number(app, "--max-speed", options_.run.max_speed_mps,
-                      "of the handle, m/s; faster trips the output", bounds_of(kMaxSpeedsMps));
-  command::add_number(app, "--max-turn", options_.run.max_turn_radps,
-                      "of the handle, rad/s; faster trips the output; 10 rad/m times --max-speed",
-                      bounds_of(kMaxTurnsRadps));
-  command::add_flag(app, "--without-watchdog", options_.without_watchdog,
-                    "use a device with motors that does not stop by itself");
   command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
-  for (const ParameterInfo& info : parameter_table()) {
-    command::group(
-        command::add_number(app, info.option, settings_[info.option], info.what,
-                            bounds_of(info.range)),
-        "Physical parameters (defaults follow from voxel size, rate and device: see --json)");
-  }
+  add_settings(app, texts_.settings);
 }
 
 Status OptionParser::read_texts(Options& options) const {
@@ -171,6 +136,13 @@ Status OptionParser::read_texts(Options& options) const {
     if (!seconds) return about("--duration", seconds.error());
     if (!(*seconds > 0)) return usage("--duration", "must be above zero", "");
     options.duration_s = *seconds;
+  }
+  if (const std::size_t at = options.udp.find('@'); at != std::string::npos) {
+    const auto rate_hz =
+        command::parse_number(std::string_view(options.udp).substr(at + 1), bounds_of(kRatesHz));
+    if (!rate_hz) return about("--udp", rate_hz.error());
+    options.udp_rate_hz = *rate_hz;
+    options.udp.resize(at);
   }
   if (!texts_.model.empty()) {
     const auto model = parse_model(texts_.model);
@@ -239,26 +211,14 @@ Status OptionParser::read_fail_on(Options& options) const {
 }
 
 Status OptionParser::read_safety(Options& options) const {
-  if (command::is_given(app_, "--clutch-button")) options.clutch_button = texts_.clutch_button;
   if (texts_.after_trip == "end") options.after_trip = AfterTrip::kEnd;
   if (texts_.after_trip == "wait") options.after_trip = AfterTrip::kWait;
   if (texts_.after_trip == "rearm") options.after_trip = AfterTrip::kRearm;
-  if (texts_.stale.empty()) return {};
-  const auto seconds = command::parse_duration(texts_.stale);
-  if (!seconds) return about("--stale-limit", seconds.error());
-  if (!(*seconds > 0)) return usage("--stale-limit", "must be above zero", "");
-  if (*seconds > kStaleCeilingS) {
-    return usage("--stale-limit", "is above 50ms, for which a hand would feel a force of the past",
-                 "give 50ms or less");
-  }
-  options.run.stale_s = *seconds;
   return {};
 }
 
 // "FILE" or "FILE@TIME"; a file may have an @ in its name.
 Status OptionParser::read_scenes(Options& options) const {
-  if (command::is_given(app_, "--guide-button")) options.guide_button = texts_.guide_button;
-  if (command::is_given(app_, "--scene-button")) options.scene_button = texts_.scene_button;
   double last_s = 0;
   std::string_view rest = texts_.scene_next;
   while (!rest.empty()) {
@@ -294,21 +254,16 @@ Status OptionParser::read_pull(Options& options) const {
 
 Status OptionParser::check(const Options& options) const {
   if (!options.scene_next.empty() || options.scene_button) {
-    const char* const option = options.scene_button ? "--scene-button" : "--scene-next";
+    const char* const option = options.scene_button ? "--buttons scene" : "--scene-next";
     if (Status can = check_scene_change(options, option); !can) return can;
   }
-  const bool asks = options.guide_button || command::is_given(app_, "--guide-force");
-  if (options.guide.empty() && asks) {
-    return usage(options.guide_button ? "--guide-button" : "--guide-force", "is of --guide",
-                 "give --guide, a path");
+  if (options.guide.empty() && (options.guide_button || options.guide_force_n)) {
+    return usage(options.guide_button ? "--buttons guide" : "--set guide_force_n",
+                 "has no effect without --guide", "give --guide, a path");
   }
   const bool simulated = options.device == "sim" || options.device == "replay";
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
     return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
-  }
-  if (Status hid = check_hid_options(app_, options.hid, options.device); !hid) return hid;
-  if ((options.device == "plugin") != !options.plugin.empty()) {
-    return usage("--plugin", "and --device plugin go together", "give both");
   }
   if (!options.motion.empty() && options.device != "sim") {
     return usage("--motion", "is for the sim device", "leave out --device");
@@ -322,9 +277,6 @@ Status OptionParser::check(const Options& options) const {
   }
   if (!options.hand.empty() && options.device != "sim") {
     return usage("--hand", "is for the sim device", "leave out --device");
-  }
-  if ((options.device == "replay") != !options.replay.empty()) {
-    return usage("--replay", "and --device replay go together", "give both");
   }
   if (options.start.world_from_seat && options.run.model == Model::kPaper) {
     return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
@@ -340,16 +292,16 @@ Status OptionParser::check(const Options& options) const {
     }
     return {};
   }
-  const char* const fixed[] = {"--model",       "--force", "--no-braking", "--rate",
-                               "--start",       "--seat",  "--grip",       "--world-from-device",
-                               "--motion-scale"};
+  const char* const fixed[] = {
+      "--model",       "--force", "--rate", "--start", "--seat", "--grip", "--world-from-device",
+      "--motion-scale"};
   for (const char* option : fixed) {
     if (command::is_given(app_, option)) {
       return usage(option, "is part of the recording", "leave it out with --replay");
     }
   }
-  if (!options.run.settings.empty()) {
-    return usage("--replay", "takes its physical parameters from the recording", "leave them out");
+  if (!options.run.settings.empty() || !options.run.braking) {
+    return usage("--set", "names a parameter that the recording has", "leave it out with --replay");
   }
   return {};
 }
@@ -358,11 +310,14 @@ Status OptionParser::finish() {
   Options& options = options_;
   options.run.scene = texts_.scene;
   options.run.part = texts_.part;
-  options.run.braking = !texts_.no_braking;
-  for (const ParameterInfo& info : parameter_table()) {
-    if (!command::is_given(app_, info.option)) continue;
-    options.run.settings[std::string(info.name)] = settings_.at(info.option);
+  if (Status read = read_device(texts_.device, options); !read) return read;
+  if (!options.replay.empty()) {
+    if (command::is_given(app_, "--device")) {
+      return usage("--replay", "is in place of a device", "leave out --device");
+    }
+    options.device = "replay";
   }
+  if (Status read = read_settings(texts_.settings, options); !read) return read;
   if (Status read = read_texts(options); !read) return read;
   if (Status read = read_safety(options); !read) return read;
   if (Status read = read_fail_on(options); !read) return read;

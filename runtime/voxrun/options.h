@@ -1,15 +1,14 @@
 // The command line of voxrun.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 
 #include "forcelayer/run.h"
 #include "formats/result.h"
+#include "runtime/devices/hid/spacemouse.h"
 #include "runtime/loop/guide.h"
 #include "runtime/machine/prefault.h"
-#include "runtime/voxrun/hid_choice.h"
 
 namespace CLI {
 class App;
@@ -33,6 +32,11 @@ enum FailOn : std::uint32_t {
   kFailOnHeld = 16,        // a part that stopped short of the end of its pull
 };
 
+// What was typed.
+struct DeviceTexts {
+  std::string device = "sim", buttons;
+};
+
 // A scene that follows while the run goes on.
 struct NextScene {
   std::string path;
@@ -40,16 +44,17 @@ struct NextScene {
 };
 
 struct Options {
-  RunRequest run;  // its device: set once that is known
-  std::string device = "sim";
+  RunRequest run;              // its device: set once that is known
+  std::string device = "sim";  // its kind; "replay" with --replay
   std::optional<double> duration_s;
   bool as_fast_as_possible = false;
-  bool without_watchdog = false;
+  bool without_watchdog = false;  // a device with motors may lack one
   bool quiet = false;
   bool on_new_scene = false;        // --replay: its inputs alone, on any scene
   bool trust_plugin = false;        // its process keeps the user's rights
   std::string plugin, plugin_args;  // of the device "plugin"
-  HidOptions hid;                   // of the devices "hid" and "spacemouse"
+  devices::HidSelector hid;         // of the devices "hid" and "spacemouse"
+  devices::SpaceMouseOptions spacemouse;
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, save_path, record, replay, udp;
   std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
@@ -61,9 +66,9 @@ struct Options {
   std::optional<unsigned> clutch_button;       // none: the device's own
   std::vector<NextScene> scene_next;           // --scene-next
   std::string guide;                           // --guide: a path
-  double guide_force_n = loop::GuideLimits().force_n;
-  std::optional<unsigned> guide_button;  // that switches it off and on; none: nothing does
-  std::optional<unsigned> scene_button;  // that asks for the next scene; none: SIGUSR1 alone
+  std::optional<double> guide_force_n;         // none: of GuideLimits
+  std::optional<unsigned> guide_button;        // that switches it off and on; none: nothing does
+  std::optional<unsigned> scene_button;        // that asks for the next scene; none: SIGUSR1 alone
 };
 
 // Whether the scene can change while such a run goes on. `asked_by`: an option, for the error.
@@ -83,9 +88,8 @@ class OptionParser {
  private:
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        fail_on, after_trip, stale, scene_next, pull, expect;
-    unsigned clutch_button = 0, scene_button = 0, guide_button = 0;
-    bool no_braking = false;
+        fail_on, after_trip, settings, scene_next, pull, expect;
+    DeviceTexts device;
   };
   Status read_texts(Options& options) const;
   Status read_reach(Options& options) const;
@@ -98,7 +102,6 @@ class OptionParser {
   CLI::App& app_;
   Options options_;
   Texts texts_;
-  std::map<std::string, double> settings_;  // by option
 };
 
 }  // namespace forcelayer::voxrun

@@ -147,7 +147,7 @@ Status make_guide(const Options& options, Session& session) {
         {{p[0], p[1], p[2]}, glm::dquat(q[0], q[1], q[2], q[3])}));
   }
   loop::GuideLimits limits;
-  limits.force_n = options.guide_force_n;
+  if (options.guide_force_n) limits.force_n = *options.guide_force_n;
   limits.torque_nm = loop::kGuideLeverM * limits.force_n;
   const double scale = session.request.placement.motion_scale;
   session.guide.emplace(loop::GuidePath(world_from_center, limits, scale), limits, scale);

@@ -53,7 +53,7 @@ def run(binaries, out, minutes):
     finally:
         for process in busy:
             process.kill()
-    subprocess.run([binaries / "voxrun", "bay.vox", "part.pshell", "--device", "replay", "--replay",
+    subprocess.run([binaries / "voxrun", "bay.vox", "part.pshell", "--replay",
                     "run.flr", "--as-fast-as-possible", "--json", "replay.json", "--quiet"],
                    cwd=out, check=True)
 

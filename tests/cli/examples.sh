@@ -56,13 +56,12 @@ in_time error.txt poses || fail "the receiver: $(cat error.txt poses.txt)"
 cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
   "$FORCELAYER_SOURCE_DIR/runtime/examples/spring_plugin.c" -o spring_plugin.so -lm
 plugin() {
-  "$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
-    --plugin-args depth=0.01 --world-from-device 0.1m,0.1m,0.1m --duration 200ms --stale-limit 50ms 2>error.txt
+  "$bin/voxrun" floor.vox ball.pshell --device plugin:library=./spring_plugin.so,args=depth=0.01 --quiet \
+    --world-from-device 0.1m,0.1m,0.1m --duration 200ms --set stale_s=0.05 2>error.txt
 }
 in_time error.txt plugin || fail "the plugin: $(cat error.txt)"
 status=0
-"$bin/voxrun" floor.vox ball.pshell --device plugin --plugin ./spring_plugin.so --quiet \
-  --plugin-args nonsense 2>error.txt || status=$?
+"$bin/voxrun" floor.vox ball.pshell --device plugin:library=./spring_plugin.so,args=nonsense --quiet 2>error.txt || status=$?
 [ "$status" -eq 5 ] && grep -q 'depth=METRES' error.txt || fail "status $status: $(cat error.txt)"
 
 # doctor names what it looked at; whatever the machine, it ends with status 0.

@@ -24,7 +24,7 @@ expect() {
 fast=(--device sim --motion press.csv --as-fast-as-possible)
 expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" \
   --json run.json --trace run.csv --record run.flr
-expect 0 'PR' floor.vox ball.pshell --device replay --replay run.flr --as-fast-as-possible --threads 2 \
+expect 0 'PR' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
   --json again.json --trace again.csv
 
 python3 - <<'PYTHON'
@@ -84,7 +84,7 @@ expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1m,0.1m,0.15m --
 # A hand that feels the loop gives way, where one that feels nothing goes on to where it wants to be.
 for hand in firm loose; do
   expect 0 'contact episodes' floor.vox ball.pshell "${fast[@]}" --hand $hand \
-    --passivity-damping 1.5 --json hand.json --trace hand.csv
+    --set passivity_damping_ns_per_m=1.5 --json hand.json --trace hand.csv
   python3 - <<'PYTHON'
 import csv, json
 run, prescribed = json.load(open("hand.json")), json.load(open("run.json"))
@@ -95,7 +95,7 @@ lowest = [min(float(r["handle_z_m"]) for r in csv.DictReader(open(f))) for f in 
 assert lowest[0] > lowest[1] + 0.0002, lowest
 PYTHON
 done
-expect 2 'is for the sim device' floor.vox ball.pshell --device replay --replay run.flr --hand firm
+expect 2 'is for the sim device' floor.vox ball.pshell --replay run.flr --hand firm
 
 # The clock: half a second in real time, neither much less nor more.
 begin=$(date +%s%N)
@@ -120,18 +120,53 @@ expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tange
 expect 2 'reach' floor.vox ball.pshell "${fast[@]}" --reach 0,0,0,1m,1m
 expect 0 'scene in memory' floor.vox ball.pshell "${fast[@]}" --reach 50m,50m,50m,51m,51m,51m --json far.json
 expect 2 'duration' floor.vox ball.pshell --duration 5
-expect 2 "--max-speed: '11' is outside" floor.vox ball.pshell "${fast[@]}" --max-speed 11
-expect 2 "--max-turn: '101' is outside" floor.vox ball.pshell "${fast[@]}" --max-turn 101
-expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --max-speed 2 --json limits.json
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --set max_speed_mps=2 --json limits.json
 grep -q '"max_turn_radps": 20.0' limits.json || fail "no limit of the turning in the report"
-expect 2 '--stale-limit: is above 50ms' floor.vox ball.pshell "${fast[@]}" --stale-limit 51ms
-expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --stale-limit 50ms
-expect 2 '--rate: is too slow for a device with motors' floor.vox ball.pshell --device plugin --plugin none.so --rate 49
+expect 2 "--set stale_s: '0.051' is outside" floor.vox ball.pshell "${fast[@]}" --set stale_s=0.051
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --set stale_s=0.05 --set mass_kg=0.02,look_ups=3 --json set.json
+grep -q '"mass_kg": 0.02' set.json && grep -q '"look_ups": 3.0' set.json || fail "no settings in the report"
+expect 2 '--rate: is too slow for a device with motors' floor.vox ball.pshell --device plugin:library=none.so --rate 49
+# The options of a device follow its kind.
+expect 2 "--device: 'phantom' is not a kind of device; give sim, hid, spacemouse or plugin" floor.vox ball.pshell --device phantom
+expect 2 "--device: 'replay' is not a kind of device; give --replay FILE alone" floor.vox ball.pshell --device replay --replay run.flr
+expect 2 '--replay: is in place of a device' floor.vox ball.pshell --device sim --replay run.flr
+expect 2 '--device: plugin needs the plugin.s library; write plugin:library=FILE' floor.vox ball.pshell --device plugin
+expect 2 "--device: 'libary' is not a known name; the nearest known name is library" floor.vox ball.pshell --device plugin:libary=a.so
+for wrong in hid:dead-zone=0.1 hid:library=a.so spacemouse:without-watchdog plugin:id=16c0:0486 sim:id=16c0:0486; do
+  expect 2 '--device: .* is not a known name' floor.vox ball.pshell --device $wrong
+done
+expect 5 'a,b:c.so: no such file' floor.vox ball.pshell --device plugin:library=./a,,b:c.so,args=x=1
+expect 2 '--device id: .nonsense. names no HID device' floor.vox ball.pshell --device hid:id=nonsense
+expect 2 "--device: control 'fast' is not known; give rate or position" floor.vox ball.pshell --device spacemouse:control=fast
+expect 2 "--device dead-zone: '1' is outside" floor.vox ball.pshell --device spacemouse:dead-zone=1
+expect 2 "--buttons clutch: '32' is outside" floor.vox ball.pshell "${fast[@]}" --buttons clutch=32
+expect 2 '--buttons: scene is not a whole number' floor.vox ball.pshell "${fast[@]}" --buttons scene=1.5
+expect 2 '^voxrun: --clutch-button: is an old spelling; write --buttons clutch=N$' floor.vox ball.pshell --clutch-button 1
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
-expect 2 "'-1' is outside" floor.vox ball.pshell "${fast[@]}" --mass -1
-# Every option that takes a number: not finite, and far outside.
+expect 2 "--set: 'mas_kg' is not a known name; the nearest known name is mass_kg" floor.vox ball.pshell "${fast[@]}" --set mas_kg=1
+expect 2 "--set: 'mass_kg' needs a value" floor.vox ball.pshell "${fast[@]}" --set mass_kg
+expect 2 "--set: 'mass_kg' is given more than once" floor.vox ball.pshell "${fast[@]}" --set mass_kg=1 --set mass_kg=1
+expect 2 '--set braking: must be 0 or 1' floor.vox ball.pshell "${fast[@]}" --set braking=0.5
+expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --set braking=0 --json unbraked.json
+grep -q '"braking": false' unbraked.json || fail "--set braking=0 brakes"
+for setting in mass_kg=0.02 braking=0; do
+  expect 2 '--set: names a parameter that the recording has' floor.vox ball.pshell --replay run.flr --set $setting
+done
+# An option that has another name now: at its place in the command line, with and without a value.
+expect 2 '^voxrun: --mass: is an old spelling; write --set mass_kg=VALUE$' floor.vox ball.pshell "${fast[@]}" --mass 1
+expect 2 '^voxrun: --no-braking: is an old spelling; write --set braking=0$' --no-braking floor.vox
+# Every option and every name of --set that takes a number: not finite, and far outside.
 numbers=$("$bin/voxrun" --help | sed -nE 's/^ +(--[a-z-]+) NUMBER.*/\1/p')
-[ "$(wc -w <<<"$numbers")" -ge 25 ] || fail "options with numbers: $numbers"
+settings=$("$bin/voxrun" --help | sed -nE '/^Names of --set/,/^$/s/^  ([a-z_]+) .*/\1/p;/^Names of --set/,/^$/s/^  ([a-z_]+)$/\1/p')
+[ "$(wc -w <<<"$settings")" -eq 21 ] || fail "names of --set: $settings"
+for name in $settings; do
+  for number in nan -nan inf; do
+    expect 2 "--set $name: '$number' is not a finite number" floor.vox ball.pshell "${fast[@]}" --set $name=$number
+  done
+  for number in 1e300 -1; do
+    expect 2 "--set $name: '$number' is outside" floor.vox ball.pshell "${fast[@]}" --set $name=$number
+  done
+done
 for option in $numbers; do
   for number in nan -nan inf; do
     expect 2 "$option: '$number' is not a finite number" floor.vox ball.pshell "${fast[@]}" $option=$number
@@ -141,22 +176,20 @@ for option in $numbers; do
   done
 done
 "$bin/voxrun" --help | grep -E 'FLOAT|:DOUBLE' && fail "a number that is read elsewhere"
-for option in --duration --stale-limit; do
-  for time in nans infs 1e300s 1e400s; do
-    expect 2 "$option: " floor.vox ball.pshell "${fast[@]}" $option $time
-  done
+for time in nans infs 1e300s 1e400s; do
+  expect 2 "--duration: " floor.vox ball.pshell "${fast[@]}" --duration $time
 done
 for way in 0,0,1001m 0,0,1e9m -1e8,1e8,0m; do
   expect 2 '--pull: is no way, or longer than 1000 m' floor.vox ball.pshell --as-fast-as-possible --pull=$way
 done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
-expect 2 'recording' floor.vox ball.pshell --device replay --replay run.flr --model paper
+expect 2 'recording' floor.vox ball.pshell --replay run.flr --model paper
 if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
   (ulimit -v 600000
     expect 1 'threads: 256 cannot be started: .*ask for fewer' floor.vox ball.pshell "${fast[@]}" --threads 256)
 fi
 head -c 5000 run.flr >cut.flr
-expect 4 'cut off' floor.vox ball.pshell --device replay --replay cut.flr
+expect 4 'cut off' floor.vox ball.pshell --replay cut.flr
 
 # --expect: the digests of both files, in any order and case; then another, one alone, and none.
 scene_sum=$(sha256sum <floor.vox | cut -c -64) part_sum=$(sha256sum <ball.pshell | cut -c -64)
@@ -173,7 +206,7 @@ cp floor.vox rotten.vox && printf x | dd of=rotten.vox bs=1 seek=100 conv=notrun
 expect 4 'which is not expected' rotten.vox ball.pshell "${fast[@]}" --expect $scene_sum,$part_sum
 
 # A replay with another scene is refused.
-expect 4 'recorded with' unlayered.vox ball.pshell --device replay --replay run.flr
+expect 4 'recorded with' unlayered.vox ball.pshell --replay run.flr
 expect 2 'requires --replay' floor.vox ball.pshell --on-new-scene
 
 # Errors leave no output behind; a signal ends the run in order, with its report.
@@ -189,7 +222,7 @@ wait $! || status=$?
 grep -q '"exit_status": 143' signal.json || fail "no report after SIGTERM, or another status in it"
 grep -q 'ended by signal 15' err.txt || fail "no reason after SIGTERM: $(cat err.txt)"
 
-# report.md has every key of the report, those inside too, and the parameters with their options and ranges; no others.
+# report.md has every key of the report, those inside too, and the parameters with their ranges; no others.
 expect 0 'clear' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --pull 0,0,10mm --as-fast-as-possible --json keys.json
 "$bin/voxrun" --help | tr -s ' \n' ' ' >help.txt
 python3 - "$FORCELAYER_SOURCE_DIR/runtime/voxrun/report.md" "$FORCELAYER_SOURCE_DIR/formats/command/README.md" <<'PYTHON'
@@ -208,11 +241,11 @@ assert set(keys(report)) <= named, set(keys(report)) - named
 rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in re.findall(r"^\| `.*", page, re.MULTILINE)]
 tops = {key for row in rows for key in row} - set(report["parameters"])
 assert tops - {"device_counters"} <= set(report), tops - set(report)
-parameters = re.findall(r"^\| `(\w+)` \| `(--[\w-]+)` \| (\S+ to \S+) \| (.*) \|$", page, re.MULTILINE)
+parameters = re.findall(r"^\| `(\w+)` \| (\S+ to \S+) \| (.*) \|$", page, re.MULTILINE)
 assert {name for name, *_ in parameters} == set(report["parameter_reasons"]), parameters
 told = open("help.txt").read()
-for name, option, range_text, meaning in parameters:
-    assert re.search(rf"{option} NUMBER [^(]*(\([^)]*\)[^(]*)?\({re.escape(range_text)}\)", told), (option, range_text)
+for name, range_text, meaning in parameters:
+    assert re.search(rf" {name} [^(]*(\([^)]*\)[^(]*)?\({re.escape(range_text)}\)", told), (name, range_text)
 PYTHON
 
 # The pose stream: something arrives while the loop runs.
@@ -230,6 +263,7 @@ PYTHON
 receiver=$!
 until [ -s port ]; do sleep 0.05; done
 expect 0 'frames' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --world-from-device 5m,0,0 \
-  --duration 500ms --udp "$(cat port)"
+  --duration 500ms --udp "$(cat port)@100"
 wait "$receiver" || fail "no pose stream"
 expect 2 '--udp' floor.vox ball.pshell --duration 1s --start 0.1m,0.1m,0.2m --udp nonsense:nonsense
+expect 2 "--udp: '0.5' is outside" floor.vox ball.pshell --duration 1s --start 0.1m,0.1m,0.2m --udp 7000@0.5

@@ -209,7 +209,7 @@ for n in range(30):
     if os.path.exists("run.json"): assert json.load(open("run.json"))["frames"] == 700
     if os.path.exists("run.csv"): assert open("run.csv").read().count("\n") == 701
     if os.path.exists("run.flr"):
-        subprocess.run(run[:3] + ["--device", "replay", "--replay", "run.flr", "--as-fast-as-possible", "--quiet"], check=True)
+        subprocess.run(run[:3] + ["--replay", "run.flr", "--as-fast-as-possible", "--quiet"], check=True)
 print(ends)
 assert ends[-9] > 3 and ends[0] > 0, ends
 PYTHON
@@ -265,10 +265,10 @@ decimal_comma() {
   reference
   { export LOCPATH=$PWD LC_ALL=de_DE.UTF-8; } 2>/dev/null
   [ "$(env printf '%.1f' 1,5 2>/dev/null)" = 1,5 ] || { skip "the locale does not take"; return; }
-  good "$voxrun" "${run[@]}" --json run.json --trace run.csv --max-force 3.5
+  good "$voxrun" "${run[@]}" --json run.json --trace run.csv --set max_force_n=3.5
   good "$voxrun" "${run[@]}" --json run.json --trace run.csv
   same_outcome run.json
-  good "$voxrun" floor.vox ball.pshell --device replay --replay good.flr --as-fast-as-possible --quiet --json run.json
+  good "$voxrun" floor.vox ball.pshell --replay good.flr --as-fast-as-possible --quiet --json run.json
   same_outcome run.json
   python3 - <<'PYTHON' || fail "another trace"
 import csv
@@ -287,7 +287,7 @@ odd_names() {
     good "$voxrun" "./$name/$name.vox" "./$name/$name.pshell" --device sim --motion "./$name/$name.csv" --as-fast-as-possible --quiet \
       --json "./$name/run.json" --trace "./$name/trace.csv" --record "./$name/$name.flr"
     same_outcome "./$name/run.json"
-    good "$voxrun" "./$name/$name.vox" "./$name/$name.pshell" --device replay --replay "./$name/$name.flr" --as-fast-as-possible --quiet
+    good "$voxrun" "./$name/$name.vox" "./$name/$name.pshell" --replay "./$name/$name.flr" --as-fast-as-possible --quiet
     expect 1 'no such file' "$voxrun" "./$name/none.vox" ball.pshell --duration 1s
     LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80[\xa8\xa9\xaa-\xae]|\xff' "$scratch/err.txt" &&
       fail "control characters in the line about '$name'"

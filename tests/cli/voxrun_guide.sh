@@ -14,8 +14,8 @@ run() {
 }
 run alone
 run led --guide way.csv --record led.flr
-run strong --guide way.csv --guide-force 1
-run capped --guide way.csv --guide-force 1 --max-force 0.2
+run strong --guide way.csv --set guide_force_n=1
+run capped --guide way.csv --set guide_force_n=1,max_force_n=0.2
 python3 - <<'END' || fail "the guide"
 import csv, json
 def of(name):
@@ -41,7 +41,7 @@ assert most(rows) <= 0.2 and capped["max_guide_force_n"] <= 0.2, most(rows)
 END
 
 # A replay with the same guide gives the motors the same, and the outcome is compared as ever.
-"$bin/voxrun" rest.vox pin.pshell --device replay --replay led.flr --guide way.csv --as-fast-as-possible --quiet \
+"$bin/voxrun" rest.vox pin.pshell --replay led.flr --guide way.csv --as-fast-as-possible --quiet \
   --trace again.csv 2>err || fail "the replay: $(cat err)"
 python3 - <<'END' || fail "the replay differs"
 import csv
@@ -58,9 +58,9 @@ by_button() {
   local motors wait
   motors=$(mktemp -u motors.XXXXXX)  # the device of a try before this one may still write
   printf '%s\n' t_s,x_m,y_m,z_m 0,0,0,0 1,0,0,0.1 >up.csv
-  "$bin/voxrun" rest.vox pin.pshell --start 0,0,0.2m --device plugin --plugin "$bin/fault_plugin.so" \
-    --plugin-args "log=$motors below fault=button at=1.7" --guide up.csv --guide-force 1 --guide-button 1 \
-    --clutch-button 5 --duration 3s --json button.json >out 2>err || return 1
+  "$bin/voxrun" rest.vox pin.pshell --start 0,0,0.2m --guide up.csv --set guide_force_n=1 \
+    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors below fault=button at=1.7" --buttons guide=1,clutch=5 \
+    --duration 3s --json button.json >out 2>err || return 1
   for wait in $(seq 200); do [ -e $motors ] && break; sleep 0.1; done
   python3 - $motors 2>>err <<'PYTHON'
 import csv, sys
@@ -84,8 +84,8 @@ refuses() {  # refuses STATUS TEXT ARGUMENTS...
 printf '%s\n' t_s,x_m,y_m,z_m 1,0,0,0 0,0,0,1 >back.csv
 refuses 1 "none.csv" --guide none.csv
 refuses 2 "back.csv" --guide back.csv
-refuses 2 "--guide-force" --guide way.csv --guide-force 1.1
-refuses 2 "--guide-force: is of --guide" --guide-force 0.5
-refuses 2 "--guide-button: is of --guide" --guide-button 1
+refuses 2 "--set guide_force_n" --guide way.csv --set guide_force_n=1.1
+refuses 2 "--set guide_force_n: has no effect without --guide" --set guide_force_n=0.5
+refuses 2 "--buttons guide: has no effect without --guide" --buttons guide=1
 refuses 2 "--json: is an input of this command" --guide way.csv --json way.csv
 finish

@@ -21,14 +21,14 @@ STALE_S = 0.05
 AT_ONCE = 2  # runs at a time: each is three processes that wake a thousand times a second
 
 
-def command(name, arguments, extra=()):
+def command(name, arguments, extra=(), library=f"{BIN}/fault_plugin.so"):
     for left in ("csv", "csv.part", "json", "now"):  # by a try before this one
         if os.path.exists(f"{name}.{left}"):
             os.remove(f"{name}.{left}")
-    return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
-            f"{BIN}/fault_plugin.so", "--plugin-args", f"log={name}.csv {arguments}",
+    return [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device",
+            f"plugin:library={library},args=log={name}.csv {arguments}",
             "--world-from-device", "0.1m,0.1m,0.06m", "--json", f"{name}.json", "--quiet",
-            "--stale-limit", f"{int(STALE_S * 1000)}ms", *extra]
+            "--set", f"stale_s={STALE_S}", *extra]
 
 
 STARTED = []
@@ -226,8 +226,7 @@ def a_library_without_a_slash():
     shutil.copy(f"{BIN}/fault_plugin.so", "plain.so")
     os.makedirs("elsewhere", exist_ok=True)
     shutil.copy("floor.vox", "elsewhere/plain.so")  # no library
-    arguments = command("plain", "facts=plain.txt", ["--duration", "100ms"])
-    arguments[arguments.index("--plugin") + 1] = "plain.so"
+    arguments = command("plain", "facts=plain.txt", ["--duration", "100ms"], "plain.so")
     folder = os.path.join(os.getcwd(), "elsewhere")
     finish(run(arguments, env=dict(os.environ, LD_LIBRARY_PATH=folder)), 0)
 
@@ -253,7 +252,7 @@ def what_its_process_gets():
     if "seccomp" in has:
         assert not [fact for fact in may if fact != "may write"], may
     # One that is trusted keeps the user's rights.
-    finish(run(command("trusted", "facts=trusted.txt home=" + home, ["--duration", "100ms", "--trust-plugin"])), 0)
+    finish(run(command("trusted", "facts=trusted.txt home=" + home + ",trust", ["--duration", "100ms"])), 0)
     trusted = open("trusted.txt").read()
     assert "may start programs" in trusted and "NoNewPrivs:\t1" in trusted, trusted
     if os.access(os.path.dirname(home), os.W_OK):
@@ -280,9 +279,8 @@ def a_user_who_may_lock_little_memory():
     for name in ("floor.vox", "ball.pshell"):
         shutil.copy(name, "other")
     as_another = ["setpriv", "--reuid=65534", "--clear-groups"] if os.geteuid() == 0 else []
-    arguments = command("little", "", ["--duration", "200ms"])
+    arguments = command("little", "", ["--duration", "200ms"], "./fault_plugin.so")
     arguments[0] = "./voxrun"
-    arguments[arguments.index("--plugin") + 1] = "./fault_plugin.so"
     finish(run(["bash", "-c", 'ulimit -l 8192; exec "$@"', "bash", *as_another, *arguments], cwd="other"), 0)
 
 
@@ -406,7 +404,7 @@ def refusals():
             ("no-si", 5, "SI units"),
             ("left-handed", 5, "right-handed"),
             ("old-abi", 5, "version"),
-            ("no-watchdog", 5, "--without-watchdog"),
+            ("no-watchdog", 5, "add without-watchdog to --device"),
             ("late-watchdog", 5, "above 100 ms"),
             ("huge-force", 5, "a rating that no device in a hand has: max_force_n "),
             ("slow-motors", 5, "at least 50 Hz"),
@@ -421,11 +419,9 @@ def refusals():
         assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error
         assert all(force == 0 for _, force, _ in motors(name)), name
     assert "does not open: it does not say why" in finish(start("mute", "open-mute"), 5)
-    finish(start("allowed", "no-watchdog", ["--without-watchdog", "--duration", "100ms"]), 0)
+    finish(start("allowed", "no-watchdog,without-watchdog", ["--duration", "100ms"]), 0)
     for plugin, text in (("none.so", "no such file"), ("floor.vox", "cannot be loaded")):
-        arguments = command("x", "")
-        arguments[arguments.index("--plugin") + 1] = plugin
-        process = run(arguments)
+        process = run(command("x", "", library=plugin))
         assert text in finish(process, 5), plugin
     process = start("usage", "", ["--as-fast-as-possible", "--duration", "1s"])
     assert "clock of its own" in finish(process, 2)
@@ -435,9 +431,9 @@ def refusals():
 
 def the_example():
     finish(run(
-        [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", "plugin", "--plugin",
-         f"{BIN}/spring_plugin.so", "--world-from-device", "0.1m,0.1m,0.055m", "--duration", "4s",
-         "--stale-limit", "50ms", "--json", "example.json", "--quiet"]), 0)
+        [f"{BIN}/voxrun", "floor.vox", "ball.pshell", "--device", f"plugin:library={BIN}/spring_plugin.so",
+         "--world-from-device", "0.1m,0.1m,0.055m", "--duration", "4s",
+         "--set", "stale_s=0.05", "--json", "example.json", "--quiet"]), 0)
     report = json.load(open("example.json"))
     assert report["max_device_force_n"] > 0.3 and report["output_trips"] == 0, report
 

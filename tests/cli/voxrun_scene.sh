@@ -109,8 +109,8 @@ in_time err stays || fail "it stays: $(cat err)"
 by_button() {
   local motors wait
   motors=$(mktemp -u motors.XXXXXX)  # the device of a try before this one may still write
-  "$bin/voxrun" first.vox part.pshell --device plugin --plugin "$bin/fault_plugin.so" \
-    --plugin-args "log=$motors fault=button at=0.3" --world-from-device 0,0,35mm --duration 2s --scene-button 1 \
+  "$bin/voxrun" first.vox part.pshell --world-from-device 0,0,35mm --duration 2s \
+    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors fault=button at=0.3" --buttons scene=1 \
     --scene-next open.vox --json button.json >out 2>err || {
     grep -q "the part starts" err && echo "held up: the hand, which has a clock of its own, was there before" >>err
     return 1
@@ -144,10 +144,10 @@ refuses() {  # refuses TEXT ARGUMENTS...
 refuses "--scene-next: needs a clock" --scene-next open.vox --as-fast-as-possible
 refuses "--scene-next: has no place in a recording" --scene-next open.vox --record run.flr
 refuses "--scene-next: 'open.vox@1s' comes before the one before it" --scene-next plate.vox@2s --scene-next open.vox@1s
-refuses "--scene-button: needs a clock" --scene-button 1 --as-fast-as-possible
+refuses "--buttons scene: needs a clock" --buttons scene=1 --as-fast-as-possible
 refuses "--json: is an input of this command" --scene-next open.vox --json open.vox
 # A recording on another bake: the same hand, which the plate no longer holds; not where it begins in metal.
-replay() { "$bin/voxrun" "$1.vox" part.pshell --device replay --replay pressed.flr --as-fast-as-possible "${@:2}" >out 2>err; }
+replay() { "$bin/voxrun" "$1.vox" part.pshell --replay pressed.flr --as-fast-as-possible "${@:2}" >out 2>err; }
 "$bin/voxrun" plate.vox part.pshell --motion press.csv --duration 2s --as-fast-as-possible --record pressed.flr \
   --trace pressed.csv --json pressed.json --quiet || fail "the run that is recorded"
 replay open && fail "a recording on another scene without --on-new-scene"

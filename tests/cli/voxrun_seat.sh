@@ -118,7 +118,7 @@ with open("shake.csv", "w") as file:
 PYTHON
 for scale in 0.3 1 4; do
   run 0 opened.vox cover.pshell --motion shake.csv --motion-scale $scale --start 0,0,0mm --trace run.csv --json run.json \
-    --world-from-device 10mm,20mm,5mm,0.8,0.2,-0.4,0.4 --max-speed 10 --max-turn 100
+    --world-from-device 10mm,20mm,5mm,0.8,0.2,-0.4,0.4 --set max_speed_mps=10,max_turn_radps=100
   python3 - $scale <<'PYTHON'
 import csv, json, math, sys
 scale = float(sys.argv[1])
@@ -254,12 +254,12 @@ PYTHON
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,30\n0.3,0,0,30\n0.36,0,0,270\n0.5,0,0,270\n' >fast.csv
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,21\n' >slow.csv
 "$bin/pointshell" sheet.obj --units mm --voxel-size 1mm -o sheet.pshell --quiet
-run 0 roofed.vox sheet.pshell --motion fast.csv --model paper --rate 100 --max-speed 10 --json fast.json
+run 0 roofed.vox sheet.pshell --motion fast.csv --model paper --rate 100 --set max_speed_mps=10 --json fast.json
 says '^not known to be clear: points may have gone more than half a voxel in a frame; .*; 0 penetration frames$'
 grep -q '"verdict": "unknown"' fast.json || fail "another verdict in the report"
 run 0 roofed.vox sheet.pshell --motion slow.csv --model paper
 says '^clear: '
-run 0 roofed.vox sheet.pshell --motion fast.csv --rate 100 --max-speed 10
+run 0 roofed.vox sheet.pshell --motion fast.csv --rate 100 --set max_speed_mps=10
 says '^clear: '
 run 0 roofed.vox block.pshell --pull 0,0,100mm --json held.json
 says '^seated on plate until [0-9.]* s; then held: pulled 100 mm, it went 3[0-9.]* mm, against roof; least proven clearance [0-9.]* mm to roof'

@@ -105,7 +105,7 @@ TEST_F(VoxrunVm, TheDeviceFeelsTheWallThatTheReplayComputes) {
   Voxrun run("--device hid --duration 2s --record run.flr --trace run.csv");
   ASSERT_EQ(run.wait(), 0) << run.said();
   std::printf("voxrun said: %s\n", run.said().c_str());
-  Voxrun replay("--device replay --replay run.flr --as-fast-as-possible --trace again.csv --quiet");
+  Voxrun replay("--replay run.flr --as-fast-as-possible --trace again.csv --quiet");
   ASSERT_EQ(replay.wait(), 0) << replay.said();
 
   const auto rows = read_trace("again.csv");
@@ -238,7 +238,7 @@ TEST(VoxrunVmSpaceMouse, MovesThePartOntoTheWall) {
   const std::string report(std::istreambuf_iterator<char>(file), {});
   EXPECT_NE(report.find("\"actuated_axes\": []"), std::string::npos) << report;
 
-  Voxrun replay("--device replay --replay cap.flr --as-fast-as-possible --trace again.csv --quiet");
+  Voxrun replay("--replay cap.flr --as-fast-as-possible --trace again.csv --quiet");
   ASSERT_EQ(replay.wait(), 0) << replay.said();
   const auto again = read_trace("again.csv");
   ASSERT_EQ(again.size(), rows.size());
@@ -258,7 +258,7 @@ TEST(VoxrunVmStart, SaysWhatIsMissing) {
   Voxrun none("--device hid --duration 1s");
   EXPECT_EQ(none.wait(), 5);
   EXPECT_NE(none.said().find("plugged in"), std::string::npos) << none.said();
-  Voxrun wrong("--device hid --hid nonsense --duration 1s");
+  Voxrun wrong("--device hid:id=nonsense --duration 1s");
   EXPECT_EQ(wrong.wait(), 2);
 }
 

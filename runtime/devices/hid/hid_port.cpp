@@ -60,9 +60,10 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
                                  [&](const HidDeviceInfo& info) { return info.usage == usage; });
   if (right) std::erase_if(found, [&](const HidDeviceInfo& info) { return info.usage != usage; });
   if (found.empty()) {
-    return Error{ErrorCode::kDeviceNotFound, "", selector.path,
-                 "no " + kind + (named ? " of that name" : "") + " is plugged in",
-                 named ? "see lsusb and ls /dev/hidraw*" : "plug it in, or name it with --hid"};
+    return Error{
+        ErrorCode::kDeviceNotFound, "", selector.path,
+        "no " + kind + (named ? " of that name" : "") + " is plugged in",
+        named ? "see lsusb and ls /dev/hidraw*" : "plug it in, or name it with id= of --device"};
   }
   const bool several = std::any_of(found.begin(), found.end(), [&](const HidDeviceInfo& info) {
     return info.path != found.front().path;
@@ -70,7 +71,7 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
   if (several) {
     return Error{ErrorCode::kUsage, "", "",
                  "several devices fit: " + to_text(found[0]) + ", " + to_text(found[1]),
-                 "name one with --hid VENDOR:PRODUCT:SERIAL or --hid PATH"};
+                 "name one with id=VENDOR:PRODUCT:SERIAL or id=PATH of --device"};
   }
   return found.front();
 }

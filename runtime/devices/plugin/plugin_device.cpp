@@ -238,8 +238,9 @@ Status PluginDevice::start() {
       continue;
     }
     return Error{ErrorCode::kDeviceNotFound, path->string(), "", "no such file",
-                 path == &options_.host ? "voxrun-plugin is installed beside voxrun"
-                                        : "give the plugin's library with --plugin"};
+                 path == &options_.host
+                     ? "voxrun-plugin is installed beside voxrun"
+                     : "give the plugin's library with --device plugin:library=FILE"};
   }
   if (Status launched = launch(); !launched) return launched;
   if (Status agreed = shake_hands(); !agreed) {

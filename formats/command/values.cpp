@@ -1,0 +1,81 @@
+#include "formats/command/values.h"
+
+#include <algorithm>
+
+#include "formats/command/spelling.h"
+
+namespace forcelayer::command {
+namespace {
+
+// "a,b" of "a,,b,c"; `text` becomes "c".
+std::string take_entry(std::string_view& text) {
+  std::string entry;
+  std::size_t n = 0;
+  for (; n < text.size(); ++n) {
+    if (text[n] == ',') {
+      if (!text.substr(n + 1).starts_with(',')) break;
+      ++n;
+    }
+    entry += text[n];
+  }
+  text.remove_prefix(std::min(n + 1, text.size()));
+  return entry;
+}
+
+// What is wrong with an entry, and how to mend it.
+struct Wrong {
+  std::string what, mend;
+};
+
+Wrong take_value(const ValueName& name, const std::string& entry, const char* option,
+                 Status& outcome) {
+  const std::string value = entry.substr(std::min(name.name.size() + 1, entry.size()));
+  if (name.is_given != nullptr) {
+    if (entry.size() > name.name.size()) return {"takes no value", "write it without ="};
+    *name.is_given = true;
+  } else if (value.empty()) {
+    return {"needs a value", "write " + std::string(name.name) + "=VALUE"};
+  } else if (name.text != nullptr) {
+    *name.text = value;
+  } else if (const auto number = parse_number(value, name.bounds); number) {
+    *name.number = *number;
+  } else {
+    outcome = about(option + (' ' + std::string(name.name)), number.error());
+  }
+  return {};
+}
+
+}  // namespace
+
+Status read_values(const char* option, std::string_view text, std::span<const ValueName> names) {
+  std::string seen = ",";  // the names so far
+  Status outcome;
+  while (!text.empty() && outcome) {
+    const std::string entry = take_entry(text);
+    const std::string typed = entry.substr(0, entry.find('='));
+    const ValueName* nearest = nullptr;
+    std::size_t least = typed.npos;
+    for (const ValueName& name : names) {
+      const std::size_t distance = spelling_distance(typed, name.name);
+      if (distance < least) least = distance, nearest = &name;
+    }
+    Wrong wrong;
+    if (least == typed.npos) {
+      wrong = {"is not a known name", "leave it out"};
+    } else if (least > 0) {
+      wrong = {"is not a known name",
+               "the nearest known name is " + std::string(nearest->name) + "; --help lists all"};
+    } else if (seen.find(',' + typed + ',') != seen.npos) {
+      wrong = {"is given more than once", "give it once"};
+    } else {
+      wrong = take_value(*nearest, entry, option, outcome);
+    }
+    seen += typed + ',';
+    if (!wrong.what.empty()) {
+      outcome = Error{ErrorCode::kUsage, "", option, "'" + typed + "' " + wrong.what, wrong.mend};
+    }
+  }
+  return outcome;
+}
+
+}  // namespace forcelayer::command

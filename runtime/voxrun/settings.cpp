@@ -1,0 +1,89 @@
+#include "runtime/voxrun/settings.h"
+
+#include "forcelayer/parameters.h"
+#include "forcelayer/stale_limit.h"
+#include "formats/command/arguments.h"
+#include "formats/command/help.h"
+#include "formats/command/values.h"
+
+namespace forcelayer::voxrun {
+namespace {
+
+// What is set beside the parameters of the step, by the name of its member of RunRequest.
+struct LoopSetting {
+  std::string_view name;
+  const char* what;
+  Range range;
+};
+
+enum LoopNumber { kBraking, kMaxSpeed, kMaxTurn, kStale, kGuideForce, kLoopNumbers };
+constexpr LoopSetting kLoopSettings[kLoopNumbers] = {
+    {"braking", "pre-contact braking of the paper (5.3): 1 is on, 0 is off, default 1", {0, 1}},
+    {"max_speed_mps", "speed of the handle above which the output trips, m/s, default 5",
+     kMaxSpeedsMps},
+    {"max_turn_radps",
+     "rotation of the handle above which the output trips, rad/s, default 10 rad/m times "
+     "max_speed_mps",
+     kMaxTurnsRadps},
+    {"stale_s",
+     "silence of device or loop after which the output trips, s, default 0.005",
+     {1e-6, kStaleCeilingS}},
+    {"guide_force_n",
+     "largest pull of --guide, N, default 0.3; its torque is 0.02 m times that",
+     {0.01, loop::kHighestGuideForceN}}};
+
+constexpr double kNotSet = -1;  // below every range
+
+command::Bounds bounds_of(const Range& range) { return {range.least, range.most}; }
+
+}  // namespace
+
+void add_settings(CLI::App& app, std::string& texts) {
+  command::name_value(
+      command::add_texts(app, "--set", texts, ',',
+                         "set a physical parameter or a limit of the table below; repeatable"),
+      "NAME=VALUE");
+  std::string rows;
+  const auto add = [&rows](std::string_view name, const char* what, const Range& range) {
+    rows += name;
+    rows += '\t';
+    rows += what;
+    rows += " (" + command::to_text(bounds_of(range)) + ")\n";
+  };
+  for (const ParameterInfo& info : parameter_table()) add(info.name, info.what, info.range);
+  for (const LoopSetting& setting : kLoopSettings) add(setting.name, setting.what, setting.range);
+  command::add_help_table(app,
+                          "Names of --set (a default that is not given follows from voxel size, "
+                          "rate and device: see --json)",
+                          rows);
+}
+
+Status read_settings(const std::string& texts, Options& options) {
+  const auto table = parameter_table();
+  std::vector<double> numbers(table.size(), kNotSet);
+  double loop[kLoopNumbers] = {options.run.braking ? 1.0 : 0.0, options.run.max_speed_mps, kNotSet,
+                               options.run.stale_s, kNotSet};
+  std::vector<command::ValueName> names(table.size() + kLoopNumbers);
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    const bool of_loop = n >= table.size();
+    const std::size_t at = of_loop ? n - table.size() : n;
+    names[n].name = of_loop ? kLoopSettings[at].name : table[at].name;
+    names[n].number = of_loop ? &loop[at] : &numbers[at];
+    names[n].bounds = bounds_of(of_loop ? kLoopSettings[at].range : table[at].range);
+  }
+  if (Status read = command::read_values("--set", texts, names); !read) return read;
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    if (numbers[n] != kNotSet) options.run.settings[std::string(table[n].name)] = numbers[n];
+  }
+  if (loop[kBraking] != 0 && loop[kBraking] != 1) {
+    return Error{ErrorCode::kUsage, "", "--set braking", "must be 0 or 1", ""};
+  }
+  options.run.braking = loop[kBraking] != 0;
+  options.run.max_speed_mps = loop[kMaxSpeed];
+  if (loop[kMaxTurn] != kNotSet) options.run.max_turn_radps = loop[kMaxTurn];
+  options.run.stale_s = loop[kStale];
+  if (loop[kGuideForce] != kNotSet) options.guide_force_n = loop[kGuideForce];
+  return {};
+}
+
+}  // namespace forcelayer::voxrun
