@@ -1,14 +1,29 @@
 #include "runtime/guard/point_rule.h"
 
+#include <cmath>
+#include <limits>
+
 #include "formats/guard.h"
 
 namespace forcelayer::guard {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// The nearest float that is not below, or not above, a number.
+float rounded_up(double value) {
+  const auto nearest = static_cast<float>(value);
+  return double{nearest} < value ? std::nextafter(nearest, kInfinity) : nearest;
+}
+float rounded_down(double value) { return -rounded_up(-value); }
+
+}  // namespace
 
 PointRule::PointRule(const VoxmapHeader& header, bool proves_distances)
     : proves_(proves_distances) {
   if (!proves_) return;
-  threshold_m_ = static_cast<float>(guard_distance_m(header));
-  free_m_ = static_cast<float>(free_distance_m(header));
+  threshold_m_ = rounded_up(guard_distance_m(header));
+  free_m_ = rounded_down(free_distance_m(header));
   by_value_ = !has_standoff(header);
 }
 
