@@ -2,8 +2,8 @@
 # Builds and runs the tests. On a bare Debian 12 it first installs what is missing.
 #   scripts/test.sh            layout of the sources, a release build and its tests, and under address and
 #                              undefined-behavior sanitizers what reads baked files
-#   CI=true scripts/test.sh    the same, the stress tests, the benchmarks compiled, the runtime alone, and all by
-#                              clang under those sanitizers; fails where a package is missing
+#   CI=true scripts/test.sh    the same, the stress tests, faults planted into the guard, the benchmarks compiled, the
+#                              runtime alone, and all by clang under those sanitizers; fails where a package is missing
 #   scripts/test.sh --full     the same, the thread sanitizer, the virtual machine and the long runs
 source "$(dirname "$0")/common.sh"
 
@@ -56,6 +56,12 @@ check_runtime_only() {
   run_tests runtime-only -R '^cli[.]'
 }
 
+# Plants faults into the guard, one after the other: the tests of the release build must notice each. A minute of one core.
+plant_faults() {
+  say "planting faults into the guard"
+  "$root/tests/fuzz/plant_faults.py" --only guard
+}
+
 # Says what was not built or tested, and fails in CI where the scripts could have installed what was missing.
 list_skipped() {
   local strict=()
@@ -86,6 +92,7 @@ else
   configure release -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=-O0 -DFORCELAYER_SLOW_TESTS=ON
   build release
   run_tests release -LE vm
+  plant_faults
   # The stress tests judge motion, and are slow under sanitizers.
   configure asan-clang -DFORCELAYER_STEP=ON -DFORCELAYER_SLOW_TESTS=OFF
   build asan-clang
