@@ -161,7 +161,7 @@ class Voxmap {
   // The least distance from the static mesh that the center of world voxel (i, j, k) can have, by
   // its stored code, m: -infinity for the lowest code, the reach of the codes beyond it.
   double least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  // The most that it can be, but for a writer's error: infinity for the highest code and beyond.
+  // The most that it can be: infinity for the highest code and beyond.
   double most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
   // The position of a world voxel relative to the directory; nothing outside of it.

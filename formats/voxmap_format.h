@@ -210,6 +210,9 @@ inline double free_distance_m(const VoxmapHeader& header) {
   return (layers + 0.5 + std::sqrt(std::max(0.0, radius * radius - 0.5))) * s;
 }
 
+// How much less than the true distance a code's may be: the writer's error.
+inline constexpr double kDistanceErrorVoxels = 0.002;
+
 // The least and the largest distance from the static mesh that a code can stand for, m; infinite
 // for the lowest code and the highest.
 constexpr double least_distance_m(const VoxmapHeader& header, std::uint32_t code) {
@@ -218,7 +221,8 @@ constexpr double least_distance_m(const VoxmapHeader& header, std::uint32_t code
 }
 constexpr double most_distance_m(const VoxmapHeader& header, std::uint32_t code) {
   if (code >= kMostDistanceCode) return std::numeric_limits<double>::infinity();
-  return (static_cast<double>(code) + 1 - header.distance_zero_code) * header.distance_quantum_m;
+  return (static_cast<double>(code) + 1 - header.distance_zero_code) * header.distance_quantum_m +
+         kDistanceErrorVoxels * header.voxel_size_m;
 }
 
 }  // namespace forcelayer

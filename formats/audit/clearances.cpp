@@ -6,11 +6,15 @@
 
 #include "formats/audit/contents.h"
 #include "formats/audit/distance_cube.h"
+#include "formats/audit/effort.h"
 #include "formats/audit/neighborhoods.h"
 #include "formats/audit/parts.h"
 
 namespace forcelayer::voxmap_audit {
 namespace {
+
+// Units of effort: a node whose distances spread, and one without clearances.
+constexpr std::uint64_t kNodeUnits = 700'000, kQuickUnits = 500;
 
 std::int64_t clearance_of(std::uint32_t entry) {
   return is_uniform(entry) && uniform_value(entry) == 0 ? uniform_clearance(entry) : 0;
@@ -75,12 +79,12 @@ class NodeClearances {
 
 class ClearanceAudit {
  public:
-  ClearanceAudit(const Voxmap& map, const Contents& contents, std::string_view name)
+  ClearanceAudit(const Voxmap& map, const Contents& contents, Effort& effort, std::string_view name)
       : name_(name),
         view_(map.view()),
         contents_(contents),
         known_(known_box(map.header())),
-        seen_(map) {
+        effort_(effort) {
     for (std::uint64_t n = 0; n < map.lower_node_count(); ++n) {
       bricks_.add_node(lower(n),
                        [&](std::uint32_t b) -> const Gaps& { return contents.brick_gaps(b); });
@@ -92,7 +96,7 @@ class ClearanceAudit {
     }
   }
 
-  bool ended() const { return bad_ || seen_.too_many(); }
+  bool ended() const { return bad_ || effort_.is_spent(); }
 
   bool cell(const Voxel& low, const Around& around) {
     const std::uint32_t entry = around[kCenter];
@@ -100,17 +104,17 @@ class ClearanceAudit {
       look(low, kUpperNodeEdge, directory_entry(low));
       return false;
     }
-    return check(nodes_, upper(entry), low, around, most_below_[entry], seen_.cells);
+    return check(nodes_, upper(entry), low, around, most_below_[entry], cells_);
   }
 
   void node(const Voxel& low, const Around& around) {
     const std::uint32_t entry = around[kCenter];
-    if (!is_uniform(entry)) check(bricks_, lower(entry), low, around, 1, seen_.nodes);
+    if (!is_uniform(entry)) check(bricks_, lower(entry), low, around, 1, nodes_seen_);
   }
 
   Status status() const {
     if (bad_) return *bad_;
-    return seen_.too_many() ? Status(strewn(name_)) : Status();
+    return effort_.is_spent() ? Status(strewn(name_)) : Status();
   }
 
  private:
@@ -144,7 +148,9 @@ class ClearanceAudit {
              const Around& around, std::int64_t below, AroundSet& seen) {
     const Span box = Span::cube(low, kCells * level.edge());
     const std::int64_t most = level.most(around[kCenter]);
-    if (!seen_.is_new(seen, around, is_known(grown(box, std::max(most, below) - 1)))) return false;
+    const bool known = is_known(grown(box, std::max(most, below) - 1));
+    if (known && !seen.is_new(around, effort_)) return false;
+    effort_.spend(most > 1 ? kNodeUnits : kQuickUnits);
     const auto look_at = [&](std::uint32_t n) {
       look(voxmap_walk::child_low(low, n, level.edge()), level.edge(), entries[n]);
     };
@@ -159,10 +165,12 @@ class ClearanceAudit {
   // Looks at all that lies within the reach of the clearance of a uniform box.
   void look(const Voxel& low, std::int64_t edge, std::uint32_t entry) {
     const std::int64_t clearance = clearance_of(entry);
-    if (bad_ || clearance == 0) return;
+    if (clearance == 0 || ended()) return;
     const Span reach = grown(Span::cube(low, edge), clearance - 1);
     const bool known = is_known(reach);
-    if (known && !contents_.holds_non_free(shifted(reach, view_.directory_origin, -1))) return;
+    if (known && !contents_.holds_non_free(shifted(reach, view_.directory_origin, -1), effort_))
+      return;
+    if (effort_.is_spent()) return;
     bad_ = untrue(
         name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
         "its clearance " + std::to_string(clearance) + " is not true: " +
@@ -176,15 +184,17 @@ class ClearanceAudit {
   NodeClearances bricks_{kBrickEdge};
   NodeClearances nodes_{kLowerNodeEdge};
   std::vector<std::int64_t> most_below_;  // [upper node]
-  Surroundings seen_;
+  Effort& effort_;
+  AroundSet cells_, nodes_seen_;
   std::optional<Error> bad_;
 };
 
 }  // namespace
 
-Status audit_clearances(const Voxmap& map, const Contents& contents, std::string_view name) {
-  const auto audit = std::make_unique<ClearanceAudit>(map, contents, name);
-  NeighborhoodWalk walk(map.view(), *audit);
+Status audit_clearances(const Voxmap& map, const Contents& contents, Effort& effort,
+                        std::string_view name) {
+  const auto audit = std::make_unique<ClearanceAudit>(map, contents, effort, name);
+  NeighborhoodWalk walk(map.view(), *audit, effort);
   walk.run();
   return audit->status();
 }

@@ -7,6 +7,8 @@
 namespace forcelayer::voxmap_audit {
 namespace {
 
+constexpr std::uint64_t kBoxUnits = 10;  // of effort, for each box that a look touches
+
 // Makes `box` hold `other` too.
 void extend(Span& box, const Span& other) {
   if (other.empty()) return;
@@ -133,7 +135,10 @@ Span Contents::tight_of(std::uint32_t entry, std::int64_t edge) const {
 }
 
 // `box` is relative to the entry's lowest voxel.
-bool Contents::entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Span& box) const {
+bool Contents::entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Span& box,
+                                    Effort& effort) const {
+  effort.spend(kBoxUnits);
+  if (effort.is_spent()) return false;
   if (is_uniform(entry)) {
     const bool free = static_cast<VoxelValue>(uniform_value(entry)) == VoxelValue::kFree;
     return !free && !intersection(box, Span::cube({0, 0, 0}, edge)).empty();
@@ -152,7 +157,7 @@ bool Contents::entry_holds_non_free(std::uint32_t entry, std::int64_t edge, cons
         }
         const std::uint32_t child = entries[std::uint64_t{entry} * kNodeEntries + n];
         const Span inside = shifted(overlap, scaled({x, y, z}, child_edge), -1);
-        if (entry_holds_non_free(child, child_edge, inside)) return true;
+        if (entry_holds_non_free(child, child_edge, inside, effort)) return true;
       }
     }
   }
@@ -189,10 +194,13 @@ Span Contents::tight_box(std::size_t level, const Voxel& at) const {
 }
 
 // Level 0: directory cell `at`; else a group.
-bool Contents::group_holds_non_free(std::size_t level, const Voxel& at, const Span& box) const {
+bool Contents::group_holds_non_free(std::size_t level, const Voxel& at, const Span& box,
+                                    Effort& effort) const {
+  effort.spend(kBoxUnits);
+  if (effort.is_spent()) return false;
   if (level == 0) {
     const Voxel low = scaled(at, kUpperNodeEdge);
-    return entry_holds_non_free(cell(at), kUpperNodeEdge, shifted(box, low, -1));
+    return entry_holds_non_free(cell(at), kUpperNodeEdge, shifted(box, low, -1), effort);
   }
   const Span overlap = intersection(box, tight_box(level, at));
   if (overlap.empty()) return false;
@@ -201,7 +209,7 @@ bool Contents::group_holds_non_free(std::size_t level, const Voxel& at, const Sp
   for (std::int64_t x = overlap.low[0] / edge; x * edge < overlap.high[0]; ++x) {
     for (std::int64_t y = overlap.low[1] / edge; y * edge < overlap.high[1]; ++y) {
       for (std::int64_t z = overlap.low[2] / edge; z * edge < overlap.high[2]; ++z) {
-        if (group_holds_non_free(level - 1, {x, y, z}, overlap)) return true;
+        if (group_holds_non_free(level - 1, {x, y, z}, overlap, effort)) return true;
       }
     }
   }

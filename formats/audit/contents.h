@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "formats/audit/brick_facts.h"
+#include "formats/audit/effort.h"
 #include "formats/audit/parts.h"
 #include "formats/voxmap.h"
 
@@ -30,9 +31,10 @@ class Contents {
   const Gaps& brick_gaps(std::uint32_t brick) const { return bricks_[brick].gaps; }
   const Gaps& node_gaps(std::uint32_t node) const { return node_gaps_[node]; }
 
-  // Whether a box, relative to the directory's origin, holds a voxel that is not free.
-  bool holds_non_free(const Span& box) const {
-    return group_holds_non_free(groups_.size(), {0, 0, 0}, box);
+  // Whether a box, relative to the directory's origin, holds a voxel that is not free. Any answer
+  // where the effort is spent.
+  bool holds_non_free(const Span& box, Effort& effort) const {
+    return group_holds_non_free(groups_.size(), {0, 0, 0}, box, effort);
   }
 
  private:
@@ -57,8 +59,10 @@ class Contents {
   Span tight_box(std::size_t level, const Voxel& at) const;
   std::uint32_t cell(const Voxel& at) const;
   Span tight_of(std::uint32_t entry, std::int64_t edge) const;
-  bool entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Span& box) const;
-  bool group_holds_non_free(std::size_t level, const Voxel& at, const Span& box) const;
+  bool entry_holds_non_free(std::uint32_t entry, std::int64_t edge, const Span& box,
+                            Effort& effort) const;
+  bool group_holds_non_free(std::size_t level, const Voxel& at, const Span& box,
+                            Effort& effort) const;
 
   const VoxmapView& view_;
   std::vector<Groups> groups_;  // tight boxes of 4^3 directory cells, of 4^3 such groups, and so on

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/audit/code_rules.h"
+#include "formats/audit/effort.h"
 #include "formats/audit/neighborhoods.h"
 #include "formats/audit/parts.h"
 #include "formats/bricks/unpacked_distances.h"
@@ -15,7 +16,13 @@
 namespace forcelayer::voxmap_audit {
 namespace {
 
-constexpr std::uint32_t kFarEntry = uniform_entry(kMostDistanceCode);
+// A coarser step would say too little about the interior, and about neighbors.
+constexpr double kMostQuantumVoxels = 0.25;
+
+// Units of effort: a pair that is asked for; a pair of nodes and one of bricks that is looked at.
+constexpr std::uint64_t kPairUnits = 20, kNodesUnits = 8'000, kBricksUnits = 400,
+                        kOneByOneUnits = 8'000;
+
 // A set of numbers, in one piece of memory.
 class SeenPairs {
  public:
@@ -53,7 +60,7 @@ class SeenPairs {
 
 class DistanceAudit {
  public:
-  DistanceAudit(const Voxmap& map, std::string_view name)
+  DistanceAudit(const Voxmap& map, Effort& effort, std::string_view name)
       : name_(name),
         header_(map.header()),
         values_(map.view()),
@@ -61,14 +68,19 @@ class DistanceAudit {
         unpacked_(distances_, kSlotBits),
         known_(known_box(header_)),
         rules_(header_),
-        looks_left_(most_looks(map)) {}
+        effort_(effort) {}
 
   Status run() {
     const auto& dims = distances_.directory_dims;
     for (std::int64_t x = 0; x < dims[0]; ++x) {
       for (std::int64_t y = 0; y < dims[1]; ++y) {
-        for (std::int64_t z = 0; z < dims[2]; ++z) visit_cell({x, y, z});
+        for (std::int64_t z = 0; z < dims[2]; ++z) {
+          const Voxel cell{x, y, z};
+          compare(kUpperNodeEdge, world(cell), value_entry(cell),
+                  distances_.directory[index(cell)]);
+        }
         if (bad_) return *bad_;
+        if (effort_.is_spent()) return strewn(name_);
       }
     }
     return {};
@@ -76,21 +88,6 @@ class DistanceAudit {
 
  private:
   static constexpr unsigned kSlotBits = 12;
-
-  void visit_cell(const Voxel& cell) {
-    const Voxel low = world(cell);
-    const std::uint32_t entry = entry_of(cell);
-    compare(kUpperNodeEdge, low, value_entry(cell), entry);
-    look_inside(kUpperNodeEdge, low, entry);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      Voxel next = cell;
-      ++next[axis];
-      look_between(kUpperNodeEdge, axis, low, entry, entry_of(next));
-      if (cell[axis] > 0) continue;
-      next[axis] -= 2;  // outside, all is far
-      look_between(kUpperNodeEdge, axis, world(next), kFarEntry, entry);
-    }
-  }
 
   Voxel world(const Voxel& cell) const {
     Voxel low;
@@ -102,12 +99,6 @@ class DistanceAudit {
   std::size_t index(const Voxel& cell) const {
     const auto& dims = distances_.directory_dims;
     return static_cast<std::size_t>((cell[0] * dims[1] + cell[1]) * dims[2] + cell[2]);
-  }
-  std::uint32_t entry_of(const Voxel& cell) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (cell[axis] < 0 || cell[axis] >= distances_.directory_dims[axis]) return kFarEntry;
-    }
-    return distances_.directory[index(cell)];
   }
   std::uint32_t value_entry(const Voxel& cell) const {
     return without_clearance(values_.directory[index(cell)]);
@@ -134,16 +125,11 @@ class DistanceAudit {
     return edge == kUpperNodeEdge ? 0 : edge == kLowerNodeEdge ? 1 : 2;
   }
 
-  // Pairs of entries that may be looked at. A bake has at most some for each entry of its trees.
-  static std::uint64_t most_looks(const Voxmap& map) {
-    const auto nodes = map.upper_node_count() + map.lower_node_count() +
-                       map.distance_counts().upper_nodes + map.distance_counts().lower_nodes;
-    return (1u << 20) + 8 * (cells_of(map.view()) + kNodeEntries * nodes);
-  }
-
   // Whether a box is to be looked at: not where nothing of it is known, and once where all is.
-  bool is_new(const Span& box, SeenPairs& seen, std::uint32_t a, std::uint32_t b) {
-    if (bad_) return false;
+  bool is_new(const Span& box, SeenPairs& seen, std::uint32_t a, std::uint32_t b,
+              std::uint64_t units) {
+    if (bad_ || effort_.is_spent()) return false;
+    effort_.spend(kPairUnits);
     bool once = true;
     if (header_.cropped_sides != 0) {
       const Span known = known_part(box, known_);
@@ -151,8 +137,8 @@ class DistanceAudit {
       once = known == box;
     }
     if (once && !seen.insert(a, b)) return false;
-    if (looks_left_-- == 0) bad_ = strewn(name_);
-    return !bad_;
+    effort_.spend(units);
+    return true;
   }
 
   // The codes of a brick or of a uniform box of its size.
@@ -161,19 +147,6 @@ class DistanceAudit {
     BrickCodes codes;
     codes.fill(static_cast<std::uint8_t>(uniform_wide_value(entry)));
     return codes;
-  }
-  // The outermost ones along an axis.
-  CodeRules::FaceCodes face_of(std::uint32_t entry, std::size_t axis, bool upper) {
-    const BrickCodes codes = codes_of(entry);
-    const std::size_t step = std::size_t{64} >> (3 * axis);
-    const std::size_t row = axis == 0 ? 8 : 64, column = axis == 2 ? 8 : 1;
-    CodeRules::FaceCodes face;
-    for (std::size_t i = 0; i < 8; ++i) {
-      for (std::size_t j = 0; j < 8; ++j) {
-        face[i * 8 + j] = codes[(upper ? 7 * step : 0) + i * row + j * column];
-      }
-    }
-    return face;
   }
   bool surely_beside_values(std::uint32_t values, std::uint32_t codes) {
     std::array<std::uint8_t, 128> bytes;
@@ -196,11 +169,15 @@ class DistanceAudit {
       if (!known.empty()) check_value(known.low, uniform_value(values), uniform_wide_value(codes));
       return;
     }
-    if (!is_new(box, compared_[level(edge)], values, codes)) return;
-    if (edge == kBrickEdge && surely_beside_values(values, codes)) return;
+    const bool nodes = edge > kBrickEdge;
+    if (!is_new(box, compared_[level(edge)], values, codes, nodes ? kNodesUnits : kBricksUnits)) {
+      return;
+    }
+    if (!nodes && surely_beside_values(values, codes)) return;
+    if (!nodes) effort_.spend(kOneByOneUnits);
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
       const Voxel at = voxmap_walk::child_low(low, n, edge / 8);
-      if (edge > kBrickEdge) {
+      if (nodes) {
         compare(edge / 8, at, child(values_, edge, values, n), child(distances_, edge, codes, n));
       } else if (!known_part(Span::cube(at, 1), known_).empty()) {
         check_value(at, value(values, n), code(codes, n));
@@ -211,85 +188,8 @@ class DistanceAudit {
   void check_value(const Voxel& at, std::uint32_t value, std::uint32_t code) {
     if (bad_ || rules_.beside_value(value, code)) return;
     bad_ = untrue(name_, voxel_text(at),
-                  "its code " + std::to_string(code) + " (" + range_text(code) +
+                  "its code " + std::to_string(code) + " (" + range_text(header_, code) +
                       ") is not a distance that value " + std::to_string(value) + " can have");
-  }
-
-  // Neighbors over faces, both in one entry's cube.
-  void look_inside(std::int64_t edge, const Voxel& low, std::uint32_t entry) {
-    if (is_uniform(entry)) return;
-    if (!is_new(Span::cube(low, edge), inside_[level(edge)], entry, 0)) return;
-    if (edge == kBrickEdge && rules_.surely_even(codes_of(entry))) return;
-    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      const Voxel at = voxmap_walk::child_low(low, n, edge / 8);
-      if (edge > kBrickEdge) look_inside(edge / 8, at, child(distances_, edge, entry, n));
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::uint32_t step = 64u >> (3 * axis);
-        if ((n / step & 7) == 7) continue;
-        if (edge > kBrickEdge) {
-          look_between(edge / 8, axis, at, child(distances_, edge, entry, n),
-                       child(distances_, edge, entry, n + step));
-        } else {
-          check_codes(axis, at, code(entry, n), code(entry, n + step));
-        }
-      }
-    }
-  }
-
-  // Neighbors over the face between the cube at `low` and the next one along `axis`.
-  void look_between(std::int64_t edge, std::size_t axis, const Voxel& low, std::uint32_t a,
-                    std::uint32_t b) {
-    const bool uniform = is_uniform(a) && is_uniform(b);
-    if (uniform && rules_.beside_code(uniform_wide_value(a), uniform_wide_value(b))) return;
-    Span box = Span::cube(low, edge);  // the last layer of one and the first of the other
-    box.low[axis] = box.high[axis] - 1;
-    box.high[axis] += 1;
-    if (uniform || header_.cropped_sides != 0) {
-      const Span known = known_part(box, known_);
-      if (known.empty() || known.high[axis] - known.low[axis] < 2) return;
-      if (uniform) {
-        return check_codes(axis, known.low, uniform_wide_value(a), uniform_wide_value(b));
-      }
-    }
-    if (!is_new(box, between_[axis][level(edge)], a, b)) return;
-    if (edge == kBrickEdge &&
-        rules_.surely_beside(face_of(a, axis, true), face_of(b, axis, false))) {
-      return;
-    }
-    const std::uint32_t step = 64u >> (3 * axis);
-    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      if ((n / step & 7) != 7) continue;
-      const std::uint32_t opposite = n - 7 * step;
-      const Voxel at = voxmap_walk::child_low(low, n, edge / 8);
-      if (edge > kBrickEdge) {
-        look_between(edge / 8, axis, at, child(distances_, edge, a, n),
-                     child(distances_, edge, b, opposite));
-      } else {
-        check_codes(axis, at, code(a, n), code(b, opposite));
-      }
-    }
-  }
-
-  void check_codes(std::size_t axis, const Voxel& at, std::uint32_t a, std::uint32_t b) {
-    if (bad_ || rules_.beside_code(a, b)) return;
-    Span pair = Span::cube(at, 1);
-    ++pair.high[axis];
-    if (!(known_part(pair, known_) == pair)) return;
-    Voxel next = at;
-    ++next[axis];
-    bad_ = untrue(name_, voxel_text(at),
-                  "its code " + std::to_string(a) + " (" + range_text(a) + ") and code " +
-                      std::to_string(b) + " (" + range_text(b) + ") of its neighbor " +
-                      voxel_text(next) + " differ by more than a voxel");
-  }
-
-  std::string range_text(std::uint32_t code) const {
-    const auto voxels = [&](double meters) {
-      return std::to_string(meters / header_.voxel_size_m) + " voxels";
-    };
-    if (code == 0) return "below " + voxels(most_distance_m(header_, code));
-    const std::string least = voxels(least_distance_m(header_, code));
-    return code == kMostDistanceCode ? least + " or more" : "from " + least;
   }
 
   std::string_view name_;
@@ -299,9 +199,8 @@ class DistanceAudit {
   UnpackedDistances unpacked_;
   KnownBox known_;
   CodeRules rules_;
-  std::array<SeenPairs, 3> compared_, inside_;  // by level
-  std::array<std::array<SeenPairs, 3>, 3> between_;
-  std::uint64_t looks_left_;
+  std::array<SeenPairs, 3> compared_;  // by level
+  Effort& effort_;
   std::optional<Error> bad_;
 };
 
@@ -325,9 +224,22 @@ Status audit_packing(const Voxmap& map, std::string_view name) {
   return {};
 }
 
-// Checks the lengths of a map without a standoff against its layers. With a standoff the lengths
-// define it, and opening the file has checked their bounds.
+// Checks what the header says about lengths. With a standoff the lengths define it, and opening the
+// file has checked their bounds.
 Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
+  if (has_distances(h)) {
+    if (h.distance_quantum_m > kMostQuantumVoxels * h.voxel_size_m) {
+      return untrue(name, "header (distance_quantum_m)",
+                    "says " + std::to_string(h.distance_quantum_m) +
+                        ", which is more than a quarter of a voxel");
+    }
+    if (least_distance_m(h, kMostDistanceCode) < interior_radius_m(h)) {
+      return untrue(name, "header (distance_quantum_m, distance_zero_code)",
+                    "its distances end at " +
+                        std::to_string(least_distance_m(h, kMostDistanceCode)) +
+                        ", before the interior does at " + std::to_string(interior_radius_m(h)));
+    }
+  }
   if (has_standoff(h)) return {};
   const double expected_m =
       interior_radius_voxels(h.offset_layers) * h.voxel_size_m + h.force_depth_m;
@@ -339,13 +251,22 @@ Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
 
 }  // namespace
 
-Status audit_distances(const Voxmap& map, std::string_view name) {
+std::string range_text(const VoxmapHeader& h, std::uint32_t code) {
+  const auto voxels = [&](double meters) {
+    return std::to_string(meters / h.voxel_size_m) + " voxels";
+  };
+  if (code == 0) return "below " + voxels(most_distance_m(h, code));
+  const std::string least = voxels(least_distance_m(h, code));
+  return code == kMostDistanceCode ? least + " or more" : "from " + least;
+}
+
+Status audit_distances(const Voxmap& map, Effort& effort, std::string_view name) {
   if (map.header().metric == static_cast<std::uint32_t>(Metric::kEuclidean)) {
     if (Status s = audit_lengths(map.header(), name); !s) return s;
   }
   if (map.distances() == nullptr) return {};
   if (Status s = audit_packing(map, name); !s) return s;
-  return DistanceAudit(map, name).run();
+  return DistanceAudit(map, effort, name).run();
 }
 
 Status audit_objects(const Voxmap& map, std::string_view name) {

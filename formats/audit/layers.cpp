@@ -11,12 +11,15 @@
 namespace forcelayer::voxmap_audit {
 namespace {
 
+// Units of effort: a node, and more for each step of its growth.
+constexpr std::uint64_t kNodeUnits = 300'000, kStepUnits = 50'000;
+
 constexpr std::int64_t kNode = NodeRows::kNode;
 constexpr std::int64_t kMostSteps = kNode - 1;  // of one growth: the node and those around it
 
 class LayerAudit {
  public:
-  LayerAudit(const Voxmap& map, const Contents& contents, std::string_view name)
+  LayerAudit(const Voxmap& map, const Contents& contents, Effort& effort, std::string_view name)
       : name_(name),
         header_(map.header()),
         contents_(contents),
@@ -24,21 +27,21 @@ class LayerAudit {
         steps_(std::min<std::int64_t>(layers_of(header_), kMostSteps)),
         all_layers_(layers_of(header_) <= kMostSteps),
         rows_(contents.planes(), map.view(), steps_),
-        seen_(map) {}
+        effort_(effort) {}
 
-  bool ended() const { return bad_ || seen_.too_many(); }
+  bool ended() const { return bad_ || effort_.is_spent(); }
 
   bool cell(const Voxel& low, const Around& around) {
-    return is_new(Span::cube(low, kUpperNodeEdge), around, seen_.cells);
+    return is_new(Span::cube(low, kUpperNodeEdge), around, cells_);
   }
 
   void node(const Voxel& low, const Around& around) {
-    if (is_new(Span::cube(low, kNode), around, seen_.nodes)) check_node(low, around);
+    if (is_new(Span::cube(low, kNode), around, nodes_)) check_node(low, around);
   }
 
   Status status() const {
     if (bad_) return untrue(name_, voxel_text(bad_->at), bad_->what);
-    return seen_.too_many() ? Status(strewn(name_)) : Status();
+    return effort_.is_spent() ? Status(strewn(name_)) : Status();
   }
 
  private:
@@ -63,7 +66,7 @@ class LayerAudit {
   bool is_new(const Span& cube, const Around& around, AroundSet& seen) {
     if (is_certain(around) || known_part(cube, known_).empty()) return false;
     const Span halo = grown(cube, steps_ + 1);
-    return seen_.is_new(seen, around, known_part(halo, known_) == halo);
+    return !(known_part(halo, known_) == halo) || seen.is_new(around, effort_);
   }
 
   // The known voxels of the node at `low` that are at least `steps` from a cropped side.
@@ -95,6 +98,7 @@ class LayerAudit {
 
   void check_node(const Voxel& low, const Around& around) {
     if (is_far(around)) return;
+    effort_.spend(kNodeUnits + kStepUnits * static_cast<std::uint64_t>(steps_));
     rows_.fill(around);
     const auto row = [&](NodeRows::Set set) {
       return [this, set](std::int64_t x) { return rows_.plane(set, x); };
@@ -144,15 +148,17 @@ class LayerAudit {
   std::int64_t steps_;  // force layers
   bool all_layers_;     // steps_ is all of them
   NodeRows rows_;
-  Surroundings seen_;
+  Effort& effort_;
+  AroundSet cells_, nodes_;
   std::optional<Bad> bad_;
 };
 
 }  // namespace
 
-Status audit_layers(const Voxmap& map, const Contents& contents, std::string_view name) {
-  LayerAudit audit(map, contents, name);
-  NeighborhoodWalk walk(map.view(), audit);
+Status audit_layers(const Voxmap& map, const Contents& contents, Effort& effort,
+                    std::string_view name) {
+  LayerAudit audit(map, contents, effort, name);
+  NeighborhoodWalk walk(map.view(), audit, effort);
   walk.run();
   return audit.status();
 }

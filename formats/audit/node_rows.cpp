@@ -42,8 +42,11 @@ NodeRows::NodeRows(const std::vector<BrickPlanes>& planes, const VoxmapView& vie
 
 void NodeRows::fill(const Around& around) {
   for (auto& set : sets_) {
-    for (Rows& rows : set) std::fill(rows.begin(), rows.end(), 0);
+    for (const Along along : {kBelow, kMiddle, kAbove}) {
+      if (holds_any_[along]) std::fill(set[along].begin(), set[along].end(), 0);
+    }
   }
+  holds_any_ = {};
   const std::int64_t outside = (margin_ + 7) / 8;  // columns of bricks
   for (std::int64_t x = -outside; x < 8 + outside; ++x) {
     for (std::int64_t y = -outside; y < 8 + outside; ++y) fill_column(around, x, y);
@@ -85,6 +88,7 @@ void NodeRows::fill_column(const Around& around, std::int64_t x, std::int64_t y)
     ColumnRows rows;
     const std::int64_t begin = (x & 7) * 64 + (y & 7) * 8;
     if (!column_rows(around[column + along], begin, first, last, rows)) continue;
+    holds_any_[along] = true;
     const std::int64_t last_x = std::min<std::int64_t>(8, kNode + margin_ - x * 8);
     for (std::int64_t i = std::max<std::int64_t>(0, -margin_ - x * 8); i < last_x; ++i) {
       store_rows(along, x * 8 + i, y * 8, rows.low[i], rows.high[i]);

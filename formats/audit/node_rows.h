@@ -26,6 +26,14 @@ class NodeRows {
     return &sets_[set][kMiddle][index(x, 0)];
   }
 
+  // A row along z, of the node or of its margin: the 64 voxels below, the node's, the 64 above. Of
+  // kInterior and kUpToSurface, and as far as the margin reaches.
+  using Column = std::array<std::uint64_t, 3>;
+  Column column(Set set, std::int64_t x, std::int64_t y) const {
+    const std::size_t at = index(x, y);
+    return {sets_[set][kBelow][at], sets_[set][kMiddle][at], sets_[set][kAbove][at]};
+  }
+
   // The voxels of the node that lie within `steps` of a voxel of `set`, rows [x][y]. `steps` is at
   // most the margin, and `set` is not kUpToProximity.
   const Rows& grown(Set set, std::int64_t steps);
@@ -47,6 +55,7 @@ class NodeRows {
   const VoxmapView& view_;
   std::int64_t margin_, width_;
   std::array<std::array<Rows, 3>, 3> sets_;  // [set][along]
+  std::array<bool, 3> holds_any_{};          // [along]: whether some row is not zero
   Rows along_z_, along_y_, grown_;
 };
 

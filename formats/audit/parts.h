@@ -12,21 +12,34 @@ namespace forcelayer::voxmap_audit {
 using Voxel = std::array<std::int64_t, 3>;
 
 class Contents;
+class Effort;
+
+// Each proves a part of the facts, and ends with strewn() where the effort is spent before.
 
 // Proves every clearance (section 5). Inside nodes, distances that spread from cell to cell prove
 // it. Where they prove too little, and for directory cells, every box within the clearance's reach
 // is looked at.
-Status audit_clearances(const Voxmap& map, const Contents& contents, std::string_view name);
+Status audit_clearances(const Voxmap& map, const Contents& contents, Effort& effort,
+                        std::string_view name);
 
 // Proves that the values are the layers around the interior (voxmap_format.md, section 10): the
 // force layers around it are surface, one more layer is proximity, and all else is free. With k = 0
 // in the Chebyshev metric only proximity is checked. Equal neighborhoods of nodes are checked once.
-Status audit_layers(const Voxmap& map, const Contents& contents, std::string_view name);
+Status audit_layers(const Voxmap& map, const Contents& contents, Effort& effort,
+                    std::string_view name);
 
-// Proves that every code is possible beside its value (section 13.2) and beside the codes of its
-// neighbors: between voxels that share a face the unsigned distance changes by at most a voxel.
-// Equal pairs of entries are checked once.
-Status audit_distances(const Voxmap& map, std::string_view name);
+// Proves that the interior can be that of offset_layers layers (section 13.6), where only values
+// say so: without distances. Equal neighborhoods of nodes are checked once.
+Status audit_layer_count(const Voxmap& map, const Contents& contents, Effort& effort,
+                         std::string_view name);
+
+// Proves that the header's lengths and layers agree; and that every code is possible beside its
+// value (section 13.2). Equal pairs of entries are checked once.
+Status audit_distances(const Voxmap& map, Effort& effort, std::string_view name);
+
+// Proves that every code is possible beside those of its neighbors (section 13.5). Equal
+// surroundings are checked once where they stand near each other.
+Status audit_code_neighbors(const Voxmap& map, Effort& effort, std::string_view name);
 
 // Proves that no brick names an object above object_count.
 Status audit_objects(const Voxmap& map, std::string_view name);
@@ -38,13 +51,10 @@ inline Error untrue(std::string_view name, std::string where, std::string what) 
 
 // For a file that would take far longer to prove than one of its size that was baked.
 inline Error strewn(std::string_view name) {
-  return untrue(name, "tree", "its nodes stand in far more different places than a bake's");
-}
-
-inline std::uint64_t cells_of(const VoxmapView& view) {
-  std::uint64_t cells = 1;
-  for (const auto edge : view.directory_dims) cells *= static_cast<std::uint64_t>(edge);
-  return cells;
+  return untrue(
+      name, "tree",
+      "its nodes and bricks stand in far more different places than a bake's, too many to "
+      "look at");
 }
 
 inline std::string voxel_text(const Voxel& at) {
@@ -97,5 +107,8 @@ inline Span known_part(const Span& box, const KnownBox& known) {
   }
   return part;
 }
+
+// The distances that a code stands for, in words.
+std::string range_text(const VoxmapHeader& header, std::uint32_t code);
 
 }  // namespace forcelayer::voxmap_audit

@@ -3,12 +3,14 @@
 #include <string>
 
 #include "formats/audit/contents.h"
+#include "formats/audit/effort.h"
 #include "formats/audit/parts.h"
 
 namespace forcelayer {
 namespace {
 
 using voxmap_audit::Contents;
+using voxmap_audit::Effort;
 using voxmap_audit::Summary;
 using voxmap_audit::untrue;
 
@@ -47,9 +49,17 @@ Status audit_voxmap(const Voxmap& map, std::string_view name) {
   const Contents contents(map);
   if (Status s = audit_counts(map.header(), contents.scene(), name); !s) return s;
   if (Status s = audit_tight_box(map.header(), contents.scene(), name); !s) return s;
-  if (Status s = voxmap_audit::audit_clearances(map, contents, name); !s) return s;
-  if (Status s = voxmap_audit::audit_layers(map, contents, name); !s) return s;
-  if (Status s = voxmap_audit::audit_distances(map, name); !s) return s;
+  Effort effort(map.bytes().size());
+  if (Status s = voxmap_audit::audit_clearances(map, contents, effort, name); !s) return s;
+  if (Status s = voxmap_audit::audit_layers(map, contents, effort, name); !s) return s;
+  if (Status s = voxmap_audit::audit_distances(map, effort, name); !s) return s;
+  // Distances prove the layers as well: every surface voxel has one.
+  if (Status s = map.distances() != nullptr
+                     ? voxmap_audit::audit_code_neighbors(map, effort, name)
+                     : voxmap_audit::audit_layer_count(map, contents, effort, name);
+      !s) {
+    return s;
+  }
   return voxmap_audit::audit_objects(map, name);
 }
 

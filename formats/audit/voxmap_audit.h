@@ -13,13 +13,13 @@ namespace forcelayer {
 // - The numbers of interior, surface and proximity voxels and the tight box are true.
 // - Every clearance is true (section 5).
 // - Surface and proximity are the layers around the interior (section 10), so no wall has a hole.
-// - Codes are possible beside the values and beside each other (section 13.2), and zero_force_m is
-//   possible beside the layers.
+// - Codes are possible beside the values (13.2) and beside each other (13.5), and zero_force_m is
+//   possible beside the layers. Without distances the interior is wide enough for the layers
+//   (13.6).
 // - No brick names an object above object_count.
-// Memory and time are proportional to the file: to the stored nodes and bricks, and to the number
-// of different neighborhoods of nodes and of different pairs of bricks. Neighborhoods and pairs
-// that are far more than a bake of the file's size has (few nodes or bricks, strewn) are not looked
-// at to the end, and the file is refused: kEntryInvalid. `name` is the file's, for errors.
+// Memory is proportional to the file, and time is bounded by its size (effort.h): a file whose
+// proof takes far more than that of a bake is refused: kEntryInvalid. `name` is the file's, for
+// errors.
 Status audit_voxmap(const Voxmap& map, std::string_view name);
 
 }  // namespace forcelayer

@@ -84,7 +84,7 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   }
   if (has_distances(h)) {
     report["distances"] = {{"quantum_m", h.distance_quantum_m},
-                           {"deepest_m", most_distance_m(h, 0)},
+                           {"deepest_m", least_distance_m(h, 1)},
                            {"farthest_m", least_distance_m(h, kMostDistanceCode)},
                            {"upper_nodes", map.distance_counts().upper_nodes},
                            {"lower_nodes", map.distance_counts().lower_nodes},
@@ -227,7 +227,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   if (has_distances(h)) {
     add_line(text,
              "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bytes",
-             1e3 * most_distance_m(h, 0), 1e3 * least_distance_m(h, kMostDistanceCode),
+             1e3 * least_distance_m(h, 1), 1e3 * least_distance_m(h, kMostDistanceCode),
              1e3 * h.distance_quantum_m, map.distance_counts().brick_bytes);
   } else {
     add_line(text, "  distances         none");

@@ -81,7 +81,7 @@ TEST(Golden, VoxmapFacts) {
   EXPECT_EQ(h.valid_min_voxel, (VoxelIndex{-600, -100, -100}));
   EXPECT_EQ(h.valid_max_voxel, (VoxelIndex{-400, 200, 200}));
   EXPECT_EQ(h.cropped_sides, kCroppedMaxX);
-  EXPECT_EQ(h.offset_layers, 2u);
+  EXPECT_EQ(h.offset_layers, 1u);
   EXPECT_EQ(h.metric, static_cast<std::uint32_t>(Metric::kChebyshev));
   EXPECT_EQ(h.directory_origin, (VoxelIndex{-1024, 0, 0}));
   EXPECT_EQ(h.directory_dims, (std::array<std::uint32_t, 3>{2, 1, 1}));

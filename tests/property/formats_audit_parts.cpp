@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
+#include <set>
 
 #include "formats/audit/code_rules.h"
 #include "formats/audit/contents.h"
@@ -154,38 +156,56 @@ TEST(NodeRows, AreTheVoxelsAndGrowAsTheyDo) {
   }
 }
 
-// Pairs that are surely allowed are allowed one by one; and codes that change slowly surely are.
+// A slope of any steepness; in one of three a code at random.
+int code_of(const int (&slope)[3], int begin, int x, int y, int z) {
+  return std::clamp(begin + slope[0] * x + slope[1] * y + slope[2] * z, 0, 255);
+}
+
+// Codes that are surely allowed are allowed one by one; and codes that change slowly surely are.
 TEST(CodeRules, WhatIsSureIsTrue) {
   const testing::AlignedBytes golden = testing::golden_file_bytes("v2_distances.vox");
   auto header = testing::read_at<VoxmapHeader>(golden.bytes(), 0);
   std::mt19937_64 random(5);
-  int sure = 0, unsure = 0;
+  int sure_pairs = 0, unsure_pairs = 0, sure_descents = 0, unsure_descents = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     header.distance_quantum_m = header.voxel_size_m / (1 + random() % 32);
     header.distance_zero_code = 1 + static_cast<int>(random() % 254);
     const CodeRules rules(header);
-    BrickCodes codes;
-    // A slope of any steepness, and in one of three a code at random.
     const int slope[3] = {static_cast<int>(random() % 41) - 20, static_cast<int>(random() % 9) - 4,
                           static_cast<int>(random() % 3) - 1};
     const int begin = static_cast<int>(random() % 256);
-    for (int n = 0; n < 512; ++n) {
-      const int code = begin + slope[0] * (n >> 6) + slope[1] * (n >> 3 & 7) + slope[2] * (n & 7);
-      codes[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(std::clamp(code, 0, 255));
-    }
-    if (trial % 3 == 0) codes[random() % 512] = static_cast<std::uint8_t>(random() % 256);
-    bool even = true;
-    for (std::uint32_t n = 0; n < 512; ++n) {
-      for (const std::uint32_t step : {64u, 8u, 1u}) {
-        if ((n / step & 7) != 7) even &= rules.beside_code(codes[n], codes[n + step]);
+    CodeCube cube;
+    for (int x = -2; x < 10; ++x) {
+      for (int y = -2; y < 10; ++y) {
+        for (int z = -2; z < 10; ++z) {
+          cube.set(x, y, z, static_cast<std::uint8_t>(code_of(slope, begin, x, y, z)));
+        }
       }
     }
-    EXPECT_TRUE(even || !rules.surely_even(codes)) << trial;
-    (rules.surely_even(codes) ? sure : unsure) += even;
-    EXPECT_TRUE(trial % 3 == 0 || rules.surely_even(codes) || !even || begin == 0 ||
-                std::count(codes.begin(), codes.end(), 0) +
-                    std::count(codes.begin(), codes.end(), 255))
-        << trial;
+    const auto anywhere = [&] { return static_cast<int>(random() % 12) - 2; };
+    if (trial % 3 == 0) {
+      cube.set(anywhere(), anywhere(), anywhere(), static_cast<std::uint8_t>(random() % 256));
+    }
+    bool pairs = true, descents = true;
+    BrickCodes codes;
+    for (int n = 0; n < 512; ++n) {
+      const int x = n >> 6, y = n >> 3 & 7, z = n & 7;
+      const std::uint32_t code = cube.at(x, y, z);
+      codes[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(code);
+      for (const Step& step : kNearSteps) {
+        pairs &= rules.beside_code(step, code, cube.at(x + step.x, y + step.y, z + step.z));
+      }
+      bool leads = false;
+      for (const auto& [dx, dy, dz] :
+           {Step{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+        leads |= rules.may_lead_to_mesh(code, cube.at(x + dx, y + dy, z + dz));
+      }
+      descents &= leads;
+    }
+    EXPECT_TRUE(pairs || !rules.surely_beside_codes(cube)) << trial;
+    EXPECT_TRUE(descents || !rules.surely_lead_to_mesh(cube)) << trial;
+    (rules.surely_beside_codes(cube) ? sure_pairs : unsure_pairs) += pairs;
+    (rules.surely_lead_to_mesh(cube) ? sure_descents : unsure_descents) += descents;
 
     std::array<std::uint8_t, 128> values{};
     bool allowed = true;
@@ -197,18 +217,53 @@ TEST(CodeRules, WhatIsSureIsTrue) {
       allowed &= rules.beside_value(value, codes[n]);
     }
     EXPECT_EQ(rules.surely_beside_values(values.data(), codes), allowed) << trial;
-
-    CodeRules::FaceCodes a, b;
-    bool beside = true;
-    for (std::size_t i = 0; i < 64; ++i) {
-      a[i] = codes[i];
-      b[i] = codes[i + 64 * (random() % 2)];
-      beside &= rules.beside_code(a[i], b[i]);
-    }
-    EXPECT_TRUE(beside || !rules.surely_beside(a, b)) << trial;
   }
-  EXPECT_GT(sure, 500);
-  EXPECT_LT(unsure, sure / 4);
+  EXPECT_GT(sure_pairs, 500);
+  EXPECT_LT(unsure_pairs, sure_pairs / 4);
+  EXPECT_GT(sure_descents, 200);
+  EXPECT_LT(unsure_descents, sure_descents);
+}
+
+// The steps that the rules look at: one of each pair, the shortest ones in 49 directions.
+TEST(CodeRules, StepsAreEveryDirectionOnce) {
+  std::set<std::array<int, 3>> seen;
+  for (const auto& [x, y, z] : kNearSteps) {
+    EXPECT_LE(std::max({std::abs(x), std::abs(y), std::abs(z)}), 2);
+    EXPECT_EQ(std::gcd(std::gcd(x, y), z), 1);
+    EXPECT_TRUE(seen.insert({x, y, z}).second);
+    EXPECT_FALSE(seen.count({-x, -y, -z}));
+  }
+  EXPECT_EQ(seen.size(), kSteps);
+}
+
+// The codes of each of 27 bricks stand where their voxels are; and 64 of the shifted cubes too.
+TEST(CodeCube, HoldsTheBricksAroundAndTheirShifts) {
+  std::mt19937_64 random(6);
+  std::array<BrickCodes, kDirections> bricks;
+  CodeCube cube;
+  for (std::size_t n = 0; n < kDirections; ++n) {
+    for (std::uint8_t& code : bricks[n]) code = static_cast<std::uint8_t>(random());
+    const Voxel d = direction(n);
+    cube.put(static_cast<int>(d[0]), static_cast<int>(d[1]), static_cast<int>(d[2]), bricks[n]);
+  }
+  const auto expected = [&](int x, int y, int z) {
+    const auto part = [](int at) { return static_cast<std::size_t>((at + 8) / 8); };
+    return bricks[(part(x) * 3 + part(y)) * 3 + part(z)]
+                 [static_cast<std::size_t>((x & 7) * 64 + (y & 7) * 8 + (z & 7))];
+  };
+  const ShiftedCubes cubes(cube);
+  for (int x = -2; x < 10; ++x) {
+    for (int y = -2; y < 10; ++y) {
+      for (int z = -2; z < 10; ++z) EXPECT_EQ(cube.at(x, y, z), expected(x, y, z));
+    }
+    for (int dy = -2; dy <= 2; ++dy) {
+      for (int dz = -2; dz <= 2; ++dz) {
+        for (int i = 0; i < 64; ++i) {
+          EXPECT_EQ(cubes.plane(x, dy, dz)[i], expected(x, i / 8 + dy, i % 8 + dz));
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
 // The audit accepts the truth and notices every single untruth.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <random>
 #include <set>
 #include <string>
@@ -63,6 +67,7 @@ VoxelIndex random_voxel(const VoxelBox& box, std::mt19937_64& random) {
 
 DenseVoxmapOptions random_options(std::mt19937_64& random, const DenseVoxels& voxels) {
   DenseVoxmapOptions options;
+  options.offset_layers = 1;  // the boxes are as narrow as they come
   options.clearances = true;
   options.share_equal_nodes = random() % 2;
   options.collapse_uniform = random() % 2;
@@ -172,7 +177,7 @@ TEST(VoxmapAudit, NoticesEveryHoleInALayer) {
         if (whole.value(at[0], at[1], at[2]) != from) continue;
         DenseVoxels voxels = whole;
         voxels.set(at[0], at[1], at[2], to);
-        AlignedBytes bytes = dense_voxmap_bytes(voxels);
+        AlignedBytes bytes = dense_voxmap_bytes(voxels, {.offset_layers = 1});
         const Status status = audit(bytes);
         ASSERT_FALSE(status);
         EXPECT_EQ(status.error().where.rfind("voxel ", 0), 0u) << to_line(status.error());
@@ -183,6 +188,90 @@ TEST(VoxmapAudit, NoticesEveryHoleInALayer) {
     }
   }
   EXPECT_EQ(reasons.size(), 4u);  // each of the checks has found something
+}
+
+// The layers around points of a mesh, in an edge of 72 voxels, without distances.
+AlignedBytes layers_around(const std::vector<glm::dvec3>& points, std::uint32_t k, Metric metric,
+                           std::uint32_t said, std::uint32_t cropped_sides = 0,
+                           VoxelBox valid = {{0, 0, 0}, {72, 72, 72}}) {
+  DenseVoxels voxels({0, 0, 0}, {72, 72, 72}, 0.001);
+  const double radius = interior_radius_voxels(k);
+  const auto is_interior = [&](const VoxelIndex& v) {
+    return std::any_of(points.begin(), points.end(), [&](const glm::dvec3& point) {
+      const glm::dvec3 at(v[0], v[1], v[2]);
+      if (metric == Metric::kEuclidean) return glm::length(at + 0.5 - point) < radius;
+      const glm::dvec3 off = glm::abs(at - glm::floor(point));
+      return std::max({off[0], off[1], off[2]}) <= k - 1;
+    });
+  };
+  std::vector<VoxelIndex> interior;
+  for_each_voxel(valid, [&](const VoxelIndex& v) {
+    if (is_interior(v)) interior.push_back(v);
+  });
+  for (const int layer : {2, 1, 0}) {
+    constexpr VoxelValue kValues[] = {VoxelValue::kInterior, VoxelValue::kSurface,
+                                      VoxelValue::kProximity};
+    for (const VoxelIndex& v : interior) {
+      VoxelBox box;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = std::max(valid.low[axis], v[axis] - layer);
+        box.high[axis] = std::min(valid.high[axis], v[axis] + layer + 1);
+      }
+      voxels.fill(box.low, box.high, kValues[layer]);
+    }
+  }
+  AlignedBytes bytes = dense_voxmap_bytes(
+      voxels, {.offset_layers = said, .cropped_sides = cropped_sides, .valid_box = valid});
+  if (metric == Metric::kEuclidean) {
+    const double depth = 0.001;
+    write_at(bytes.bytes(), offsetof(VoxmapHeader, metric), std::uint32_t{1});
+    write_at(bytes.bytes(), offsetof(VoxmapHeader, zero_force_m),
+             interior_radius_voxels(said) * 0.001 + depth);
+    write_at(bytes.bytes(), offsetof(VoxmapHeader, force_depth_m), depth);
+  }
+  return bytes;
+}
+
+// Where no distances say how far the interior reaches from the mesh, it must be wide enough for the
+// layers that the header says.
+TEST(VoxmapAudit, NoticesMoreLayersThanTheInteriorHas) {
+  std::mt19937_64 random(71);
+  std::uniform_real_distribution<double> inside(20, 50);
+  for (const Metric metric : {Metric::kChebyshev, Metric::kEuclidean}) {
+    for (const std::uint32_t k : {1u, 2u, 3u, 7u}) {
+      std::vector<glm::dvec3> points;
+      for (int i = 0; i < 3; ++i)
+        points.push_back({inside(random), inside(random), inside(random)});
+      for (const std::uint32_t said : {k, k + 1}) {
+        AlignedBytes bytes = layers_around(points, k, metric, said);
+        const Status status = audit(bytes);
+        EXPECT_EQ(status.ok(), said == k)
+            << "k " << k << " said " << said << " metric " << static_cast<int>(metric)
+            << (status ? "" : to_line(status.error()));
+        if (said > k && !status) {
+          EXPECT_NE(status.error().what.find("too narrow"), std::string::npos);
+        }
+      }
+      // A cut through a ball of the layers: what lies beyond may be interior.
+      const auto middle = static_cast<std::int64_t>(points[0][0]);
+      AlignedBytes cut =
+          layers_around({points[0]}, k, metric, k, kCroppedMinX, {{middle, 0, 0}, {72, 72, 72}});
+      const Status status = audit(cut);
+      EXPECT_TRUE(status) << to_line(status.error());
+    }
+  }
+}
+
+// So many layers, and no more, are looked at.
+TEST(VoxmapAudit, ProvesUpTo32LayersWithoutDistances) {
+  for (const std::uint32_t k : {32u, 33u}) {
+    AlignedBytes bytes = layers_around({{36, 36, 36}}, k, Metric::kChebyshev, k);
+    const Status status = audit(bytes);
+    EXPECT_EQ(status.ok(), k == 32) << k;
+    if (k == 33) {
+      EXPECT_EQ(status.error().where, "header (offset_layers)");
+    }
+  }
 }
 
 // With no layers, where the surface is the mesh's own voxels, the proximity alone is checked.
@@ -228,12 +317,12 @@ TEST(VoxmapAudit, LooksNotAcrossCroppedSides) {
       }
     });
     if (!any) continue;
-    AlignedBytes cropped =
-        dense_voxmap_bytes(cut, {.clearances = true, .cropped_sides = 63, .valid_box = region});
+    AlignedBytes cropped = dense_voxmap_bytes(
+        cut, {.clearances = true, .offset_layers = 1, .cropped_sides = 63, .valid_box = region});
     const Status status = audit(cropped);
     EXPECT_TRUE(status) << to_line(status.error());
     if (!cut_through) continue;
-    AlignedBytes uncut = dense_voxmap_bytes(cut, {.valid_box = region});
+    AlignedBytes uncut = dense_voxmap_bytes(cut, {.offset_layers = 1, .valid_box = region});
     refused += !audit(uncut);
   }
   EXPECT_GT(refused, kShare == 1 ? 3 : 0);
@@ -350,6 +439,21 @@ TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
   }
 }
 
+TEST(VoxmapAudit, NoticesStepsOfCodesThatProveTooLittle) {
+  DistanceCase coarse(1);
+  AlignedBytes bytes = coarse.bytes();
+  write_at(bytes.bytes(), offsetof(VoxmapHeader, distance_quantum_m), 0.000251);
+  const Status status = audit(bytes);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().where, "header (distance_quantum_m)");
+  // 255 stands for less than where the interior ends: then a voxel in it could have any distance.
+  bytes = coarse.bytes();
+  write_at(bytes.bytes(), offsetof(VoxmapHeader, distance_zero_code), std::int32_t{250});
+  const Status near = audit(bytes);
+  ASSERT_FALSE(near);
+  EXPECT_EQ(near.error().where, "header (distance_quantum_m, distance_zero_code)");
+}
+
 // Entries of free space: "or more" that is not true, because a neighbor is near.
 TEST(VoxmapAudit, NoticesFarCodesBesideNearOnes) {
   const GoldenDistances golden;
@@ -387,7 +491,7 @@ Status audit_content(const VoxmapContent& content) {
 
 void expect_strewn(const Status& status) {
   ASSERT_FALSE(status);
-  EXPECT_NE(status.error().what.find("far more different places"), std::string::npos)
+  EXPECT_NE(status.error().what.find("too many to look at"), std::string::npos)
       << to_line(status.error());
 }
 
@@ -511,44 +615,38 @@ TEST(VoxmapAudit, RefusesValuesThatAreStrewn) {
   expect_strewn(audit_content(content));
 }
 
-// The same of distances: thousands of bricks beside each other in millions of pairs.
+// The same of distances: deep inside a solid, where any code below zero may stand beside any other,
+// thousands of bricks beside each other in millions of ways.
 TEST(VoxmapAudit, RefusesDistancesThatAreStrewn) {
   const DistanceCase one(1);
   const test::SceneFile file(one.scene);
   VoxmapContent content = file.content();
   std::mt19937_64 random(1);
-  constexpr std::uint32_t kCells = 32, kUppers = 32, kLowers = 256, kBricks = 4096;
-  Tree values(content.values), codes(content.distances);
-  const auto first = [](const std::vector<std::uint32_t>& nodes, std::size_t words) {
-    return static_cast<std::uint32_t>(nodes.size() / words);
-  };
-  const std::uint32_t uppers = first(codes.uppers, kNodeEntries),
-                      lowers = first(codes.lowers, kNodeEntries),
-                      bricks = first(codes.bricks, kNodeEntries / 4);
+  constexpr std::uint32_t kCells = 4, kUppers = 8, kLowers = 256, kBricks = 4096;
+  Tree values, codes;
   for (std::uint32_t n = 0; n < kUppers * kNodeEntries; ++n) {
-    codes.uppers.push_back(lowers + static_cast<std::uint32_t>(random() % kLowers));
+    codes.uppers.push_back(static_cast<std::uint32_t>(random() % kLowers));
   }
   for (std::uint32_t n = 0; n < kLowers * kNodeEntries; ++n) {
-    codes.lowers.push_back(bricks + static_cast<std::uint32_t>(random() % kBricks));
+    codes.lowers.push_back(static_cast<std::uint32_t>(random() % kBricks));
   }
-  for (std::uint32_t n = 0; n < kBricks * kNodeEntries / 4; ++n) {  // codes of 254 and 255
-    codes.bricks.push_back(0xfefefefeu | (static_cast<std::uint32_t>(random()) & 0x01010101u));
+  for (std::uint32_t n = 0; n < kBricks * kNodeEntries / 4; ++n) {  // codes of 0 and 1
+    codes.bricks.push_back(static_cast<std::uint32_t>(random()) & 0x01010101u);
   }
-  // The scene's cells, one of far codes, and then the strewn ones.
-  auto& dims = content.header.directory_dims;
-  std::vector<std::uint32_t> value_cells, code_cells;
-  for (std::uint32_t row = 0; row < dims[0] * dims[1]; ++row) {
-    for (std::uint32_t z = 0; z < dims[2] + 1 + kCells; ++z) {
-      const bool strewn = z > dims[2];
-      value_cells.push_back(z < dims[2] ? values.directory[row * dims[2] + z] : uniform_entry(0));
-      code_cells.push_back(strewn        ? uppers + (row + z) % kUppers
-                           : z < dims[2] ? codes.directory[row * dims[2] + z]
-                                         : uniform_entry(kMostDistanceCode));
-    }
+  VoxmapHeader& h = content.header;
+  h.cropped_sides = 63;
+  h.surface_voxels = h.proximity_voxels = 0;
+  h.interior_voxels = kCells * kCells * kCells * (std::uint64_t{1} << 27);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    h.directory_dims[axis] = kCells;
+    h.dims_voxels[axis] = 512 * kCells;
+    h.origin_voxel[axis] = h.valid_min_voxel[axis] = h.directory_origin[axis] = 0;
+    h.valid_max_voxel[axis] = 512 * kCells;
   }
-  values.directory = value_cells;
-  codes.directory = code_cells;
-  dims[2] += 1 + kCells;
+  for (std::uint32_t n = 0; n < kCells * kCells * kCells; ++n) {
+    values.directory.push_back(uniform_entry(1));
+    codes.directory.push_back(n % kUppers);
+  }
   content.values = values.content();
   content.distances = codes.content();
   expect_strewn(audit_content(content));
