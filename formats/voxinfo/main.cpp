@@ -130,7 +130,9 @@ int run(int argc, char** argv) {
       "sample",
       "read `x y z` lines in meters and print each point's voxel: its value, 0 to 3, and, where "
       "the "
-      "scene has them, least and most distance from the mesh in meters and the nearest object");
+      "scene has them, least and most distance from the mesh in meters and the nearest object; a "
+      "column more, "
+      "'hint', where that was not measured");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();

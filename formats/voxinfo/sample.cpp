@@ -55,6 +55,17 @@ void write_distance(std::ostream& lines, double meters) {
   lines << '\t' << std::string_view(text, static_cast<std::size_t>(end - text));
 }
 
+// The name; behind that of an object that may not be the nearest one, another column says so.
+void write_object(std::ostream& lines, const Voxmap& map,
+                  const std::array<std::int64_t, 3>& voxel) {
+  const auto [i, j, k] = voxel;
+  const std::uint32_t object = map.nearest_object(i, j, k);
+  lines << escaped(map.object_name(object));
+  const bool measured =
+      std::isfinite(map.least_distance_m(i, j, k)) && std::isfinite(map.most_distance_m(i, j, k));
+  if (object != 0 && !measured) lines << "\thint";
+}
+
 void write_line(std::ostream& lines, const Voxmap& map, const std::array<std::int64_t, 3>& voxel,
                 bool known) {
   const auto [i, j, k] = voxel;
@@ -66,7 +77,7 @@ void write_line(std::ostream& lines, const Voxmap& map, const std::array<std::in
   }
   if (map.objects() != nullptr) {
     lines << '\t';
-    if (known) lines << escaped(map.object_name(map.nearest_object(i, j, k)));
+    if (known) write_object(lines, map, voxel);
   }
   lines << '\n';
 }

@@ -159,7 +159,7 @@ printf '%s\n' '.0035 .0035 .0035' '.0015 .0035 .0035' '.0075 .0075 .0075' '.01 0
   "$voxinfo" sample "$golden/v2_distances.vox" >values
 "$python" - <<'PYTHON' || fail "distances of samples: $(cat values)"
 rows = [line.rstrip("\n").split("\t") for line in open("values")]
-bounds = [(127, 128, "1", ["left"]), (191, 192, "2", ["left"]), (255, None, "3", ["right"]),
+bounds = [(127, 128, "1", ["left"]), (191, 192, "2", ["left"]), (255, None, "3", ["right", "hint"]),
           (255, None, "0", [""]), (255, None, "0", [""])]
 for row, (least, most, value, name) in zip(rows, bounds, strict=True):
     # The most takes in the writer's error, 0.002 voxel.
