@@ -129,6 +129,11 @@ class IgesText {
     sections_['D'][static_cast<std::size_t>(entry - 1)].replace(48, 8, field);
   }
 
+  // Four numbers of two digits, as of add().
+  void set_status(int entry, const std::string& status) {
+    sections_['D'][static_cast<std::size_t>(entry - 1)].replace(64, 8, status);
+  }
+
   std::string text() const {
     std::string text;
     for (const char section : {'S', 'G', 'D', 'P'}) {

@@ -306,6 +306,23 @@ Handmade morphing_points(const std::string& more_of_mesh) {
   return made;
 }
 
+TEST(GltfReader, CountsTheNodesThatAreHidden) {
+  const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}})";
+  const auto warnings = [&](const std::string& top, const std::string& leaf) {
+    return read_nodes(R"([{"name":"top","children":[1,2])" + top + R"(},{"name":"a","mesh":0)" +
+                      leaf + R"(},{"name":"b","mesh":0}])")
+        .warnings;
+  };
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(warnings("", ""), Lines{});
+  EXPECT_EQ(warnings("", "," + hidden),
+            Lines{"the file hides 1 node with a mesh, read all the same"});
+  EXPECT_EQ(warnings("," + hidden, ""),
+            Lines{"the file hides 2 nodes with a mesh, read all the same"});
+  EXPECT_EQ(warnings("," + hidden, "," + hidden),
+            Lines{"the file hides 2 nodes with a mesh, read all the same"});
+}
+
 TEST(GltfReader, TellsNodesThatTheDefaultSceneDoesNotHold) {
   const mesh::Mesh mesh = test::cube();
   const auto read = [&](const std::string& nodes) {

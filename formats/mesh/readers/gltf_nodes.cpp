@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "formats/mesh/grouped_warnings.h"
@@ -248,6 +249,25 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
   return placings;
 }
 
+// Nodes with meshes that are read and that KHR_node_visibility hides, with all below them.
+std::uint64_t GltfNodes::count_hidden() const {
+  constexpr const char* kExtension = "KHR_node_visibility";
+  std::uint64_t count = 0;
+  std::size_t hidden_above = std::numeric_limits<std::size_t>::max();  // depth of that node
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const nlohmann::json& json = document_.element("nodes", nodes_[n].index);
+    const std::size_t depth = nodes_[n].name.depth;
+    if (depth <= hidden_above) {
+      const auto extensions = json.find("extensions");
+      const bool is_hidden = extensions != json.end() && extensions->contains(kExtension) &&
+                             !extensions->at(kExtension).value("visible", true);
+      hidden_above = is_hidden ? depth : std::numeric_limits<std::size_t>::max();
+    }
+    if (depth >= hidden_above && is_read_[n] && json.contains("mesh")) ++count;
+  }
+  return count;
+}
+
 void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
   GroupedWarnings odd("nodes");
   std::set<std::uint64_t> placed;
@@ -269,6 +289,10 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     placed.insert(document_.index(json, "mesh"));
   }
   for (std::string& line : odd.lines()) warnings.push_back(std::move(line));
+  if (const std::uint64_t hidden = count_hidden(); hidden > 0) {
+    warnings.push_back("the file hides " + counted(hidden, "node") +
+                       " with a mesh, read all the same");
+  }
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +

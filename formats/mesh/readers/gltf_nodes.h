@@ -45,6 +45,7 @@ class GltfNodes {
   std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent) const;
   std::string name_of(std::uint64_t index) const;
   void choose();
+  std::uint64_t count_hidden() const;
   std::vector<Affine> instancing_of(const nlohmann::json& node) const;
   std::vector<double> weights_of(const nlohmann::json& node) const;
 

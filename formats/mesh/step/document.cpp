@@ -4,6 +4,7 @@
 #include <IGESData_BasicEditor.hxx>
 #include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <Interface_Static.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_ErrorHandler.hxx>
@@ -21,8 +22,10 @@
 #include "formats/mesh/step/entities/constructive.h"
 #include "formats/mesh/step/entities/empty_lists.h"
 #include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/hidden.h"
 #include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/losses.h"
+#include "formats/mesh/step/entities/names.h"
 #include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/occt_messages.h"
@@ -188,14 +191,27 @@ void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & 
   }
 }
 
+std::string hidden_text(const std::string& what) {
+  return "the file hides " + what + ", read all the same";
+}
+
 void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   STEPCAFControl_Reader reader;
   reader.SetPropsMode(false);  // of no use for shapes, and OpenCASCADE crashes on damaged ones
   reader.SetGDTMode(false);
   reader.SetMatMode(false);
   reader.SetViewMode(false);
+  const bool is_latin_1 = !is_utf8(text);
+  Interface_Static::SetCVal("read.step.codepage", is_latin_1 ? "iso8859-1" : "UTF8");
   read(file, reader);
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  const BytesReadAs read_as = is_latin_1 ? BytesReadAs::kLatin1 : BytesReadAs::kThemselves;
+  if (auto names = settle_names(session->Model(), read_as)) {
+    document.warnings.push_back(std::move(*names));
+  }
+  if (const std::uint64_t hidden = count_hidden_bodies(session->Model()); hidden > 0) {
+    document.warnings.push_back(hidden_text(counted(hidden, "body")));
+  }
   const StepDamage damage = take_out_damage(session, text);
   std::vector<TriangleItem> items = take_triangles(session);
   ReadEntities read_entities = make_constructive_solids(session);
@@ -240,6 +256,12 @@ void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument
 void read_iges_file(const SourceFile& file, std::string_view text, StepDocument& document) {
   IGESCAFControl_Reader reader;
   read(file, reader);
+  if (auto names = settle_names(reader.Model(), BytesReadAs::kThemselves)) {
+    document.warnings.push_back(std::move(*names));
+  }
+  if (const std::uint64_t blanked = count_blanked_iges(reader.WS()); blanked > 0) {
+    document.warnings.push_back(hidden_text(counted(blanked, "entity") + " with faces"));
+  }
   const IgesDamage damage = take_out_iges_damage(reader.WS(), text);
   const OcctMessages messages;
   const bool has_shapes = transfer(file, reader, document);

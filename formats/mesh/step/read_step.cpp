@@ -24,6 +24,7 @@
 #include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/document.h"
 #include "formats/mesh/step/entities/faces.h"
+#include "formats/mesh/step/entities/names.h"
 #include "formats/mesh/step/face_report.h"
 #include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/references.h"
@@ -281,7 +282,7 @@ class StepReader {
         owners.push_back(i);
       }
     }
-    if (owners.empty() && leaves.size() == 1) owners = leaves;
+    if (owners.empty() && leaves.size() == 1 && !piece.is_of_no_product) owners = leaves;
     for (const std::size_t i : owners) {
       if (!to_read.is_read[i]) continue;
       const bool has_place = piece.size_mm > 0;
@@ -309,6 +310,7 @@ class StepReader {
     const bool refers = XCAFDoc_ShapeTool::GetReferredShape(label, product.label);
     std::string name = name_of(label);
     if (name.empty() || is_made_up(name)) name = name_of(product.label);
+    if (product.file->content.is_iges) name = without_bytes_as_letters(name);
     if (name.empty()) name = "node" + std::to_string(names_.size());
     const AssemblyNode node = name_node(name, parent, used);
     if (node.depth > kDeepestNode)

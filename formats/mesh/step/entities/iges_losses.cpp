@@ -45,6 +45,11 @@ bool is_one_of(const Entity& entity, std::initializer_list<int> types) {
   return std::find(types.begin(), types.end(), entity->TypeNumber()) != types.end();
 }
 
+bool is_physically_dependent(const Entity& entity) {
+  constexpr int kPhysicallyDependent = 1;
+  return (entity->SubordinateStatus() & kPhysicallyDependent) != 0;
+}
+
 bool is_trimmed(const Entity& entity) { return is_one_of(entity, {143, 144}); }
 
 // Trimmed and bounded surfaces, and the faces of a boundary representation.
@@ -159,7 +164,7 @@ class IgesCheck {
   void look_at(const Entity& entity) {
     if (damage_.below.contains(entity.get())) return;
     if (is_face(entity) || (is_surface(entity) && stands_alone(entity))) {
-      if (is_face(entity) || !is_dependent(entity)) ++lost_faces_.count;
+      if (is_face(entity) || !is_physically_dependent(entity)) ++lost_faces_.count;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process_, entity);
       if (!faces_.has(shape) || lacks_a_boundary(entity, shape)) lose(entity, lost_faces_);
     } else if (is_constructive(entity) && stands_alone(entity)) {
@@ -220,12 +225,7 @@ class IgesCheck {
 
   // Whether it says that it is a part of another entity, and no entity that is read refers to it.
   bool is_orphan(const Entity& entity) const {
-    return is_dependent(entity) && graph_.Sharings(entity).NbEntities() == 0;
-  }
-
-  static bool is_dependent(const Entity& entity) {
-    constexpr int kPhysicallyDependent = 1;
-    return (entity->SubordinateStatus() & kPhysicallyDependent) != 0;
+    return is_physically_dependent(entity) && graph_.Sharings(entity).NbEntities() == 0;
   }
 
   std::string name_of(const Entity& entity) const { return iges_name(model_, entity); }
@@ -477,6 +477,21 @@ IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
   for (const Entity& entity : damaged) cut.climb(entity);
   cut.finish();
   return damage;
+}
+
+std::uint64_t count_blanked_iges(const Handle(XSControl_WorkSession) & session) {
+  constexpr int kBlanked = 1, kGroup = 402;
+  const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
+  FaceHolders holders(session);
+  std::uint64_t count = 0;
+  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
+    const Entity entity = model->Entity(i);
+    if (entity->BlankStatus() != kBlanked || is_physically_dependent(entity)) continue;
+    const bool is_body = entity->TypeNumber() == kSolid || is_trimmed(entity) || is_surface(entity);
+    const bool is_of_bodies = entity->TypeNumber() == kGroup || is_placing(entity);
+    if (is_body || (is_of_bodies && holders.holds(entity))) ++count;
+  }
+  return count;
 }
 
 FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,

@@ -42,4 +42,7 @@ IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
 FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,
                             const Handle(TDocStd_Document) & document, const IgesDamage& damage);
 
+// Surfaces, bodies, groups of them and instances that are blanked in the file, each whole.
+std::uint64_t count_blanked_iges(const Handle(XSControl_WorkSession) & session);
+
 }  // namespace forcelayer::mesh

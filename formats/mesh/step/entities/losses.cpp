@@ -63,6 +63,7 @@ namespace {
 using Entity = Handle(Standard_Transient);
 
 constexpr const char* kMend = "export the file again, with all solids as boundary representations";
+constexpr const char* kMendProducts = "export the file again, with a product for each solid";
 constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
 
 bool is_solid(const Entity& entity) {
@@ -173,9 +174,16 @@ class StepCheck {
     }
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i), found);
     for (const Entity& entity : lost_) {
-      if (!is_used_by_lost(entity)) add(entity, lost_solids_, found);
+      if (!is_used_by_lost(entity)) add_solid(entity, found);
     }
-    std::vector<Losses> all{lost_faces_, lost_solids_, lost_placings_};
+    for (const Entity& face : lost_face_entities_) {
+      if (!of_no_product_.contains(face.get())) add(face, lost_faces_, found);
+    }
+    if (lost_faces_.names.empty() && lost_solids_.names.empty() &&
+        !without_product_.names.empty()) {
+      found.mend = kMendProducts;
+    }
+    std::vector<Losses> all{lost_faces_, lost_solids_, without_product_, lost_placings_};
     all.insert(all.end(), damage_.told.begin(), damage_.told.end());
     found.text = text_of(all);
     return found;
@@ -191,10 +199,33 @@ class StepCheck {
     kind.names.push_back(found.pieces.back().name);
   }
 
+  // OpenCASCADE reads the solids of products: the faces of another are lost with it.
+  void add_solid(const Entity& entity, FileLosses& found) {
+    LostPiece piece = step_piece(session_, entity);
+    piece.is_of_no_product = piece.products.empty() && !is_in_a_placed_shape(entity);
+    (piece.is_of_no_product ? without_product_ : lost_solids_).names.push_back(piece.name);
+    if (piece.is_of_no_product) add_below(entity);
+    found.pieces.push_back(std::move(piece));
+  }
+
+  bool is_in_a_placed_shape(const Entity& entity) const {
+    Interface_EntityIterator user = graph_.Sharings(entity);
+    for (user.Start(); user.More(); user.Next()) {
+      if (is_placed(user.Value())) return true;
+    }
+    return false;
+  }
+
+  void add_below(const Entity& entity) {
+    if (!of_no_product_.insert(entity.get()).second) return;
+    Interface_EntityIterator part = graph_.Shareds(entity);
+    for (part.Start(); part.More(); part.Next()) add_below(part.Value());
+  }
+
   void look_at(const Entity& entity, FileLosses& found) {
     if (is_face(entity)) {
       ++lost_faces_.count;
-      if (!is_in_document(entity) && !is_explained(entity)) add(entity, lost_faces_, found);
+      if (!is_in_document(entity) && !is_explained(entity)) lost_face_entities_.push_back(entity);
     } else if (is_solid(entity)) {
       if (!is_in_document(entity) && !read_.contains(entity.get())) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
@@ -403,7 +434,10 @@ class StepCheck {
   bool is_assembly_ = false;
   std::vector<Entity> lost_;
   std::unordered_set<const Standard_Transient*> is_lost_;
-  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
+  std::vector<Entity> lost_face_entities_;
+  std::unordered_set<const Standard_Transient*> of_no_product_;  // solids, and all below them
+  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
+      without_product_{"productless solid", 0, {}};
 };
 
 bool is_geometry(const Entity& entity) {
