@@ -1,9 +1,9 @@
 #include "formats/command/spelling.h"
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 #include <numeric>
-#include <vector>
 
 namespace forcelayer::command {
 
@@ -37,6 +37,32 @@ std::string without_first_numbers(std::string_view name) {
     start = end + 1;
   }
   return text;
+}
+
+std::string unescaped(std::string_view text) {
+  constexpr std::size_t kBytes = 4;  // of "\\x09"
+  std::string bytes;
+  while (!text.empty()) {
+    unsigned code = 0;
+    const char* const digits = text.data() + 2;
+    const bool is_escape = text.size() >= kBytes && text.starts_with("\\x") &&
+                           std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
+    bytes += is_escape ? static_cast<char>(code) : text.front();
+    text.remove_prefix(is_escape ? kBytes : 1);
+  }
+  return bytes;
+}
+
+std::vector<std::string> meanings_of(const std::string& typed) {
+  std::vector<std::string> meanings;
+  for (const std::string& name : {typed, unescaped(typed)}) {
+    for (std::string meaning : {name, without_first_numbers(name)}) {
+      if (std::find(meanings.begin(), meanings.end(), meaning) == meanings.end()) {
+        meanings.push_back(std::move(meaning));
+      }
+    }
+  }
+  return meanings;
 }
 
 void NearestNames::add(const std::string& path) {

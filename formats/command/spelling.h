@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace forcelayer::command {
 
@@ -15,6 +16,13 @@ std::size_t spelling_distance(std::string_view a, std::string_view b);
 
 // "A/B" for "A[1]/B[1]": a first sibling bears no number, but may be named by it.
 std::string without_first_numbers(std::string_view name);
+
+// The bytes that escaped() wrote as "\\x09".
+std::string unescaped(std::string_view text);
+
+// What a typed name may mean, the likeliest first: itself, without the numbers of first siblings,
+// and both of the name that escaped() shows so. Each once.
+std::vector<std::string> meanings_of(const std::string& typed);
 
 // "the nearest are: a/b, a/c": the paths that are spelled most like `name`, whole or by what stands
 // behind their last "/".

@@ -249,9 +249,22 @@ Status check_is_alone(const std::string& where, const std::string& name,
   return {};
 }
 
+// A name, or what it shows in a listing where only that is the name of a node.
+std::string as_called(std::string name, std::span<const AssemblyNode> nodes) {
+  std::string shown = command::unescaped(name);
+  if (shown == name || !nodes_of(name, nodes).empty() || nodes_of(shown, nodes).empty()) {
+    return name;
+  }
+  return shown;
+}
+
 // The names that `list` stands for among these nodes.
 std::vector<std::string> names_among(const std::string& list, std::span<const AssemblyNode> nodes) {
-  return names_in(list, !bearers_of(list, nodes).empty());
+  const bool is_borne =
+      !bearers_of(list, nodes).empty() || !bearers_of(command::unescaped(list), nodes).empty();
+  std::vector<std::string> names = names_in(list, is_borne);
+  for (std::string& name : names) name = as_called(std::move(name), nodes);
+  return names;
 }
 
 bool is_ambiguous(const std::string& name, const std::vector<std::size_t>& found) {
@@ -377,8 +390,9 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
     return parts.contains(name) || std::any_of(assemblies.begin(), assemblies.end(), left_out_of);
   };
   for (const std::string& list : without) {
-    for (const std::string& name : names_in(list, is_known(list))) {
-      if (is_known(name)) continue;
+    for (const std::string& name :
+         names_in(list, is_known(list) || is_known(command::unescaped(list)))) {
+      if (is_known(name) || is_known(command::unescaped(name))) continue;
       command::NearestNames nearest(name);
       for (const Assembly& assembly : assemblies) {
         for (const AssemblyNode& node : assembly.nodes) nearest.add(node.path);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "formats/command/spelling.h"
 #include "formats/mesh/confined_path.h"
 #include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
@@ -277,7 +278,10 @@ void SceneReader::leave_out_parts() {
   const auto is_left_out = [&](const Placing& placing) {
     return !placing.name.empty() &&
            std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-             if (!fits_name(placing.name, name)) return false;
+             if (!fits_name(placing.name, name) &&
+                 !fits_name(placing.name, command::unescaped(name))) {
+               return false;
+             }
              scene_.parts_left_out.insert(name);
              return true;
            });

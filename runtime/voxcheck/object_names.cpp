@@ -60,7 +60,8 @@ Result<clearance::LeftOut> named_objects(const Voxmap& scene,
     return any;
   };
   for (const std::string& pattern : patterns) {
-    if (choose(pattern) || choose(command::without_first_numbers(pattern))) continue;
+    const auto meanings = command::meanings_of(pattern);
+    if (std::any_of(meanings.begin(), meanings.end(), choose)) continue;
     command::NearestNames nearest(pattern);
     for (std::uint32_t object = 1; object <= objects; ++object) {
       nearest.add(object_name(scene, object));

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "formats/command/spelling.h"
 #include "formats/mesh/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 
@@ -54,6 +55,43 @@ TEST(NodeNames, ArePathsOrEndsOfPaths) {
   EXPECT_EQ(chosen({"Lid/Cover"}), "Gearbox/Lid/Cover");
   EXPECT_EQ(chosen({"Clip"}), "Gearbox/Clip");
   EXPECT_EQ(chosen({"Gearbox/Cover"}), "Gearbox/Cover");
+}
+
+// A control letter as listings show it; a name that holds these letters itself goes first.
+TEST(NodeNames, CanBeTypedAsTheyAreListed) {
+  const std::vector<AssemblyNode> nodes = {{"tab\there", "top/tab\there", 0},
+                                           {"b", "b", 0},
+                                           {R"(c\x09d)", R"(c\x09d)", 0},
+                                           {"c\td", "c\td", 0}};
+  const auto indices = [&](const std::string& name) {
+    std::vector<std::size_t> found;
+    const auto is_in = mesh::choose_nodes(std::vector{name}, nodes);
+    for (std::size_t i = 0; is_in && i < nodes.size(); ++i) {
+      if ((*is_in)[i]) found.push_back(i);
+    }
+    return found;
+  };
+  using Indices = std::vector<std::size_t>;
+  EXPECT_EQ(indices(R"(tab\x09here)"), Indices{0});
+  EXPECT_EQ(indices(escaped(nodes[0].path)), Indices{0});
+  EXPECT_EQ(indices(R"(top/tab\x09*)"), Indices{0});
+  EXPECT_EQ(indices(R"({tab\x09here,b})"), (Indices{0, 1}));
+  EXPECT_EQ(indices("tab\there"), Indices{0});
+  EXPECT_EQ(indices(R"(c\x09d)"), Indices{2});
+  EXPECT_EQ(indices("c\td"), Indices{3});
+  EXPECT_EQ(indices(R"(tab\x9here)"), Indices{});
+}
+
+TEST(NodeNames, EscapesAreUndone) {
+  using command::meanings_of;
+  using command::unescaped;
+  EXPECT_EQ(unescaped(R"(a\x09b\xc3\xa4)"), "a\tb\xc3\xa4");
+  for (const std::string plain : {"", "\\", "\\x", "\\x0", "\\xg0", "\\x0g", "\\x+1", "a\\n"}) {
+    EXPECT_EQ(unescaped(plain), plain);
+  }
+  EXPECT_EQ(meanings_of("a"), std::vector<std::string>{"a"});
+  EXPECT_EQ(meanings_of(R"(a\x09[1])"),
+            (std::vector<std::string>{R"(a\x09[1])", R"(a\x09)", "a\t[1]", "a\t"}));
 }
 
 TEST(NodeNames, NumberSiblingsOfOneName) {

@@ -180,7 +180,8 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
           }
           return any;
         };
-        if (!choose(name) && !choose(command::without_first_numbers(name))) {
+        const auto meanings = command::meanings_of(name);
+        if (std::none_of(meanings.begin(), meanings.end(), choose)) {
           command::NearestNames nearest(name);
           for (const std::string& object : objects) nearest.add(object);
           return Error{
