@@ -36,26 +36,29 @@ bool touches(const mesh::Box& box, const std::optional<std::array<double, 6>>& r
 }
 
 // "the scene is 745 m across"
-std::string across_text(const Forecast& forecast) {
+std::string across_text(const char* what, const mesh::Box& box_m) {
   char text[80];
-  std::snprintf(text, sizeof text, "the scene is %.4g m across", longest_side(forecast.box_m));
+  std::snprintf(text, sizeof text, "%s is %.4g m across", what, longest_side(box_m));
   return text;
 }
 
-// The likeliest mistake: meters that are millimeters. `voxel_size_m` would do.
+// `voxel_size_m` would do.
 std::string mend_of(const Forecast& forecast, double voxel_size_m) {
-  constexpr double kLongestMadeThing = 50, kMeter = 0.9;
   char text[160];
-  if (longest_side(forecast.box_m) >= kLongestMadeThing && forecast.largest_unit_m >= kMeter) {
-    std::snprintf(text, sizeof text, ": --units mm? Else use --voxel-size %.2gm or more, or --roi",
-                  voxel_size_m);
-  } else {
-    std::snprintf(text, sizeof text, "; use --voxel-size %.2gm or more, or --roi", voxel_size_m);
-  }
-  return across_text(forecast) + text;
+  std::snprintf(text, sizeof text, "use --voxel-size %.2gm or more, or --roi", voxel_size_m);
+  const auto question = unit_question("the scene", forecast.box_m, forecast.largest_unit_m);
+  return question ? *question + " Else " + text
+                  : across_text("the scene", forecast.box_m) + "; " + text;
 }
 
 }  // namespace
+
+std::optional<std::string> unit_question(const char* what, const mesh::Box& box_m,
+                                         double largest_unit_m) {
+  constexpr double kLongestMadeThing = 50, kMeter = 0.9;
+  if (!(longest_side(box_m) >= kLongestMadeThing && largest_unit_m >= kMeter)) return std::nullopt;
+  return across_text(what, box_m) + ": --units mm?";
+}
 
 Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
                      const BakeOptions& options) {

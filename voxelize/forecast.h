@@ -26,6 +26,11 @@ struct Forecast {
   double largest_unit_m = 0;      // of the files
 };
 
+// "the scene is 745 m across: --units mm?": the likeliest mistake is meters that are millimeters.
+// Nothing where `what` is no larger than made things are, or the unit is none of about a meter.
+std::optional<std::string> unit_question(const char* what, const mesh::Box& box_m,
+                                         double largest_unit_m);
+
 // `meshes` are those of the objects. Objects that lie outside of a region of interest do not count.
 Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
                      const BakeOptions& options);

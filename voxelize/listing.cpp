@@ -10,6 +10,7 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/units.h"
+#include "voxelize/forecast.h"
 #include "voxelize/size_text.h"
 
 namespace forcelayer::voxelize {
@@ -64,6 +65,20 @@ Result<ListedFile> list_file(const NamedFile& named, const mesh::Assembly& assem
     if (listed.instances > 0 || listed.missing_faces > 0) file.nodes.push_back(std::move(listed));
   }
   return file;
+}
+
+// As a bake asks it.
+std::optional<std::string> question_of(const mesh::Assembly& assembly, mesh::Box box,
+                                       double meters_per_unit) {
+  for (mesh::Vec3d* const corner : {&box.low, &box.high}) {
+    for (double& coordinate : *corner) coordinate *= meters_per_unit;
+  }
+  double largest_unit_m = 0;
+  for (const mesh::MeshInstance& instance : assembly.instances) {
+    const double stretch = mesh::largest_stretch(instance.assembly_from_mesh);
+    largest_unit_m = std::max(largest_unit_m, stretch * meters_per_unit);
+  }
+  return unit_question("it", box, largest_unit_m);
 }
 
 Error not_listed(const std::string& path, const char* what) {
@@ -130,7 +145,15 @@ Result<Listing> list_files(std::span<const std::string> inputs,
     if (!assembly) return assembly.error();
     auto file = list_file(named, *assembly);
     if (!file) return file.error();
-    file->meters_per_unit = meters_per_unit ? meters_per_unit : assembly->meters_per_unit;
+    if (const auto unit =
+            mesh::meters_per_unit(*assembly, named.path, meters_per_unit, assembly->warnings)) {
+      file->meters_per_unit = *unit;
+    }
+    if (!meters_per_unit && file->meters_per_unit) {
+      if (auto question = question_of(*assembly, file->whole.box, *file->meters_per_unit)) {
+        assembly->warnings.push_back(std::move(*question));
+      }
+    }
     for (const std::string& warning : assembly->warnings) {
       listing.warnings.push_back(named.path + ": " + warning);
     }

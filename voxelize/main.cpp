@@ -380,7 +380,12 @@ Status print_plan(const Arguments& arguments, const mesh::Scene& scene, cache::M
   }
   const auto plan = plan_bakes(objects, options);
   if (!plan) return plan.error();
-  const std::vector<std::string> warnings = warnings_of(scene, meshes, options);
+  std::vector<std::string> warnings = warnings_of(scene, meshes, options);
+  if (arguments.units.empty()) {
+    const Forecast forecast = forecast_of(scene, meshes.outlines(scene), options);
+    const auto question = unit_question("the scene", forecast.box_m, forecast.largest_unit_m);
+    if (question) warnings.push_back(*question);
+  }
   if (!arguments.quiet) {
     print_warnings(warnings);
     std::fputs(table_of(*plan).c_str(), stdout);

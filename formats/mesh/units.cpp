@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "formats/command/quantity.h"
 #include "formats/command/text.h"
 
 namespace forcelayer::mesh {
@@ -13,6 +14,15 @@ std::string text_of(double number) {
   std::ostringstream text;
   text << number;
   return text.str();
+}
+
+// "1 mm"; "0.5 m" where that is no unit.
+std::string length_text(double meters) {
+  for (const char* const name : {"nm", "um", "mm", "cm", "dm", "m", "km", "in", "ft", "yd"}) {
+    const auto unit = command::parse_unit(name);
+    if (unit && *unit == meters) return std::string("1 ") + name;
+  }
+  return text_of(meters) + " m";
 }
 
 }  // namespace
@@ -26,8 +36,8 @@ Result<double> meters_per_unit(const Assembly& assembly, const std::string& path
   }
   if (!chosen) return *defined;
   if (defined && *defined != *chosen) {
-    warnings.push_back("its lengths are read in units of " + text_of(*defined) +
-                       " m; the given unit makes them " + text_of(*chosen) + " m");
+    warnings.push_back(length_text(*defined) + " of the file is read as " + length_text(*chosen) +
+                       ", as you asked");
   }
   return *chosen;
 }

@@ -183,7 +183,7 @@ cmp -s plain.vox whole.vox && fail "the whole is no more than a piece"
 # Units: a scene that is 1000 times too large is refused or warned of before it is baked, and one warning does for many.
 for n in $(seq 12); do cp gearbox.glb "copy_$n.glb"; done
 "$bin/voxelize" copy_*.glb --units mm --voxel-size 1mm -o copies.vox --json copies.json >out 2>err || fail "copies: $(cat err)"
-[ "$(grep -c "read in units of 1 m" err)" = 1 ] && grep -q "and 11 other files: its lengths are read in units" err ||
+[ "$(grep -c "1 m of the file is read as 1 mm" err)" = 1 ] && grep -q "and 11 other files: 1 m of the file is read as 1 mm, as you asked" err ||
   fail "not one warning for twelve files: $(cat err)"
 "$bin/voxelize" 'copy_1.glb#Pin' 'copy_1.glb#Bolt*' 'copy_1.glb#Clip' --units mm --voxel-size 1mm -o copies.vox >out 2>err
 [ "$(grep -c "read in units of 1 m" err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"

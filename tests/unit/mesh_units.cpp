@@ -40,7 +40,7 @@ TEST(MeshUnits, OfTheFormatAreOverriddenWithAWarning) {
   EXPECT_TRUE(warnings.empty());
   EXPECT_EQ(*mesh::meters_per_unit(assembly, "a.glb", 0.001, warnings), 0.001);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0], "its lengths are read in units of 1 m; the given unit makes them 0.001 m");
+  EXPECT_EQ(warnings[0], "1 m of the file is read as 1 mm, as you asked");
 }
 
 TEST(FloatSpacing, IsTheDistanceToTheNextFloat) {

@@ -1,6 +1,8 @@
 // The forecast of a bake before it begins.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/support/mesh_files.h"
 #include "voxelize/forecast.h"
 #include "voxelize/warnings.h"
@@ -68,6 +70,18 @@ TEST(Forecast, RefusesWhatCannotFitAndNamesTheLikeliestMistake) {
       fits.error().mend.starts_with("the scene is 745 m across: --units mm? Else use "
                                     "--voxel-size "))
       << fits.error().mend;
+}
+
+TEST(Forecast, AsksAboutMetersOnlyWhereTheyMayBeMillimeters) {
+  const auto asks = [](double side_m, double unit_m) {
+    const mesh::Box box{{0, 0, 0}, {1, side_m, 1}};
+    return voxelize::unit_question("it", box, unit_m);
+  };
+  EXPECT_EQ(asks(743, 1), "it is 743 m across: --units mm?");
+  EXPECT_TRUE(asks(50, 0.9));
+  EXPECT_FALSE(asks(std::nextafter(50, 0), 1));
+  EXPECT_FALSE(asks(743, std::nextafter(0.9, 0)));
+  EXPECT_FALSE(voxelize::unit_question("it", mesh::empty_box(), 1));
 }
 
 TEST(Forecast, WarnsOfAMinuteOrAGigabyte) {
