@@ -12,11 +12,13 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/progress_line.h"
+#include "formats/command/provenance.h"
 #include "formats/command/quantity.h"
 #include "formats/command/report.h"
 #include "formats/command/version.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/step_support.h"
+#include "formats/mesh/up_axis.h"
 #include "formats/pshell.h"
 #include "formats/pshell_writer.h"
 #include "pointshell/bake.h"
@@ -35,6 +37,7 @@ struct Arguments {
   std::string output, voxel_size, units, covering_radius, mesh_deviation, json;
   std::string method = "surface", effort = "full";
   mesh::TrustOptions trust;
+  mesh::Up up = mesh::Up::kZ;
   std::vector<std::string> without;
   std::uint64_t missing_faces = 0;
   unsigned threads = 0;
@@ -73,6 +76,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the mesh may be from the true part (default: 0)");
   declare_reading(app, arguments);
+  mesh::declare_up(app, arguments.up);
   arguments.trust.declare(app);
   app.add_option("--threads", arguments.threads, "at most this many (default: all)")
       ->check(CLI::Range(1, 1024));
@@ -107,7 +111,7 @@ void arrange(CLI::App& app) {
   command::arrange_help(
       app,
       {{"Output", {"-o"}},
-       {"What is read", {"--units", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"What is read", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The shell", {"--voxel-size", "--method", "--covering-radius", "--effort", "--threads"}},
        {"Files of others", {"--sandbox", "--sandbox-memory", "--sandbox-time", "--allow-outside"}}},
       "  pointshell part.obj --units mm --voxel-size 5mm -o part.pshell\n"
@@ -172,7 +176,7 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
 }
 
 // Prints and keeps the warnings of the reading. `voxel_size_m`: that the shell is made for.
-Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
+Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m, mesh::Up up,
                              std::vector<std::string>& warnings, command::ProgressLine& progress) {
   const auto units = units_option(arguments.units);
   if (!units) return units.error();
@@ -182,6 +186,7 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m,
   options.deflection_m = mesh::baked_deflection_m(voxel_size_m);
   options.missing_faces = arguments.missing_faces;
   options.without = arguments.without;
+  options.up = up;
   options.progress = [&](const mesh::ReadingProgress& file) {
     progress.show("read", file.share_done);
   };
@@ -231,7 +236,7 @@ Status bake_command(const Arguments& arguments) {
   command::ProgressLine progress(arguments.quiet);
   progress.show("read", 0);
   std::vector<std::string> warnings;
-  auto part = load_part(arguments, options->voxel_size_m, warnings, progress);
+  auto part = load_part(arguments, options->voxel_size_m, arguments.up, warnings, progress);
   if (!part) return part.error();
   const std::string imprecise = part::precision_warning(*part, options->voxel_size_m);
   if (!imprecise.empty()) {
@@ -314,7 +319,8 @@ Status verify_command(const Arguments& arguments) {
   if (!shell) return shell.error();
   std::vector<std::string> warnings;
   command::ProgressLine progress(arguments.quiet);
-  const auto part = load_part(arguments, shell->header().voxel_size_m, warnings, progress);
+  const mesh::Up up = mesh::up_named(command::up_in(shell->provenance()));
+  const auto part = load_part(arguments, shell->header().voxel_size_m, up, warnings, progress);
   progress.clear();
   if (!part) return part.error();
   const certificate::CoveringProof proof = verify_shell(*shell, *part);

@@ -9,6 +9,7 @@
 
 #include "formats/mesh/missing_faces.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::pointshell {
 namespace {
@@ -65,6 +66,7 @@ std::string provenance(const part::Part& part, const ShellOptions& options) {
                               {"mesh_deviation_m", options.mesh_deviation_m}};
   if (options.method == ShellMethod::kSurface) json["effort"] = effort_name(options.effort);
   if (!part.missing_faces.empty()) json["missing_faces"] = mesh::json_of(part.missing_faces);
+  if (part.up) json["up"] = mesh::name_of(*part.up);
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -137,6 +139,7 @@ nlohmann::ordered_json bake_report(const BakedShell& shell, const ShellOptions& 
       {"voxel_size_m", header.voxel_size_m},
       {"points_over_planar_bound", points_over_bound(header, shell.covered_area_m2)},
       {"hidden_points", shell.hidden_points},
+      {"up", mesh::name_of(part.up.value_or(mesh::Up::kZ))},
       {"covered_area_m2", shell.covered_area_m2},
       {"triangles", header.triangles},
       {"bodies", part.body_names.size()},

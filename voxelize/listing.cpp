@@ -10,6 +10,7 @@
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/units.h"
+#include "formats/mesh/up_axis.h"
 #include "voxelize/forecast.h"
 #include "voxelize/size_text.h"
 
@@ -98,6 +99,9 @@ std::string size_of(const ListedFile& file, const ListedNode& node) {
 
 std::string heading_of(const ListedFile& file) {
   char unit[80];
+  const char* const axes = !file.up                   ? ""
+                           : *file.up == mesh::Up::kZ ? ", turned from y up to z up"
+                                                      : ", y up as in the file";
   if (file.meters_per_unit) {
     std::snprintf(unit, sizeof unit, "unit %.6g m", *file.meters_per_unit);
   } else {
@@ -105,7 +109,7 @@ std::string heading_of(const ListedFile& file) {
   }
   return escaped(file.path) + ": " + mesh::counted(file.whole.instances, "instance") + ", " +
          mesh::counted(file.whole.triangles, "triangle") + ", " + size_of(file, file.whole) + ", " +
-         surface_text(file.whole) + "; " + unit + "\n";
+         surface_text(file.whole) + "; " + unit + axes + "\n";
 }
 
 nlohmann::ordered_json json_of(const ListedNode& node, const std::optional<double>& unit) {
@@ -149,6 +153,7 @@ Result<Listing> list_files(std::span<const std::string> inputs,
             mesh::meters_per_unit(*assembly, named.path, meters_per_unit, assembly->warnings)) {
       file->meters_per_unit = *unit;
     }
+    file->up = assembly->up;
     if (!meters_per_unit && file->meters_per_unit) {
       if (auto question = question_of(*assembly, file->whole.box, *file->meters_per_unit)) {
         assembly->warnings.push_back(std::move(*question));
@@ -203,6 +208,7 @@ nlohmann::ordered_json report_of(const Listing& listing) {
     if (file.meters_per_unit) unit = *file.meters_per_unit;
     files.push_back({{"file", file.path},
                      {"meters_per_unit", unit},
+                     {"up", file.up ? Json(mesh::name_of(*file.up)) : Json(nullptr)},
                      {"whole", json_of(file.whole, file.meters_per_unit)},
                      {"nodes", nodes}});
   }

@@ -27,6 +27,7 @@ struct ListedNode {
 struct ListedFile {
   std::string path;
   std::optional<double> meters_per_unit;  // of the user, else of the file
+  std::optional<mesh::Up> up;             // Assembly::up
   ListedNode whole;
   std::vector<ListedNode> nodes;  // those that hold triangles or lack faces
 };

@@ -21,6 +21,7 @@
 #include "formats/mesh/scene.h"
 #include "formats/mesh/step_support.h"
 #include "formats/mesh/units.h"
+#include "formats/mesh/up_axis.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
@@ -50,6 +51,7 @@ struct Arguments {
   std::string metric, standoff, range, compliance;
   bool lean = false;
   mesh::TrustOptions trust;
+  mesh::Up up = mesh::Up::kZ;
   std::vector<std::string> free_seeds, without;
   std::uint64_t missing_faces = 0;
   int threads = 0;
@@ -71,6 +73,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--units", arguments.units,
                  "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
                  "overrides one that it defines");
+  mesh::declare_up(app, arguments.up);
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
   app.add_option(
@@ -132,7 +135,7 @@ void arrange(CLI::App& app) {
   command::arrange_help(
       app,
       {{"Output", {"-o", "--list", "--plan", "--narrow-passages"}},
-       {"What is read", {"--units", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"What is read", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The map",
         {"--voxel-size", "--layers", "--standoff", "--metric", "--lean", "--range", "--compliance",
          "--free-seed", "--roi"}},
@@ -417,6 +420,7 @@ Status print_list(const Arguments& arguments) {
   if (!unit) return unit.error();
   mesh::ReadOptions options;
   options.without = arguments.without;
+  options.up = arguments.up;
   options.deflection_m = mesh::kDeflectionBySize;
   if (!arguments.voxel_size.empty()) {
     options.deflection_m = mesh::baked_deflection_m(*command::parse_length(arguments.voxel_size));
@@ -446,6 +450,7 @@ Result<mesh::Scene> read_inputs(const Arguments& arguments, cache::MeshSource& m
   reading.shard = *shard;
   reading.allow_outside = arguments.trust.allow_outside;
   reading.missing_faces = arguments.missing_faces;
+  reading.up = arguments.up;
   reading.without = arguments.without;
   reading.read_ahead = [&](std::span<const mesh::FileToRead> files) {
     meshes.read_ahead(files, limits::available_bytes() / 2);

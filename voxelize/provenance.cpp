@@ -5,6 +5,7 @@
 #include "formats/command/command.h"
 #include "formats/mesh/content_hash.h"
 #include "formats/mesh/missing_faces.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::voxelize {
 namespace {
@@ -33,6 +34,7 @@ std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshO
                {"mesh_deviation_m", options.mesh_deviation_m},
                {"parts", parts}};
   if (!scene.missing_faces.empty()) json["missing_faces"] = mesh::json_of(scene.missing_faces);
+  if (mesh::any_y_up_format(scene.assemblies)) json["up"] = mesh::name_of(scene.up);
   if (options.roi_m) json["roi_m"] = *options.roi_m;
   if (options.metric == Metric::kChebyshev) json["metric"] = "chebyshev";
   if (options.metric == Metric::kEuclidean && !options.distances) json["lean"] = true;

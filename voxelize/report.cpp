@@ -6,6 +6,7 @@
 
 #include "formats/command/command.h"
 #include "formats/mesh/missing_faces.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::voxelize {
 
@@ -93,6 +94,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
           {"static_deviation_m", header.static_deviation_m},
           {"missing_faces", mesh::json_of(scene.missing_faces)},
           {"without", left_out_of(scene)},
+          {"up", mesh::name_of(scene.up)},
           {"triangle_bytes_on_disk", bake.bytes_on_disk},
           {"nodes", bake.nodes},
           {"nodes_from_cache", bake.reused_nodes},

@@ -67,6 +67,10 @@ std::uint64_t missing_faces_in(std::string_view provenance) {
   return Json::sax_parse(provenance, &counter) ? counter.count() : 0;
 }
 
+std::string up_in(std::string_view provenance) {
+  return text_in(Json::parse(provenance, nullptr, false), "up");
+}
+
 std::vector<std::string> object_hashes_in(std::string_view provenance) {
   const Json json = Json::parse(provenance, nullptr, false);
   std::vector<std::string> hashes;

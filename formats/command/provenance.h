@@ -12,6 +12,10 @@ namespace forcelayer::command {
 // voxelize and pointshell write, does not say.
 std::uint64_t missing_faces_in(std::string_view provenance);
 
+// The axis of glTF files that is up, as the bake read them: "z" or "y"; empty where none was read,
+// and in files of versions that always kept y up.
+std::string up_in(std::string_view provenance);
+
 // "2 faces are missing from it, and no guarantee covers them"; empty where none is missing.
 std::string missing_faces_text(std::string_view provenance);
 

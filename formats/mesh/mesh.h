@@ -74,6 +74,9 @@ struct MissingFace {
   double size = 0;  // diagonal of that box, file units; 0 where the place is unknown
 };
 
+// The axis that is up.
+enum class Up { kZ, kY };
+
 // The content of one mesh file: meshes, and the places where they stand.
 struct Assembly {
   std::vector<Mesh> meshes;
@@ -82,6 +85,7 @@ struct Assembly {
   // were not read have no instances.
   std::vector<AssemblyNode> nodes;
   std::optional<double> meters_per_unit;  // where the format or file defines it (glTF: 1)
+  std::optional<Up> up;                   // as it was read, of a format that is y up (glTF)
   // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
   double deviation_units = 0;
   std::vector<std::string> warnings;  // a line each: oddities of a file that was read all the same
@@ -105,6 +109,7 @@ struct ReadingProgress {
 
 struct ReadOptions {
   double deflection_m = 1e-4;  // of triangles from exact surfaces (STEP, IGES); 0: by their size
+  Up up = Up::kZ;              // of glTF: turned to z up, or left as it is
   bool allow_outside = false;  // whether a glTF or STEP file may name files elsewhere
   std::uint64_t missing_faces = 0;  // how many faces of exact surfaces may stay without triangles
   std::vector<std::string> nodes = {};    // those read, with all below; empty: all

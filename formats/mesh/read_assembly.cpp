@@ -7,6 +7,7 @@
 #include "formats/mesh/foreign_files.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -133,6 +134,10 @@ Result<Assembly> read_source(const SourceFile& file) {
                 std::string(format.name) + " files have no nodes", "leave the part after # out");
     }
     Assembly assembly = read_as(format, file);
+    if (format.read == read_gltf) {
+      assembly.up = file.options.up;
+      if (file.options.up == Up::kZ) turn_z_up(assembly);
+    }
     measure_instances(assembly);
     return assembly;
   } catch (const ReadFailure& failure) {

@@ -27,6 +27,7 @@ struct Placing {
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;
   std::string stated_in = {};  // "parts[3] of scene.json"; empty on the command line
+  std::optional<Up> up = {};   // that the manifest states
   NamedFile named = {};        // `file`, taken apart
 };
 
@@ -62,6 +63,8 @@ class SceneReader {
   Result<std::uint32_t> assembly_of(const std::string& path);
   ReadOptions options_for(const std::string& path);
   std::vector<std::string> nodes_wanted_of(const std::string& path) const;
+  Up up_of(const std::string& path) const;
+  Status check_up() const;
   bool is_in_shard(std::size_t number) const {
     return number % reading_.shard.count == reading_.shard.index;
   }
@@ -102,7 +105,8 @@ Status SceneReader::add_manifest(const std::string& path) {
   for (std::size_t i = 0; i < manifest->objects.size(); ++i) {
     const ManifestObject& object = manifest->objects[i];
     add({object.mesh, object.name, object.meters_per_unit, object.world_from_object,
-         object.free_seeds_m, object.deviation_m, "parts[" + std::to_string(i) + "] of " + path});
+         object.free_seeds_m, object.deviation_m, "parts[" + std::to_string(i) + "] of " + path,
+         object.up});
   }
   return {};
 }
@@ -136,11 +140,30 @@ std::vector<std::string> SceneReader::nodes_wanted_of(const std::string& path) c
   return wanted;
 }
 
+Up SceneReader::up_of(const std::string& path) const {
+  for (const Placing& placing : placings_) {
+    if (placing.named.path == path && placing.up) return *placing.up;
+  }
+  return reading_.up;
+}
+
+// A file is read once, for all its placings.
+Status SceneReader::check_up() const {
+  for (const Placing& placing : placings_) {
+    if (placing.up.value_or(reading_.up) == up_of(placing.named.path)) continue;
+    return Error{ErrorCode::kSceneInvalid, placing.named.path, placing.stated_in,
+                 "another part of this file states another axis as up",
+                 "state the same \"up\" in all parts of the file"};
+  }
+  return {};
+}
+
 ReadOptions SceneReader::options_for(const std::string& path) {
   ReadOptions options;
   const auto voxel_size_m = reading_.voxel_size_m ? reading_.voxel_size_m : scene_.voxel_size_m;
   if (voxel_size_m) options.deflection_m = baked_deflection_m(*voxel_size_m);
   options.missing_faces = reading_.missing_faces;
+  options.up = up_of(path);
   options.nodes = nodes_wanted_of(path);
   options.without = without_;
   options.progress = [this, path](const ReadingProgress& file) { tell(path, file.share_done); };
@@ -294,6 +317,8 @@ Result<Scene> SceneReader::finish() {
     without_.insert(without_.end(), list->begin(), list->end());
   }
   leave_out_parts();
+  if (Status same = check_up(); !same) return same.error();
+  scene_.up = reading_.up;
   list_files();
   if (reading_.read_ahead) reading_.read_ahead(files_);
   if (Status placed = place_all(); !placed) return placed.error();

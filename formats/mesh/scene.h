@@ -32,6 +32,7 @@ struct Scene {
   std::vector<MeshObject> objects;         // one per instance
   std::vector<std::string> warnings;       // a line each, with file
   std::vector<MissingFace> missing_faces;  // node: the object's name; world, meters
+  Up up = Up::kZ;                          // SceneReading::up
   // Set by a manifest; the command line overrides it.
   std::optional<double> voxel_size_m;
   std::optional<std::uint32_t> layers;
@@ -60,6 +61,7 @@ struct FileToRead {
 
 struct SceneReading {
   std::optional<double> voxel_size_m;  // over a manifest's; exact surfaces are tessellated to it
+  Up up = Up::kZ;                      // ReadOptions::up, unless a manifest states a file's own
   bool allow_outside = false;          // whether a manifest may name files outside its own folder
   std::uint64_t missing_faces = 0;     // ReadOptions::missing_faces of each file
   // ReadOptions::without; each names a node of some file, or a part of a manifest

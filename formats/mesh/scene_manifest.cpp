@@ -192,7 +192,7 @@ Affine placement(const Fields& fields) {
 ManifestObject read_object(const Json& json, const std::string& key,
                            const std::filesystem::path& folder) {
   const Fields fields(json, key,
-                      {"name", "mesh", "units", "matrix", "translation", "rotation", "scale",
+                      {"name", "mesh", "units", "up", "matrix", "translation", "rotation", "scale",
                        "free_seeds", "mesh_deviation"});
   ManifestObject object;
   const Json* mesh = fields.find("mesh");
@@ -203,6 +203,14 @@ ManifestObject read_object(const Json& json, const std::string& key,
   if (const Json* units = fields.find("units")) {
     object.meters_per_unit =
         parsed(command::parse_unit(text(*units, fields.path("units"))), fields.path("units"));
+  }
+  if (const Json* up = fields.find("up")) {
+    const std::string axis = text(*up, fields.path("up"));
+    if (axis != "y" && axis != "z") {
+      throw BadKey{fields.path("up"), "is neither \"y\" nor \"z\"",
+                   "write \"y\" to keep the axes of a glTF file, or leave it out"};
+    }
+    object.up = axis == "y" ? Up::kY : Up::kZ;
   }
   object.world_from_object = placement(fields);
   if (is_flat(object.world_from_object)) {

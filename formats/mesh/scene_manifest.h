@@ -15,6 +15,7 @@ struct ManifestObject {
   std::string name;
   std::string mesh;  // path, made relative to the working folder; may end in #NODE
   std::optional<double> meters_per_unit;
+  std::optional<Up> up;
   Affine world_from_object;  // meters
   std::vector<Vec3d> free_seeds_m;
   double deviation_m = 0;

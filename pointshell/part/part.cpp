@@ -190,6 +190,7 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   Part part;
   std::uint32_t meshes = 0;
   for (const PartInput& input : inputs) {
+    if (input.assembly->up) part.up = input.assembly->up;
     part.deviation_m =
         std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
     for (mesh::MissingFace face : input.assembly->missing_faces) {

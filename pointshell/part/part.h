@@ -38,6 +38,7 @@ struct Part {
   bool single_precision = false;  // whether any file stores 32-bit vertices
   double deviation_m = 0;  // of the triangles from exact surfaces that a file holds (STEP, IGES)
   std::vector<mesh::MissingFace> missing_faces;  // of those surfaces; part frame, m
+  std::optional<mesh::Up> up;                    // mesh::Assembly::up, where a file has one
 };
 
 // One mesh file's content and the unit to read it in.

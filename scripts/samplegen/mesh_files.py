@@ -44,8 +44,14 @@ def write_ply(path, solid):
     path.write_bytes(b"".join(data))
 
 
+def _y_up(vector):
+    """A vector of the world, which is z up, in the axes of glTF, which is y up."""
+    x, y, z = vector
+    return [x, z, 0 - y]
+
+
 class GlbScene:
-    """A glTF 2.0 binary: named meshes and a tree of named nodes. Metres."""
+    """A glTF 2.0 binary: named meshes and a tree of named nodes. Metres. All is given z up."""
 
     def __init__(self):
         self._binary = bytearray()
@@ -66,7 +72,7 @@ class GlbScene:
 
     def mesh(self, name, solid):
         """Adds a mesh (given in mm) and returns its index."""
-        points = [struct.unpack("<3f", struct.pack("<3f", *(c / 1000 for c in v)))
+        points = [struct.unpack("<3f", struct.pack("<3f", *_y_up([c / 1000 for c in v])))
                   for v in solid.vertices]
         vertices = self._view(b"".join(struct.pack("<3f", *p) for p in points), 34962)
         indices = self._view(b"".join(struct.pack("<3H", *t) for t in solid.triangles), 34963)
@@ -82,7 +88,14 @@ class GlbScene:
         return len(self._gltf["meshes"]) - 1
 
     def node(self, name, parent=None, **fields):
-        """Adds a node (mesh, translation in metres, rotation x y z w) and returns its index."""
+        """Adds a node (mesh, translation in metres, rotation x y z w, scale); returns its index."""
+        if "translation" in fields:
+            fields["translation"] = _y_up(fields["translation"])
+        if "rotation" in fields:
+            fields["rotation"] = [*_y_up(fields["rotation"][:3]), fields["rotation"][3]]
+        if "scale" in fields:
+            x, y, z = fields["scale"]
+            fields["scale"] = [x, z, y]
         nodes = self._gltf["nodes"]
         nodes.append({"name": name, **fields})
         siblings = (self._gltf["scenes"][0]["nodes"] if parent is None

@@ -186,7 +186,7 @@ for n in $(seq 12); do cp gearbox.glb "copy_$n.glb"; done
 [ "$(grep -c "1 m of the file is read as 1 mm" err)" = 1 ] && grep -q "and 11 other files: 1 m of the file is read as 1 mm, as you asked" err ||
   fail "not one warning for twelve files: $(cat err)"
 "$bin/voxelize" 'copy_1.glb#Pin' 'copy_1.glb#Bolt*' 'copy_1.glb#Clip' --units mm --voxel-size 1mm -o copies.vox >out 2>err
-[ "$(grep -c "read in units of 1 m" err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
+[ "$(grep -c "1 m of the file is read as 1 mm" err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
 # One that is too small is warned of, too.
 small="warning: the scene is 0.11 mm across, less than a voxel: --units? Else use a smaller --voxel-size"
 "$bin/voxelize" gearbox.glb --units mm --voxel-size 1mm -o small.vox --json small.json >out 2>err && grep -qxF "voxelize: $small" err ||
@@ -196,6 +196,43 @@ grep -qF "${small#warning: }" small.json || fail "the report of a scene of less 
   grep -qxF "pointshell: warning: the part is 60 mm across, 3 voxels: --units? Else use a smaller --voxel-size" err ||
   fail "a part of three voxels: $(cat err)"
 "$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 14mm -o small.pshell >out 2>err && [ ! -s err ] || fail "a part of four voxels: $(cat err)"
+
+# Axes and units: as the file, or as it was asked; the same question about meters in list, plan and bake.
+"$bin/voxelize" --list gearbox.glb | grep -q "; unit 1 m, turned from y up to z up$" || fail "no word of the axes: $(head -1 out)"
+"$bin/voxelize" --list gearbox.glb --up y | grep -q "110 x 60 x 70 mm, closed; unit 1 m, y up as in the file$" || fail "--up y in a list"
+for option in "" --sandbox "--cache axes" "--cache axes"; do
+  bake axes gearbox.glb --up y $option
+  grep -q "^scene: 9 objects, 110 x 60 x 70 mm$" out && grep -q '"up": "y"' axes.json || fail "--up y $option: $(cat out)"
+  bake axes gearbox.glb $option
+  grep -q "^scene: 9 objects, 110 x 70 x 60 mm$" out && grep -q '"up": "z"' axes.json || fail "z up $option: $(cat out)"
+done
+shell axes 'gearbox.glb#Pin' --up y
+"$bin/pointshell" verify axes.pshell 'gearbox.glb#Pin' --quiet || fail "verify reads the part as it was baked"
+refuses 2 "--up: x not in {z,y}" voxelize gearbox.glb --up x --voxel-size 1mm -o no.vox
+python3 - <<'PYTHON'
+import json, struct
+data = open("gearbox.glb", "rb").read()
+length, = struct.unpack_from("<I", data, 12)
+document, rest = json.loads(data[20:20 + length]), data[20 + length:]
+document["nodes"][0].update(scale=[10000] * 3, name="far\tacross")
+text = json.dumps(document).encode()
+text += b" " * (-len(text) % 4)
+open("far.glb", "wb").write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
+PYTHON
+"$bin/voxelize" --list far.glb >out 2>err && grep -qxF "voxelize: warning: far.glb: it is 1100 m across: --units mm?" err || fail "list: $(cat err)"
+"$bin/voxelize" far.glb --plan --voxel-size 8m >out 2>err && grep -qxF "voxelize: warning: the scene is 1100 m across: --units mm?" err ||
+  fail "plan: $(cat err)"
+refuses 3 "the scene is 1100 m across: --units mm?" voxelize far.glb --voxel-size 0.1mm -o no.vox
+"$bin/voxelize" --list far.glb --units m >out 2>err && [ ! -s err ] || fail "a question about a unit that was stated: $(cat err)"
+for call in "--list" "--plan --voxel-size 8mm" "--voxel-size 8mm -o far.vox"; do
+  "$bin/voxelize" far.glb --units mm $call >out 2>err || fail "far.glb --units mm $call: $(cat err)"
+  grep -qxF "voxelize: warning: far.glb: 1 m of the file is read as 1 mm, as you asked" err || fail "$call: no word of the unit: $(cat err)"
+done
+# What a list prints can be typed.
+name=$("$bin/voxelize" --list far.glb 2>err | grep -o 'far.x09across/Pin$')
+bake typed "far.glb#$name" --units mm
+bake typed far.glb --without "{$name,Clip}" --units mm
+case $(names typed) in *Pin*) fail "a listed name was not left out: $(names typed)" ;; esac
 
 if "$bin/make_sample_step" gearbox.step 2>/dev/null; then
   check_assembly gearbox.step

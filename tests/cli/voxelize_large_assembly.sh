@@ -41,6 +41,7 @@ def visit(index, above, chain, used):
             for step in chain:  # the node's own placing first
                 scale, move = step.get("scale", (1, 1, 1)), step.get("translation", (0, 0, 0))
                 point = [p * s + t for p, s, t in zip(point, scale, move)]
+            point = [point[0], -point[2], point[1]]  # glTF is y up, the world z up
             low, high = list(map(min, low, point)), list(map(max, high, point))
         for n in range(1, len(path) + 1):
             places.setdefault("/".join(path[:n]), []).append((triangles_of(node["mesh"]), low, high))
@@ -52,7 +53,7 @@ roots = set()
 for root in gltf["scenes"][0]["nodes"]:
     visit(root, [], [], roots)
 assert set(meshes_used.values()) == {50} and sum(meshes_used.values()) == 2000, meshes_used
-assert any(n.get("scale") == [1, -1, 1] for n in gltf["nodes"])
+assert any(n.get("scale") == [1, 1, -1] for n in gltf["nodes"])
 
 listed = json.load(open("list.json"))["files"][0]
 assert listed["whole"]["instances"] == 2000, listed["whole"]

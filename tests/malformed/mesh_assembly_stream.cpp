@@ -76,6 +76,7 @@ mesh::Assembly two_cubes() {
   assembly.meshes[1].single_precision = false;
   assembly.instances = {{0, "a/b", {}}, {1, "", {{2, 0, 0, 0, 3, 0, 0, 0, 4}, {5, 6, 7}}}};
   assembly.meters_per_unit = 0.001;
+  assembly.up = mesh::Up::kY;
   assembly.deviation_units = 0.25;
   assembly.warnings = {"odd", "odder"};
   assembly.nodes = {{"a", "a", 0, 0, 2}, {"b", "a/b", 1, 0, 1}, {"", "a/", 1, 1, 1}};
@@ -100,6 +101,7 @@ TEST(AssemblyStream, BringsEverything) {
               assembly.instances[i].assembly_from_mesh.translation);
   }
   EXPECT_EQ(got.meters_per_unit, 0.001);
+  EXPECT_EQ(got.up, mesh::Up::kY);
   EXPECT_EQ(got.deviation_units, 0.25);
   EXPECT_EQ(got.warnings, assembly.warnings);
   ASSERT_EQ(got.nodes.size(), 3u);

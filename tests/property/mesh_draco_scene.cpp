@@ -55,7 +55,7 @@ TEST(GltfReader, AgreesWithDracoOnTheEngine) {
   const std::string path = write_file(folder / "engine.glb", engine_glb());
   const auto scene = draco::ReadSceneFromFile(path);
   ASSERT_TRUE(scene.ok());
-  const auto assembly = mesh::read_assembly(path);
+  const auto assembly = mesh::read_assembly(path, {.up = mesh::Up::kY});
   ASSERT_TRUE(assembly) << to_line(assembly.error());
   EXPECT_EQ(assembly->triangle_count(), kEngineTriangles);
   EXPECT_EQ(assembly->instances.size(), 34u);

@@ -222,9 +222,11 @@ inline std::string write_file(const std::filesystem::path& path, std::string_vie
 }
 
 // Reads `bytes` as a file of the name "mesh" and `extension`, with "#" and `node` where given.
+// In the file's own axes.
 inline Result<mesh::Assembly> read_bytes(std::string_view bytes, const std::string& extension,
                                          const std::string& node = "") {
   mesh::SourceFile file{"mesh" + extension, bytes, {}};
+  file.options.up = mesh::Up::kY;
   if (!node.empty()) file.options.nodes = {node};
   return mesh::read_source(file);
 }

@@ -145,8 +145,8 @@ TEST(GltfReader, TakesBuffersFromDataUrisAndFilesBesideIt) {
   EXPECT_EQ(corners_of(*inside), corners_of(mesh));
   const ScratchFolder folder;
   write_file(folder / "my data.bin", gltf_binary(mesh));
-  const auto beside =
-      mesh::read_assembly(write_file(folder / "mesh.gltf", json_with_uri(mesh, "my%20data.bin")));
+  const auto beside = mesh::read_assembly(
+      write_file(folder / "mesh.gltf", json_with_uri(mesh, "my%20data.bin")), {.up = mesh::Up::kY});
   ASSERT_TRUE(beside) << to_line(beside.error());
   EXPECT_EQ(corners_of(*beside), corners_of(mesh));
 }

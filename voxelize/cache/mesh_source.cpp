@@ -11,6 +11,7 @@
 
 #include "formats/mesh/reader.h"
 #include "formats/mesh/units.h"
+#include "formats/mesh/up_axis.h"
 #include "voxelize/cache/byte_pack.h"
 #include "voxelize/cache/cache_versions.h"
 #include "voxelize/cache/reading_slots.h"
@@ -53,6 +54,7 @@ std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOpti
   DigestBuilder digest;
   digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
   digest.text(name.string());  // nodes without names are called by the file's
+  digest.text(mesh::name_of(options.up));
   digest.value(std::uint64_t{options.nodes.size()});
   for (const std::string& node : options.nodes) digest.text(node);
   if (extension.starts_with(".st") || extension.starts_with(".ig")) {
@@ -76,6 +78,8 @@ std::vector<std::byte> pack(const mesh::Assembly& assembly,
   }
   packer.value(std::uint64_t{assembly.meters_per_unit.has_value()});
   packer.value(assembly.meters_per_unit.value_or(0));
+  packer.value(std::uint64_t{assembly.up.has_value()});
+  packer.value(std::uint64_t{assembly.up == mesh::Up::kY});
   packer.value(assembly.deviation_units);
   packer.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) packer.text(warning);
@@ -116,6 +120,9 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
     if (has_unit) assembly.meters_per_unit = unit;
+    const bool has_up = unpacker.value<std::uint64_t>() != 0;
+    const bool is_y_up = unpacker.value<std::uint64_t>() != 0;
+    if (has_up) assembly.up = is_y_up ? mesh::Up::kY : mesh::Up::kZ;
     assembly.deviation_units = unpacker.value<double>();
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.warnings.push_back(unpacker.text());

@@ -8,6 +8,7 @@
 #include "formats/mesh/content_hash.h"
 #include "formats/mesh/sandbox/trust_options.h"
 #include "formats/mesh/scene.h"
+#include "formats/mesh/up_axis.h"
 #include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
 
@@ -27,6 +28,7 @@ Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, dou
   mesh::SceneReading reading;
   reading.voxel_size_m = voxel_size_m;
   reading.allow_outside = request.allow_outside;
+  reading.up = mesh::up_named(command::up_in(provenance));
   reading.missing_faces = command::missing_faces_in(provenance);
   reading.read = std::move(*read);
   return reading;
@@ -149,6 +151,7 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
   mesh::ReadOptions options;
   options.deflection_m = mesh::baked_deflection_m(header.voxel_size_m);
   options.missing_faces = reading->missing_faces;
+  options.up = reading->up;
   auto files = part::read_part(request.part_meshes, request.part_unit_m, options, reading->read);
   if (!files) return files.error();
   warnings.insert(warnings.end(), files->warnings.begin(), files->warnings.end());

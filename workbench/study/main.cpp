@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
       {{"What is asked",
         {"--voxel-size", "--range", "--path", "--pull", "--time", "--seed", "--clearance", "--seat",
          "--seat-depth", "--allow"}},
-       {"What is read", {"--without", "--missing-faces", "--units", "--sandbox"}},
+       {"What is read", {"--without", "--missing-faces", "--units", "--up", "--sandbox"}},
        {"Output", {"--output", "--files-alone", "--no-pictures"}}},
       "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o out\n"
       "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin\n"

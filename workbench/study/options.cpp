@@ -86,6 +86,10 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--units", options_.units,
                    "unit of the meshes (mm, cm, m, in, ...): needed where their format defines "
                    "none, overrides one that it defines");
+  study
+      .add_option("--up", options_.up,
+                  "y keeps the axes of glTF files, which are y up, as voxelize does (default z)")
+      ->check(CLI::IsMember({"z", "y"}));
   study.add_flag("--files-alone", options_.files_alone,
                  "check without the meshes: what the baked files leave open stays open");
   study.add_flag("--sandbox", options_.sandbox,

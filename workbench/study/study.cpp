@@ -51,7 +51,7 @@ class Study {
 
   std::vector<std::string> left_out() const;
   void add_reading(Step& step) const;
-  void add_missing_faces(Step& step) const;
+  void add_bake_reading(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
@@ -139,7 +139,10 @@ void Study::add_reading(Step& step) const {
   step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
 
-void Study::add_missing_faces(Step& step) const {
+// What the baked files say of themselves afterwards.
+void Study::add_bake_reading(Step& step) const {
+  add_reading(step);
+  if (!options_.up.empty()) step.arguments.insert(step.arguments.end(), {"--up", options_.up});
   if (options_.missing_faces.empty()) return;
   step.arguments.insert(step.arguments.end(), {"--missing-faces", options_.missing_faces});
 }
@@ -156,8 +159,7 @@ Step Study::scene_step() const {
                                                in("scene.vox"), "--json", in("scene.json")});
   if (!options_.range.empty())
     step.arguments.insert(step.arguments.end(), {"--range", options_.range});
-  add_reading(step);
-  add_missing_faces(step);
+  add_bake_reading(step);
   return step;
 }
 
@@ -168,8 +170,7 @@ Step Study::part_step() const {
             with_references(options_.assembly),
             {in("part.pshell"), in("part.json")},
             "forcelayer-tools"};
-  add_reading(step);
-  add_missing_faces(step);
+  add_bake_reading(step);
   return step;
 }
 

@@ -157,6 +157,8 @@ void send_content(Sender& sender, const Assembly& assembly) {
   }
   sender.value(std::uint64_t{assembly.meters_per_unit.has_value()});
   sender.value(assembly.meters_per_unit.value_or(0));
+  sender.value(std::uint64_t{assembly.up.has_value()});
+  sender.value(std::uint64_t{assembly.up == Up::kY});
   sender.value(assembly.deviation_units);
   sender.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) sender.list(warning);
@@ -233,6 +235,8 @@ Assembly receive_content(Receiver& receiver) {
     expect(std::isfinite(unit) && unit > 0);
     assembly.meters_per_unit = unit;
   }
+  const bool has_up = receiver.flag(), is_y_up = receiver.flag();
+  if (has_up) assembly.up = is_y_up ? Up::kY : Up::kZ;
   assembly.deviation_units = receiver.value<double>();
   expect(std::isfinite(assembly.deviation_units) && assembly.deviation_units >= 0);
   for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {

@@ -23,6 +23,7 @@
 #include "formats/file/confinement.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/sandbox/assembly_stream.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -215,7 +216,7 @@ void give_up_rights(const std::string& path, bool allow_outside) {
 
 std::optional<int> run_as_sandbox(int argc, char** argv) {
   main_is_ready = true;
-  if (argc < 7 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
+  if (argc < 8 || std::strcmp(argv[1], kChildOption) != 0) return std::nullopt;
   ReadOptions options;
   const auto read_number = [](const char* text, auto& number) {
     std::from_chars(text, text + std::strlen(text), number);
@@ -223,10 +224,11 @@ std::optional<int> run_as_sandbox(int argc, char** argv) {
   read_number(argv[3], options.deflection_m);
   options.allow_outside = std::strcmp(argv[4], "allow-outside") == 0;
   read_number(argv[5], options.missing_faces);
+  options.up = up_named(argv[6]);
   int nodes = 0;
-  read_number(argv[6], nodes);
-  char** const first = argv + 7;
-  if (nodes < 0 || nodes > argc - 7) return 1;
+  read_number(argv[7], nodes);
+  char** const first = argv + 8;
+  if (nodes < 0 || nodes > argc - 8) return 1;
   options.nodes.assign(first, first + nodes);
   options.without.assign(first + nodes, argv + argc);
   options.progress = [](const ReadingProgress& progress) {
@@ -257,6 +259,7 @@ Result<Assembly> read_in_sandbox(const std::string& path, const ReadOptions& opt
                                     exact_text(options.deflection_m),
                                     options.allow_outside ? "allow-outside" : "stay-inside",
                                     std::to_string(options.missing_faces),
+                                    name_of(options.up),
                                     std::to_string(options.nodes.size())};
   words.insert(words.end(), options.nodes.begin(), options.nodes.end());
   words.insert(words.end(), options.without.begin(), options.without.end());

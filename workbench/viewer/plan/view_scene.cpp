@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "formats/command/provenance.h"
 #include "formats/mesh/sandbox/sandbox.h"
 #include "formats/mesh/scene.h"
+#include "formats/mesh/up_axis.h"
 
 namespace forcelayer::viewer {
 namespace {
@@ -112,8 +114,12 @@ ViewMesh cube_around(const mesh::MissingFace& face, const glm::dvec3& origin_m) 
 }
 
 // A picture shows a file as far as it can be read: a face without triangles is a warning here.
-mesh::SceneReading reading_for_pictures() {
+// glTF files have the axes that they had when the files beside them were baked.
+mesh::SceneReading reading_for_pictures(const ViewScene& scene) {
   mesh::SceneReading reading;
+  std::string up = scene.voxmap ? command::up_in(scene.voxmap->provenance()) : "";
+  if (up.empty() && scene.shell) up = command::up_in(scene.shell->provenance());
+  if (!up.empty()) reading.up = mesh::up_named(up);
   reading.read = mesh::read_guarded;
   reading.missing_faces = std::numeric_limits<std::uint64_t>::max();
   return reading;
@@ -122,7 +128,7 @@ mesh::SceneReading reading_for_pictures() {
 // The meshes of the part as one, in its frame.
 Status load_part(const ViewInputs& inputs, ViewScene& scene) {
   const auto unit_m = inputs.part_unit_m ? inputs.part_unit_m : inputs.unit_m;
-  const auto part = mesh::read_scene(std::array{inputs.part}, unit_m, reading_for_pictures());
+  const auto part = mesh::read_scene(std::array{inputs.part}, unit_m, reading_for_pictures(scene));
   if (!part) return part.error();
   scene.warnings.insert(scene.warnings.end(), part->warnings.begin(), part->warnings.end());
   ViewMesh whole{inputs.part, {}, {}};
@@ -209,7 +215,7 @@ Result<ViewScene> load_view_scene(const ViewInputs& inputs) {
     }
   }
   if (Status loaded = load_before(inputs.before, view); !loaded) return loaded.error();
-  const auto scene = mesh::read_scene(mesh_inputs, inputs.unit_m, reading_for_pictures());
+  const auto scene = mesh::read_scene(mesh_inputs, inputs.unit_m, reading_for_pictures(view));
   if (!scene) return scene.error();
   view.warnings = scene->warnings;
   add_bounds(*scene, view.bounds);
