@@ -6,6 +6,8 @@
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -74,13 +76,20 @@ constexpr std::uint32_t kMachine = AUDIT_ARCH_AARCH64;
 constexpr std::uint32_t kMachine = 0;  // no filter
 #endif
 
-// Other programs, other processes, the system.
-constexpr int kOfNoDriver[] = {
+// Other programs, other processes, the system. And modes, owners, times and attributes of files,
+// and the length of one that is not open: Landlock has no say in them.
+constexpr int kRefused[] = {
     SYS_execve,
     SYS_execveat,
     SYS_process_vm_readv,
     SYS_process_vm_writev,
     SYS_pidfd_getfd,
+    SYS_pidfd_send_signal,
+    440,  // process_madvise
+    448,  // process_mrelease
+    SYS_migrate_pages,
+    SYS_move_pages,
+    SYS_ioprio_set,
     SYS_kcmp,
     SYS_perf_event_open,
     SYS_bpf,
@@ -88,6 +97,11 @@ constexpr int kOfNoDriver[] = {
     SYS_io_uring_setup,
     SYS_mount,
     SYS_umount2,
+    SYS_open_tree,
+    SYS_move_mount,
+    SYS_fsopen,
+    SYS_fspick,
+    442,  // mount_setattr
     SYS_pivot_root,
     SYS_chroot,
     SYS_setns,
@@ -104,71 +118,148 @@ constexpr int kOfNoDriver[] = {
     SYS_keyctl,
     SYS_settimeofday,
     SYS_clock_settime,
-    SYS_pidfd_send_signal,
+    SYS_clock_adjtime,
+    SYS_adjtimex,
+    SYS_vhangup,
+    SYS_open_by_handle_at,
 #if !defined(__SANITIZE_ADDRESS__)  // which looks for leaks in this way
     SYS_ptrace,
 #endif
-};
-// Signals, and limits whose excess ends a process. Their first argument says which process.
-constexpr int kOfAProcess[] = {
-    SYS_kill, SYS_tkill, SYS_tgkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_prlimit64};
-// By their second argument, the kernel signals another process on behalf of a file.
-constexpr struct {
-  int number;
-  std::uint32_t command;
-} kOwners[] = {{SYS_fcntl, F_SETOWN},
-               {SYS_fcntl, 15},       // F_SETOWN_EX
-               {SYS_ioctl, 0x8901},   // FIOSETOWN
-               {SYS_ioctl, 0x8902}};  // SIOCSPGRP
-// The network, names, modes, times and attributes.
-constexpr int kOfNoReader[] = {
-    SYS_socket,    SYS_connect,     SYS_bind,         SYS_listen,       SYS_unlinkat, SYS_renameat2,
-    SYS_mkdirat,   SYS_mknodat,     SYS_linkat,       SYS_symlinkat,    SYS_fchmodat, SYS_fchownat,
-    SYS_truncate,  SYS_utimensat,   SYS_setxattr,     SYS_fchmod,       SYS_fchown,   SYS_lsetxattr,
-    SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr,
+    SYS_fchmodat,
+    SYS_fchownat,
+    SYS_fchmod,
+    SYS_fchown,
+    SYS_truncate,
+    SYS_utimensat,
+    SYS_setxattr,
+    SYS_lsetxattr,
+    SYS_fsetxattr,
+    SYS_removexattr,
+    SYS_lremovexattr,
+    SYS_fremovexattr,
     452,  // fchmodat2
     463,  // setxattrat
     466,  // removexattrat
+    469,  // file_setattr
 #if defined(__x86_64__)
-    SYS_unlink,    SYS_rename,      SYS_mkdir,        SYS_rmdir,        SYS_mknod,    SYS_link,
-    SYS_symlink,   SYS_chmod,       SYS_chown,        SYS_lchown,       SYS_renameat, SYS_utime,
-    SYS_utimes,    SYS_futimesat,
+    SYS_chmod,
+    SYS_chown,
+    SYS_lchown,
+    SYS_utime,
+    SYS_utimes,
+    SYS_futimesat,
 #endif
+};
+// The network and names of files.
+constexpr int kRefusedToReaders[] = {
+    SYS_socket,    SYS_connect, SYS_bind,     SYS_listen, SYS_unlinkat,
+    SYS_renameat2, SYS_mkdirat, SYS_mknodat,  SYS_linkat,
+#if defined(__x86_64__)
+    SYS_unlink,    SYS_rename,  SYS_mkdir,    SYS_rmdir,  SYS_mknod,
+    SYS_link,      SYS_symlink, SYS_renameat,
+#endif
+    SYS_symlinkat,
+};
+// Their arguments cannot be looked into: a caller does without, as on an older kernel.
+constexpr int kUnknown[] = {SYS_clone3, SYS_openat2};
+
+constexpr std::uint32_t kAny = ~0u;
+
+// Calls that one of their arguments decides on.
+struct Rule {
+  int number;
+  int argument;
+  std::uint32_t mask;
+  std::uint32_t value;
+};
+constexpr std::uint32_t kNamespaces = 0x7e020000;  // CLONE_NEW*
+constexpr Rule kRefusedWith[] = {
+    // The kernel signals another process on behalf of a file.
+    {SYS_fcntl, 1, kAny, F_SETOWN},
+    {SYS_fcntl, 1, kAny, 15},      // F_SETOWN_EX
+    {SYS_ioctl, 1, kAny, 0x8901},  // FIOSETOWN
+    {SYS_ioctl, 1, kAny, 0x8902},  // SIOCSPGRP
+    // Input for a terminal, and whom it signals.
+    {SYS_ioctl, 1, kAny, 0x5412},  // TIOCSTI
+    {SYS_ioctl, 1, kAny, 0x541c},  // TIOCLINUX
+    {SYS_ioctl, 1, kAny, 0x540e},  // TIOCSCTTY
+    {SYS_ioctl, 1, kAny, 0x5410},  // TIOCSPGRP
+    // A file that is opened for reading is cut: Landlock before its version 3 lets that pass.
+    {SYS_openat, 2, O_TRUNC | O_ACCMODE, O_TRUNC | O_RDONLY},
+    {SYS_openat, 2, O_TRUNC | O_ACCMODE, O_TRUNC | O_ACCMODE},
+#if defined(__x86_64__)
+    {SYS_open, 1, O_TRUNC | O_ACCMODE, O_TRUNC | O_RDONLY},
+    {SYS_open, 1, O_TRUNC | O_ACCMODE, O_TRUNC | O_ACCMODE},
+#endif
+    // Programs that start others on request, such as the user's service manager.
+    {SYS_socket, 0, kAny, AF_UNIX},
+    // Groups and users, whose processes are others.
+    {SYS_setpriority, 0, kAny, PRIO_PGRP},
+    {SYS_setpriority, 0, kAny, PRIO_USER},
+};
+// The argument names a process, and it must be this one. 0 is this one as well, but in a signal its
+// whole group, in which others may be.
+struct OwnRule {
+  int number;
+  int argument;
+  bool zero;
+};
+constexpr OwnRule kOwn[] = {
+    {SYS_kill, 0, false},
+    {SYS_tkill, 0, false},
+    {SYS_tgkill, 0, false},
+    {SYS_rt_sigqueueinfo, 0, false},
+    {SYS_rt_tgsigqueueinfo, 0, false},
+    {SYS_prlimit64, 0, true},
+    {SYS_sched_setscheduler, 0, true},
+    {SYS_sched_setparam, 0, true},
+    {SYS_sched_setattr, 0, true},
+    {SYS_sched_setaffinity, 0, true},
+    {SYS_setpriority, 1, true},
+    {SYS_setpgid, 0, true},
 };
 
 class Filter {
  public:
   Filter() {
     load(offsetof(seccomp_data, arch));
-    unless_equal(kMachine);
+    jump(BPF_JEQ, kMachine, 1, 0);
+    refuse_now(EPERM);
     load(offsetof(seccomp_data, nr));
 #if defined(__x86_64__)
     constexpr std::uint32_t kX32 = 0x40000000;  // the same calls by other numbers
     jump(BPF_JGE, kX32, 0, 1);
-    refuse();
+    refuse_now(EPERM);
 #endif
   }
 
-  void refuse_call(int number) {
+  void refuse(int number, int error = EPERM) {
     jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 1);
-    refuse();
+    refuse_now(error);
   }
-  // To other processes than this one and its group.
-  void refuse_to_others(int number) {
-    jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 6);
-    load(offsetof(seccomp_data, args));
-    jump(BPF_JEQ, 0, 2, 0);
-    jump(BPF_JEQ, static_cast<std::uint32_t>(::getpid()), 1, 0);
-    refuse();
+  void refuse_with(const Rule& rule) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(rule.number), 0, 5);
+    load_argument(rule.argument);
+    put(BPF_ALU | BPF_AND | BPF_K, rule.mask);
+    jump(BPF_JEQ, rule.value, 0, 1);
+    refuse_now(EPERM);
     load(offsetof(seccomp_data, nr));
-    jump(BPF_JA, 0, 0, 0);
   }
-  // With this second argument.
-  void refuse_command(int number, std::uint32_t command) {
+  // With any of these bits in its first argument.
+  void refuse_flags(int number, std::uint32_t flags) {
     jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 4);
-    load(offsetof(seccomp_data, args) + sizeof(std::uint64_t));
-    jump(BPF_JEQ, command, 0, 1);
-    refuse();
+    load_argument(0);
+    jump(BPF_JSET, flags, 0, 1);
+    refuse_now(EPERM);
+    load(offsetof(seccomp_data, nr));
+  }
+  void refuse_to_others(const OwnRule& rule) {
+    const auto self = static_cast<std::uint32_t>(::getpid());
+    jump(BPF_JEQ, static_cast<std::uint32_t>(rule.number), 0, 5);
+    load_argument(rule.argument);
+    jump(BPF_JEQ, rule.zero ? 0 : self, 2, 0);
+    jump(BPF_JEQ, self, 1, 0);
+    refuse_now(EPERM);
     load(offsetof(seccomp_data, nr));
   }
   bool install() {
@@ -189,11 +280,12 @@ class Filter {
   void jump(int how, std::uint32_t than, int yes, int no) {
     put(BPF_JMP | how | BPF_K, than, yes, no);
   }
-  void unless_equal(std::uint32_t value) {
-    jump(BPF_JEQ, value, 1, 0);
-    refuse();
+  void load_argument(int number) {  // its lower half: the kernel reads no more of these
+    load(offsetof(seccomp_data, args) + static_cast<std::size_t>(number) * sizeof(std::uint64_t));
   }
-  void refuse() { put(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM); }
+  void refuse_now(int error) {
+    put(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error));
+  }
 
   std::vector<sock_filter> code_;
 };
@@ -219,11 +311,13 @@ bool confine_files(std::span<const std::string> writable) { return confine(writa
 bool confine_system_calls(CallsOf process) {
   if (kMachine == 0) return false;
   Filter filter;
-  for (const int number : kOfNoDriver) filter.refuse_call(number);
-  for (const int number : kOfAProcess) filter.refuse_to_others(number);
-  for (const auto& owner : kOwners) filter.refuse_command(owner.number, owner.command);
+  for (const int number : kRefused) filter.refuse(number);
+  for (const int number : kUnknown) filter.refuse(number, ENOSYS);
+  for (const Rule& rule : kRefusedWith) filter.refuse_with(rule);
+  for (const OwnRule& rule : kOwn) filter.refuse_to_others(rule);
+  filter.refuse_flags(SYS_clone, kNamespaces);
   if (process == CallsOf::kReader) {
-    for (const int number : kOfNoReader) filter.refuse_call(number);
+    for (const int number : kRefusedToReaders) filter.refuse(number);
   }
   return filter.install();
 }

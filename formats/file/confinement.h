@@ -19,9 +19,11 @@ bool confine_files(std::span<const std::string> writable, std::span<const std::s
 bool confine_files(std::span<const std::string> writable);  // and read everywhere
 
 enum class CallsOf {
-  kDriver,  // no other programs; no look into other processes and no signal to them; nothing that
-            // changes the system: mounts, modules, name spaces, keys
-  kReader,  // nor the network, nor names and modes of files
+  kDriver,  // no other programs, nor sockets to those of this machine (AF_UNIX); no look into other
+            // processes, no signal to them, no limit or priority for them; nothing that changes
+            // modes, owners, times and attributes of files, or the system: mounts, modules, name
+            // spaces, keys
+  kReader,  // nor the network, nor names of files
 };
 // System calls that such a process does not need fail with EPERM from now on. Call it before
 // threads begin. False where the kernel cannot.

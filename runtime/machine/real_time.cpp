@@ -4,9 +4,11 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 
@@ -65,6 +67,14 @@ std::vector<std::string> take_real_time_priority(int below) {
   parameters.sched_priority = kPriority - below;
   if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0) return {};
   return no_priority(errno, "");
+}
+
+void limit_real_time_priority(int below) noexcept {
+  const auto most = static_cast<rlim_t>(kPriority - below);
+  rlimit limit{};
+  if (getrlimit(RLIMIT_RTPRIO, &limit) != 0) return;
+  limit = {std::min(limit.rlim_cur, most), std::min(limit.rlim_max, most)};
+  (void)setrlimit(RLIMIT_RTPRIO, &limit);
 }
 
 std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers) {

@@ -16,6 +16,9 @@ std::vector<std::string> lock_memory();
 // SCHED_FIFO for this thread, at the loop's priority or so many below it. Returns warnings.
 std::vector<std::string> take_real_time_priority(int below = 0);
 
+// This process takes no higher priority than that from now on, unless it has the capability.
+void limit_real_time_priority(int below) noexcept;
+
 // SCHED_FIFO for the helpers of this thread, one priority below it, so that a helper that looks for
 // work never delays it. Helpers keep their ordinary priority where the threads outnumber the cores:
 // this thread would wait for a helper and hold the core that the helper needs. Returns warnings.

@@ -234,7 +234,15 @@ def a_library_without_a_slash():
 def what_its_process_gets():
     read_end, write_end = os.pipe()
     home = os.path.expanduser(f"~/.forcelayer-plugin-{os.getpid()}")  # where it has no business
-    finish(run(command("facts", "facts=facts.txt home=" + home, ["--duration", "100ms"]), pass_fds=(write_end,),
+    seen = subprocess.run([f"{BIN}/voxrun", "doctor", "--clock", "0"], stdout=subprocess.PIPE, text=True).stdout
+    has = re.search(r"confinement of plugins: (.*)", seen)[1]
+    mine = os.path.expanduser(f"~/.forcelayer-file-{os.getpid()}")  # of the user
+    with open(mine, "w") as file:
+        file.write("mine")
+    before = os.stat(mine)
+    confined = "seccomp" in has and "Landlock" in has  # else the loop would not outlive what is tried
+    tries = f" file={mine}" if confined else ""
+    finish(run(command("facts", f"facts=facts.txt home={home}{tries}", ["--duration", "100ms"]), pass_fds=(write_end,),
                env=dict(os.environ, SECRET="x", LC_TIME="C", FORCELAYER_PLUGIN_LICENSE="y")), 0)
     os.close(read_end)
     os.close(write_end)
@@ -245,12 +253,17 @@ def what_its_process_gets():
     assert {"PATH", "LC_TIME", "FORCELAYER_PLUGIN_LICENSE"} <= got, got
     assert not {"SECRET", "FORCELAYER_BIN_DIR", "LD_PRELOAD"} & got, got
     may = [fact for fact in facts if fact.startswith("may")]
-    seen = subprocess.run([f"{BIN}/voxrun", "doctor", "--clock", "0"], stdout=subprocess.PIPE, text=True).stdout
-    has = re.search(r"confinement of plugins: (.*)", seen)[1]
     if "Landlock" in has:
         assert "may write" not in may and not os.path.exists(home), may
     if "seccomp" in has:
         assert not [fact for fact in may if fact != "may write"], may
+    after = os.stat(mine)
+    os.remove(mine)
+    if confined:
+        done = [fact for fact in facts if fact.startswith(("call", "file")) and "No such file" not in fact]
+        assert not done, done
+        kept = ("st_mode", "st_uid", "st_nlink", "st_size", "st_mtime_ns", "st_ctime_ns")
+        assert all(getattr(before, name) == getattr(after, name) for name in kept), (before, after)
     # One that is trusted keeps the user's rights.
     finish(run(command("trusted", "facts=trusted.txt home=" + home + ",trust", ["--duration", "100ms"])), 0)
     trusted = open("trusted.txt").read()

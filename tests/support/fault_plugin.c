@@ -10,7 +10,8 @@
  * with the loop), wild-index (over the words that say where a value is), wild-force (over forces),
  * shrink (tries to cut that memory short), button (no fault: button 1 is pressed from then on).
  * FORCELAYER_PLUGIN_MODE=push in the environment: push mode. facts=FILE: what the process may do,
- * written when the device is opened.
+ * written when the device is opened. file=FILE: it also tries there what no plugin may do to a
+ * file of the user, to the loop or to the system.
  *
  * The hand comes down 30 mm in 0.3 s (way=SECONDS) and goes up again, until it feels the motors
  * push; it then stays there. So a loop that begins late finds it out of contact, too. With `below`
@@ -24,14 +25,23 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
+#include <sys/mount.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/uio.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -110,9 +120,7 @@ static void stay(struct driver* d, double t_s, double way) {
   d->wire->stays = 1;
 }
 
-/* Descriptors, rights and environment of this process, a line each; and what it may do: write
- * beside the library (`home` is a file there), start a program, look into its parent, signal it,
- * have the kernel signal it, limit its time. */
+/* What this process may do: write beside the library (`home` is a file there), start a program. */
 static void write_rights(FILE* facts, const char* home) {
   const int file = home[0] == 0 ? -1 : open(home, O_WRONLY | O_CREAT, 0600);
   if (file >= 0) fputs("may write\n", facts);
@@ -124,27 +132,124 @@ static void write_rights(FILE* facts, const char* home) {
   int status = 0;
   waitpid(child, &status, 0);
   if (status == 0) fputs("may start programs\n", facts);
-  char byte;
-  struct iovec mine = {&byte, 1}, theirs = {(void*)write_rights, 1};
-  if (process_vm_readv(getppid(), &mine, 1, &theirs, 1, 0) >= 0 || errno != EPERM) {
-    fputs("may read its parent\n", facts);
-  }
-  if (kill(getppid(), 0) == 0) fputs("may signal its parent\n", facts);
-  int ends[2]; /* of a pipe: what is written there would signal its parent */
-  if (pipe(ends) == 0) {
-    if (fcntl(ends[0], F_SETOWN, getppid()) == 0) fputs("may have its parent signaled\n", facts);
-    struct f_owner_ex owner = {F_OWNER_PID, getppid()};
-    if (fcntl(ends[0], F_SETOWN_EX, &owner) == 0) fputs("may have it signaled\n", facts);
-    close(ends[0]);
-    close(ends[1]);
-  }
   struct rlimit limit;
-  if (prlimit(getppid(), RLIMIT_CPU, NULL, &limit) == 0) fputs("may limit its parent\n", facts);
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) fputs("may not see its own limits\n", facts);
+  if (kill(getpid(), 0) != 0) fputs("may not signal itself\n", facts);
   close(file);
 }
 
-static void write_facts(const char* path, const char* home) {
+static void note(FILE* facts, const char* kind, const char* call, long result) {
+  const int number = errno;
+  const int refused = result == -1 && (number == EPERM || number == EACCES);
+  if (!refused) fprintf(facts, "%s %s: %s\n", kind, call, result == -1 ? strerror(number) : "done");
+}
+#define SYSTEM(call) (errno = 0, note(facts, "call", #call, (long)(call)))
+#define ON_FILE(call) (errno = 0, note(facts, "file", #call, (long)(call)))
+
+/* What must be refused to a confined plugin, by the filter of system calls (EPERM even where the
+ * call makes no sense) or by the rights to files. Only what was not refused is written down. */
+static void try_the_loop(FILE* facts) {
+  const pid_t loop = getppid();
+  struct sched_param ordinary = {0};
+  struct rlimit limit;
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  CPU_SET(0, &cores);
+  char byte;
+  struct iovec mine = {&byte, 1}, theirs = {(void*)note, 1};
+  int ends[2];
+  if (pipe(ends) != 0) return;
+  struct f_owner_ex owner = {F_OWNER_PID, loop};
+  SYSTEM(kill(loop, 0));
+  SYSTEM(kill(0, 0));
+  SYSTEM(kill(-1, 0));
+  SYSTEM(kill(-getpgid(loop), 0));
+  SYSTEM(syscall(SYS_tkill, loop, 0));
+  SYSTEM(syscall(SYS_tgkill, loop, loop, 0));
+  SYSTEM(syscall(SYS_rt_sigqueueinfo, loop, 0, NULL));
+  SYSTEM(syscall(SYS_rt_tgsigqueueinfo, loop, loop, 0, NULL));
+  SYSTEM(syscall(SYS_pidfd_send_signal, syscall(SYS_pidfd_open, loop, 0), 0, NULL, 0));
+  SYSTEM(fcntl(ends[0], F_SETOWN, loop));
+  SYSTEM(fcntl(ends[0], F_SETOWN_EX, &owner));
+  SYSTEM(ioctl(ends[0], FIOSETOWN, &loop));
+  SYSTEM(ioctl(ends[0], SIOCSPGRP, &loop));
+  SYSTEM(setpgid(0, getpgid(loop)));
+  SYSTEM(setpgid(loop, loop));
+  SYSTEM(ioctl(0, TIOCSTI, "x"));
+  SYSTEM(ioctl(0, TIOCSCTTY, 1));
+  SYSTEM(ioctl(0, TIOCSPGRP, &loop));
+  SYSTEM(sched_setscheduler(loop, SCHED_IDLE, &ordinary));
+  SYSTEM(sched_setparam(loop, &ordinary));
+  SYSTEM(syscall(SYS_sched_setattr, loop, NULL, 0));
+  SYSTEM(sched_setaffinity(loop, sizeof cores, &cores));
+  SYSTEM(setpriority(PRIO_PROCESS, (id_t)loop, 19));
+  SYSTEM(setpriority(PRIO_PGRP, 0, 19));
+  SYSTEM(setpriority(PRIO_USER, 0, 19));
+  SYSTEM(syscall(SYS_ioprio_set, 1, loop, 3 << 13));
+  SYSTEM(prlimit(loop, RLIMIT_CPU, NULL, &limit));
+  SYSTEM(process_vm_readv(loop, &mine, 1, &theirs, 1, 0));
+  SYSTEM(process_vm_writev(loop, &mine, 1, &theirs, 1, 0));
+#if !defined(__SANITIZE_ADDRESS__) /* which looks for leaks in this way */
+  SYSTEM(ptrace(PTRACE_SEIZE, loop, NULL, NULL));
+#endif
+  SYSTEM(syscall(SYS_kcmp, loop, loop, 0, 0, 0));
+  SYSTEM(syscall(SYS_pidfd_getfd, syscall(SYS_pidfd_open, loop, 0), 0, 0));
+  SYSTEM(syscall(SYS_move_pages, loop, 0, NULL, NULL, NULL, 0));
+  SYSTEM(socket(AF_UNIX, SOCK_STREAM, 0));
+  close(ends[0]);
+  close(ends[1]);
+}
+
+static void try_the_system(FILE* facts) {
+  SYSTEM(syscall(SYS_bpf, 0, NULL, 0));
+  SYSTEM(syscall(SYS_perf_event_open, NULL, 0, -1, -1, 0));
+  SYSTEM(syscall(SYS_userfaultfd, 0));
+  SYSTEM(syscall(SYS_io_uring_setup, 1, NULL));
+  SYSTEM(syscall(SYS_keyctl, 0, 0, 0, 0, 0));
+  SYSTEM(syscall(SYS_add_key, NULL, NULL, NULL, 0, 0));
+  SYSTEM(mount("none", "/tmp", "tmpfs", 0, NULL));
+  SYSTEM(unshare(CLONE_NEWUSER));
+  SYSTEM(syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, NULL, NULL, NULL, 0));
+  SYSTEM(setns(0, 0));
+  SYSTEM(chroot("/"));
+}
+
+static void try_file(FILE* facts, const char* file) {
+  char other[512];
+  snprintf(other, sizeof other, "%s.other", file);
+  const struct timeval times[2] = {{1, 0}, {1, 0}};
+  ON_FILE(chmod(file, 0777));
+  ON_FILE(fchmodat(AT_FDCWD, file, 0777, 0));
+  ON_FILE(chown(file, getuid(), getgid()));
+  ON_FILE(lchown(file, getuid(), getgid()));
+  ON_FILE(utimes(file, times));
+  ON_FILE(utimensat(AT_FDCWD, file, NULL, 0));
+  ON_FILE(setxattr(file, "user.x", "x", 1, 0));
+  ON_FILE(lsetxattr(file, "user.x", "x", 1, 0));
+  ON_FILE(removexattr(file, "user.x"));
+  ON_FILE(truncate(file, 0));
+  ON_FILE(open(file, O_RDONLY | O_TRUNC));
+  ON_FILE(open(file, O_ACCMODE | O_TRUNC));
+  ON_FILE(open(file, O_WRONLY));
+  const int reads = open(file, O_RDONLY);
+  ON_FILE(fchmod(reads, 0777));
+  ON_FILE(fchown(reads, getuid(), getgid()));
+  ON_FILE(fsetxattr(reads, "user.x", "x", 1, 0));
+  ON_FILE(link(file, other));
+  ON_FILE(symlink(file, other));
+  ON_FILE(mkdir(other, 0700));
+  ON_FILE(rename(file, other));
+  ON_FILE(unlink(file));
+  snprintf(other, sizeof other, "/proc/%d/oom_score_adj", (int)getppid());
+  ON_FILE(open(other, O_WRONLY));
+  snprintf(other, sizeof other, "/proc/%d/mem", (int)getppid());
+  ON_FILE(open(other, O_RDONLY));
+  ON_FILE(open("/sys/fs/cgroup/cgroup.procs", O_WRONLY));
+  close(reads);
+}
+
+/* Descriptors, rights and environment of this process, a line each. */
+static void write_facts(const char* path, const char* home, const char* file) {
   char line[4096];
   FILE* facts = fopen(path, "w");
   FILE* status = fopen("/proc/self/status", "r");
@@ -160,6 +265,11 @@ static void write_facts(const char* path, const char* home) {
     fprintf(facts, "env %.*s\n", (int)strcspn(*variable, "="), *variable);
   }
   write_rights(facts, home);
+  if (file[0] != 0) {
+    try_the_loop(facts);
+    try_the_system(facts);
+    try_file(facts, file);
+  }
   fclose(status);
   fclose(facts);
 }
@@ -178,7 +288,9 @@ static int open_device(const char* arguments, forcelayer_plugin_info* info, void
   value_of(arguments, "facts=", facts, sizeof facts);
   char home[400];
   value_of(arguments, "home=", home, sizeof home);
-  if (facts[0] != 0) write_facts(facts, home);
+  char file[400];
+  value_of(arguments, "file=", file, sizeof file);
+  if (facts[0] != 0) write_facts(facts, home, file);
   if (strstr(arguments, "open-hangs") != NULL) sleep_ms(100000);
   if (strstr(arguments, "open-mute") != NULL) return 1;
   if (path[0] == 0) {

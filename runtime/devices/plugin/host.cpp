@@ -195,20 +195,18 @@ void end_in_order_on_signals() {
 
 // The plugin's code gets what it needs: no descriptor but the terminal's and the link, and no way
 // to rights that this process has not. Unless it is trusted, it writes to devices and temporary
-// files alone, starts no other program, and reaches into no other process.
+// files alone, starts no other program, and reaches into no other process (confinement.h).
 void give_up_rights(bool trusted) {
   syscall(SYS_close_range, kLinkDescriptor + 1, ~0u, 0);
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   if (trusted) return;
   const char* const temporary = std::getenv("TMPDIR");
-  const std::string writable[] = {"/dev",
-                                  "/proc/self",
-                                  "/run",
-                                  "/sys",
-                                  "/tmp",
-                                  "/var/tmp",
-                                  temporary == nullptr ? "/tmp" : temporary};
+  const std::string writable[] = {
+      "/dev",       "/proc/self",   "/run",
+      "/sys/bus",  // and not /sys/fs, whose groups of processes can be stopped
+      "/sys/class", "/sys/devices", "/tmp", "/var/tmp", temporary == nullptr ? "/tmp" : temporary};
   confine_files(writable);
+  machine::limit_real_time_priority(1);
   confine_system_calls(CallsOf::kDriver);
 }
 

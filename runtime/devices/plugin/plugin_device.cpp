@@ -155,13 +155,14 @@ Status PluginDevice::launch() {
   link_ = new (mapped) PluginLink;
   link_->stale_s = options_.stale_s;
 
-  // In a process group of its own: Ctrl-C and Ctrl-Z are for the loop, which then says what to do.
+  // In a session of its own: Ctrl-C and Ctrl-Z are for the loop, which then says what to do, and
+  // the plugin cannot join the loop's process group.
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, memory, kLinkDescriptor);
   posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
   std::string host = options_.host.string(), library = options_.library.string(),
               parent = std::to_string(getpid()), rights = options_.trusted ? "trusted" : "confined";
   char* const arguments[] = {host.data(),   library.data(), options_.arguments.data(),
