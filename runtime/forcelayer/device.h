@@ -54,6 +54,8 @@ struct DeviceSample {
   bool present = false;        // the device answers
   bool calibrated = true;      // its poses can be trusted
   bool output_held = false;    // its own side keeps the motors at zero: a watchdog
+  double output_falls = 0;     // falls of its output that its own side made since the start, since
+                               // the loop was late: a sum, 1 from full to zero
   std::uint64_t sequence = 0;  // counts readings; gaps are losses
 };
 

@@ -17,6 +17,8 @@ enum class InputTrouble : std::uint32_t {
 };
 inline constexpr std::uint32_t kInputTroubles = 6;
 
+inline constexpr float kFallSteps = 65535;
+
 struct InputHealth {
   InputTrouble trouble = InputTrouble::kNone;  // else the input is invalid
   float age_share = 0;                         // age of the reading over its stale limit; 0: fresh
@@ -24,6 +26,8 @@ struct InputHealth {
   bool swapping = false;                       // part and scene wait to be replaced, at zero output
   bool output_held = false;                    // the device's own side keeps the motors at zero
   bool loop_late = false;                      // the frame began later than the stale limit allows
+  float output_fall = 0;  // since the frame before, by the device's side, because the loop was
+                          // late: 1 from full to zero, in steps of 1 / kFallSteps
 };
 
 }  // namespace forcelayer

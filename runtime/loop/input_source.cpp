@@ -15,6 +15,13 @@ constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's
 constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarsest device
 constexpr double kLeastTurnRad = 0.01;   // the same of its rotation
 
+// As a recording keeps it, so that a replay trips in the same frame. A sum that went back is that
+// of a new connection.
+float recordable_fall(double fall) {
+  if (!(fall > 0)) return 0;
+  return static_cast<float>(std::ceil(std::min(fall, 1.0) * kFallSteps) / kFallSteps);
+}
+
 }  // namespace
 
 bool is_pose(const Pose& device_from_handle) noexcept {
@@ -123,6 +130,8 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   health_.trouble = trouble(sample, dt_s);
   health_.age_share = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
   health_.output_held = sample.output_held;
+  health_.output_fall = recordable_fall(sample.output_falls - output_falls_);
+  output_falls_ = sample.output_falls;
   if (health_.trouble == InputTrouble::kNone) {
     sample.device_from_handle = made_unit(sample.device_from_handle);
   }

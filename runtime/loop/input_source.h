@@ -71,6 +71,7 @@ class DeviceInput final : public InputSource {
   Twist estimate_;            // sensed or estimated at the last fresh reading, device axes
   double since_fresh_s_ = 0;  // age of that reading
   InputHealth health_;
+  double output_falls_ = 0;  // DeviceSample::output_falls in the last frame
   double age_s_ = 0;         // of the newest reading
   double since_good_s_ = 0;  // age of the last accepted reading
   Pose last_good_;           // its pose

@@ -27,6 +27,7 @@ bool OutputGate::overflows(const GateInput& input, double dt_s) noexcept {
     level_ = std::max(0.0, level_ - kFall * dt_s / kForgetS);
     level_ += kFall * std::max(0.0, gain_ - input.late_gain);
   }
+  level_ += kFall * gain_ * input.device_fall;
   was_bad_ = bad;
   const bool over = level_ > 1 + kRounding;
   level_ = std::min(level_, 1.0);
@@ -70,7 +71,9 @@ double OutputGate::carry(const GateInput& input, double dt_s) noexcept {
 double OutputGate::pass(const GateInput& frame, double dt_s) noexcept {
   GateInput input = frame;
   if (overflows(input, dt_s) && !input.lasting) {
-    input.cause = input.fault != TripCause::kNone ? input.fault : TripCause::kFrozen;
+    input.cause = input.fault != TripCause::kNone ? input.fault
+                  : input.device_fall > 0         ? TripCause::kLoopLate
+                                                  : TripCause::kFrozen;
     input.lasting = true;
   }
   if (trips_on(input)) trip(input.cause);

@@ -13,6 +13,8 @@
 // |------------------|--------------------------------------------------------------------------|
 // | sound            | drains the bucket; the gain rises                                        |
 // | late             | the gain falls to what the reading's age allows; charges the fall        |
+// | faded            | the device's side faded the output of a late loop, and ramps it in      |
+// |                  | itself: charges that fall                                                |
 // | bad              | gain 0 in this frame; charges the bucket; one that is full is a lasting  |
 // |                  | cause                                                                    |
 // | passing cause    | gain 0; trips held, ramping and full: a late loop, a fast hand           |
@@ -20,7 +22,8 @@
 // | clutch, swap     | sound, and the gain falls to 0 in fade_s                                 |
 //
 // The bucket bounds what comes and goes. Full, it holds kEpisodes falls of the gain from 1 to 0; it
-// drains one in kForgetS. A late frame charges its fall. A bad frame charges its length over
+// drains one in kForgetS. A late frame charges its fall, and so does
+// a faded one. A bad frame charges its length over
 // stale_s, and the first of a row at least a whole fall. So before it trips, the falls by faults in
 // any T seconds add up to at most kEpisodes + T / kForgetS, and so do the rises that follow them.
 #pragma once
@@ -51,6 +54,7 @@ struct GateInput {
   bool lasting = false;                // that cause does not pass by itself
   TripCause fault = TripCause::kNone;  // of a bad frame: the cause of the trip if such frames last
   double late_gain = 1;                // the most that the age of the reading allows
+  double device_fall = 0;              // of the output by the device's side, 1 from full to zero
   bool ready = false;     // to arm: the part is free of contact, or held without stretch
   bool clutch = false;    // pressed: the output goes to zero; the clutch arms
   bool swapping = false;  // the output goes to zero, but nothing arms: no hand has said it is ready

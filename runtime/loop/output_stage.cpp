@@ -49,6 +49,11 @@ const CauseRow& row_of(TripCause cause) {
   return row == std::end(kCauses) ? kCauses[0] : *row;
 }
 
+// A limit of zero lets nothing through, not even what is so small that its square is zero.
+glm::dvec3 clamped(const glm::dvec3& v, double limit) {
+  return limit == 0 ? glm::dvec3(0) : model::clamped(v, limit);
+}
+
 // `last` moved towards `wanted` by at most `step`. A zero `wanted` is reached at once: the slew
 // limit must not delay letting go.
 glm::dvec3 moved(const glm::dvec3& last, const glm::dvec3& wanted, double step) {
@@ -90,8 +95,8 @@ TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
 }
 
 Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
-  return {model::clamped(wanted.force_n, limits_.max_force_n) * gain,
-          model::clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
+  return {clamped(wanted.force_n, limits_.max_force_n) * gain,
+          clamped(wanted.torque_nm, limits_.max_torque_nm) * gain};
 }
 
 Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
@@ -112,6 +117,7 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   input.lasting = row_of(input.cause).lasting;
   input.fault = fault_of(frame);
   input.late_gain = devices::late_gain(frame.health.age_share);
+  input.device_fall = frame.health.output_fall;
   // A part that is held for a swap is looked at nowhere, and gripped anew in each frame.
   input.ready = !frame.health.swapping && (frame.free_of_contact || frame.unstretched);
   input.clutch = frame.health.clutch;

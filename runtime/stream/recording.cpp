@@ -241,7 +241,9 @@ namespace {
 std::uint32_t recorded_health(const InputHealth& health) {
   return static_cast<std::uint32_t>(health.trouble) | (health.clutch ? kRecordedClutch : 0u) |
          (health.output_held ? kRecordedOutputHeld : 0u) |
-         (health.loop_late ? kRecordedLoopLate : 0u) | (health.swapping ? kRecordedSwapping : 0u);
+         (health.loop_late ? kRecordedLoopLate : 0u) | (health.swapping ? kRecordedSwapping : 0u) |
+         static_cast<std::uint32_t>(std::lround(health.output_fall * kFallSteps))
+             << kRecordedFallShift;
 }
 
 InputHealth health_of(const RecordedFrame& frame) {
@@ -254,6 +256,7 @@ InputHealth health_of(const RecordedFrame& frame) {
   health.output_held = (frame.health & kRecordedOutputHeld) != 0;
   health.loop_late = (frame.health & kRecordedLoopLate) != 0;
   health.swapping = (frame.health & kRecordedSwapping) != 0;
+  health.output_fall = static_cast<float>(frame.health >> kRecordedFallShift) / kFallSteps;
   return health;
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::array<std::uint8_t, 8> kRecordingEndMagic = {0x89, 'F',  '
                                                                    '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kRecordingEndianTag = 0x01020304;
 inline constexpr std::uint16_t kRecordingMajor = 2;
-inline constexpr std::uint16_t kRecordingMinor = 0;
+inline constexpr std::uint16_t kRecordingMinor = 1;
 inline constexpr std::uint32_t kMaxRecordedParameters = 256;
 
 struct RecordingHeader {                     // offset
@@ -58,7 +58,7 @@ struct RecordedFrame {                      // offset
   std::uint32_t valid;                      // 108  InputUse
   std::uint64_t outcome_hash;               // 112  of the wrench and the state after the step
   float age_share;                          // 120  InputHealth::age_share
-  std::uint32_t health;                     // 124  InputTrouble, and RecordedHealth bits
+  std::uint32_t health;                     // 124  InputTrouble, RecordedHealth bits, output_fall
 };
 static_assert(sizeof(RecordedFrame) == 128);
 
@@ -69,6 +69,8 @@ enum RecordedHealth : std::uint32_t {
   kRecordedLoopLate = 0x400,
   kRecordedSwapping = 0x800,
 };
+inline constexpr std::uint32_t kRecordedFallShift = 16;  // above: InputHealth::output_fall, in
+                                                         // kFallSteps
 
 struct RecordingTrailer {             // offset
   std::array<std::uint8_t, 8> magic;  //  0

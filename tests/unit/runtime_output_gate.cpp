@@ -22,15 +22,17 @@ using loop::GateState;
 using loop::OutputGate;
 
 // Inputs of a frame, as the table in output_gate.h names them.
-enum class Kind { kSound, kReady, kLate, kBad, kPassing, kLasting, kClutch, kSwap };
-constexpr Kind kKinds[] = {Kind::kSound,   Kind::kReady,   Kind::kLate,   Kind::kBad,
+enum class Kind { kSound, kReady, kLate, kFaded, kBad, kPassing, kLasting, kClutch, kSwap };
+constexpr Kind kKinds[] = {Kind::kSound,   Kind::kReady,   Kind::kLate,   Kind::kFaded, Kind::kBad,
                            Kind::kPassing, Kind::kLasting, Kind::kClutch, Kind::kSwap};
 constexpr double kLateGain = 0.375;
+constexpr double kDeviceFall = 0.5;
 
 GateInput input_of(Kind kind) {
   GateInput in;
   in.ready = kind != Kind::kSound;
   if (kind == Kind::kLate) in.late_gain = kLateGain;
+  if (kind == Kind::kFaded) in.device_fall = kDeviceFall;
   if (kind == Kind::kBad) in.fault = TripCause::kImplausible;
   if (kind == Kind::kPassing) in.cause = TripCause::kLoopLate;
   if (kind == Kind::kLasting) in.cause = TripCause::kDeviceLost;
@@ -73,6 +75,7 @@ bool reference_bucket(double& level, double gain, Kind kind, bool was_bad) {
   } else {
     level = std::max(0.0, level - 0.2 * kDt);
     if (kind == Kind::kLate) level += 0.2 * std::max(0.0, gain - kLateGain);
+    if (kind == Kind::kFaded) level += 0.2 * gain * kDeviceFall;
   }
   const bool over = level > 1 + 1e-9;
   level = std::min(level, 1.0);
@@ -128,7 +131,8 @@ void check_edge(const Walker& from, const Walker& to, Kind kind, bool rearm_alon
   // Each fall by a fault is paid for, and nothing is forgotten faster than promised. So what comes
   // and goes is bounded over every path, however long.
   const bool clutched = kind == Kind::kClutch || kind == Kind::kSwap;
-  const double fall = clutched ? 0 : std::max(0.0, a.gain() - b.gain());
+  const double on_device = kind == Kind::kFaded ? a.gain() * kDeviceFall : 0;
+  const double fall = clutched ? 0 : std::max(0.0, a.gain() - b.gain()) + on_device;
   const double drained = kDt / (OutputGate::kEpisodes * OutputGate::kForgetS);
   if (b.armed()) {
     EXPECT_GE(b.level(), std::max(0.0, a.level() - drained) + 0.2 * fall - 1e-9);

@@ -115,6 +115,19 @@ TEST(OutputStage, AHandThatTurnsTooFastTrips) {
   EXPECT_EQ(stage.last_trip(), TripCause::kOverSpeed);
 }
 
+// A device without torques is asked for none, however small: its side takes any for a wild write.
+TEST(OutputStage, ALimitOfZeroLetsNothingThrough) {
+  loop::OutputLimits l = limits();
+  l.max_torque_nm = 0;
+  loop::OutputStage stage(l);
+  for (const double torque : {1e-157, 1e-300, 5e-324, 1.0}) {
+    loop::OutputFrame f = frame(1);
+    f.wanted.torque_nm = {0, torque, 0};
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(stage.pass(f, kDt).torque_nm, glm::dvec3(0)) << torque;
+    EXPECT_EQ(stage.pass(f, kDt).force_n.x, 1) << torque;
+  }
+}
+
 // Limits that are none, as a damaged recording has them, let nothing through.
 TEST(OutputStage, ChecksItsOwnResultLast) {
   loop::OutputLimits l = limits();
@@ -160,9 +173,10 @@ TEST(OutputStage, ADevicesSideThatIsSlowSeesTheZero) {
       loop::OutputFrame f = frame(1);
       if (i % 700 == 350) f.health.loop_late = true;  // trips, and arms again in the next frame
       const Wrench out = stage.pass(f, kDt);
-      if (f.health.loop_late) watch.pass(out, 1);  // its own side let go as well
+      const std::int64_t now_ns = (i + 1) * 1'000'000LL;
+      if (f.health.loop_late) watch.latch();  // its own side let go as well
       if (i % 14 != first) continue;
-      felt_n = watch.pass(out, 0).force_n.x;
+      felt_n = watch.pass(out, now_ns, now_ns).force_n.x;
       latched_frames += watch.latched() ? 1 : 0;
     }
     EXPECT_EQ(felt_n, 1) << first;

@@ -529,6 +529,7 @@ TEST_P(ServoTest, AReplayGivesTheDevicesWrenchAgain) {
       bench.device.sample.present = i < 1200 || i > 1203;
       bench.servo.set_clutch((i > 700 && i < 800) || (i > 1300 && i < 1310));
       if (i == 1000) bench.servo.note_late();
+      if (i >= 1410 && i < 1440) bench.device.sample.output_falls += 0.3;  // trips
       if (i == 1100) bench.servo.set_clutch(true);
       tick();
     }

@@ -83,6 +83,7 @@ DeviceSample HidDevice::read(double) noexcept {
   const long long now_ns = machine::monotonic_ns();
   sample.output_held = held_.load(std::memory_order_relaxed) ||
                        now_ns < held_until_ns_.load(std::memory_order_relaxed);
+  sample.output_falls = falls_.load(std::memory_order_relaxed);
   sample.present = link_.connected() && now_ns >= absent_until_ns_.load(std::memory_order_relaxed);
   return sample;
 }
@@ -309,9 +310,9 @@ void HidDevice::run_writer(HidPort& port) noexcept {
     const bool fresh = outgoing_.take(newest_);
     const long long now_ns = machine::monotonic_ns();
     if (!fresh && now_ns < next_ns) continue;
-    const double age_s = static_cast<double>(now_ns - newest_.written_ns) * 1e-9;
-    const Wrench wrench = watch.pass(newest_.wrench, age_s);
+    const Wrench wrench = watch.pass(newest_.wrench, newest_.written_ns, now_ns);
     held_.store(watch.latched(), std::memory_order_relaxed);
+    falls_.store(watch.falls(), std::memory_order_relaxed);
     lost = !send_command(port, newest_, wrench, true);
     next_ns = machine::monotonic_ns() + (is_zero(wrench) ? kHeartbeatNs : kResendNs);
   }

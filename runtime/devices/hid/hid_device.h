@@ -22,7 +22,7 @@ struct HidStatistics {
   std::uint64_t repeated = 0;   // an old sequence or time: not taken
   std::uint64_t malformed = 0;  // not taken
   std::uint64_t commands = 0;   // sent
-  std::uint64_t faded = 0;      // of these: while the loop was late
+  std::uint64_t faded = 0;      // of these: while the loop was late, or back since a moment
   std::uint64_t losses = 0;     // of the connection
   std::uint64_t longest_write_ns = 0;
 };
@@ -91,6 +91,7 @@ class HidDevice final : public Device, private HidLinkClient {
   std::thread writer_;
   std::atomic<bool> writer_stop_{false}, write_failed_{false};
   std::atomic<bool> held_{true};               // the writer sends zero whatever it is given
+  std::atomic<double> falls_{0};               // of the writer's watch on this connection
   std::atomic<std::uint32_t> known_state_{0};  // newest sequence, for the writer
   std::atomic<std::uint16_t> bad_status_{0};   // watchdog or fault: the last that it reported
   std::atomic<std::uint64_t> bad_losses_{0};   // link_.losses() at that time

@@ -46,7 +46,7 @@ class Exchange {
         parent_(parent),
         max_force_n_(info.max_force_n),
         max_torque_nm_(info.max_torque_nm),
-        watch_(link.stale_s) {}
+        watch_(link.stale_s, 1 / info.rate_hz) {}
 
   // The loop says so, or is no more.
   bool ending() const {
@@ -55,7 +55,8 @@ class Exchange {
   }
 
   void give(const forcelayer_plugin_reading& reading) {
-    readings_.put(link_.readings, {reading, ++sequence_, watch_.latched() ? 1u : 0u});
+    readings_.put(link_.readings,
+                  {reading, ++sequence_, watch_.latched() ? 1u : 0u, watch_.falls()});
   }
 
   void lose() { link_.state.store(PluginState::kLost, std::memory_order_release); }
@@ -70,12 +71,10 @@ class Exchange {
     // The loop keeps within the ratings: what does not, the plugin itself wrote over.
     if (!(glm::length(newest.force_n) <= max_force_n_ * kRounding &&
           glm::length(newest.torque_nm) <= max_torque_nm_ * kRounding)) {
+      watch_.latch();
       return out;
     }
-    const double age_s =
-        (static_cast<double>(machine::monotonic_ns()) - static_cast<double>(command_.written_ns)) /
-        1e9;
-    const Wrench watched = watch_.pass(newest, age_s);
+    const Wrench watched = watch_.pass(newest, command_.written_ns, machine::monotonic_ns());
     for (int axis = 0; axis < 3; ++axis) {
       out.force_n[axis] = watched.force_n[axis];
       out.torque_nm[axis] = watched.torque_nm[axis];

@@ -269,6 +269,7 @@ DeviceSample PluginDevice::read(double) noexcept {
   sample.fresh = fresh;
   sample.calibrated = (r.status & FORCELAYER_PLUGIN_CALIBRATED) != 0 || last_.sequence == 0;
   sample.output_held = last_.output_held != 0 || (r.status & FORCELAYER_PLUGIN_MOTORS_OFF) != 0;
+  sample.output_falls = last_.output_falls;
   sample.sequence = last_.sequence;
   return sample;
 }

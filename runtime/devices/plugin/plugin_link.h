@@ -14,7 +14,7 @@
 
 namespace forcelayer::devices {
 
-inline constexpr std::uint32_t kPluginLinkVersion = 2;
+inline constexpr std::uint32_t kPluginLinkVersion = 3;
 inline constexpr std::uint32_t kPluginLinkGuard = 0x464c5047;
 
 enum class PluginState : std::uint32_t {
@@ -29,6 +29,7 @@ struct PluginReading {
   forcelayer_plugin_reading reading;
   std::uint64_t sequence;     // from 1
   std::uint32_t output_held;  // 1: the process keeps the motors at zero
+  double output_falls;        // DeviceSample::output_falls
 };
 
 struct PluginCommand {
