@@ -185,6 +185,7 @@ std::string cropped_text(std::uint32_t sides) {
 
 // Rounded down: what is proven must not be quoted larger than it is.
 std::string millimeters(double length_m) {
+  if (!(length_m > 0)) return "0 mm";
   const double unit = std::pow(10, std::floor(std::log10(1e3 * length_m)) - 2);
   char text[40];
   std::snprintf(text, sizeof text, "%.4g mm", std::floor(1e3 * length_m / unit) * unit);

@@ -65,7 +65,7 @@ class OutputWatch {
   }
 
   bool latched() const { return latched_; }
-  // Of the gain, so far: what the loop cannot see of its output (InputHealth::output_fall).
+  // Sum of the falls of the gain so far, which the loop cannot see (InputHealth::output_fall).
   double falls() const { return falls_; }
 
  private:

@@ -22,13 +22,13 @@ std::uint32_t numbered(const Frame& frame, std::uint32_t object) noexcept {
   return object == 0 ? 0 : frame.objects_before + object;
 }
 
+}  // namespace
+
 TouchedInFrame touched_in(const Frame& frame) noexcept {
   auto touched = frame.result.report.touched;
   for (TouchedObject& object : touched) object.object = numbered(frame, object.object);
   return touched;
 }
-
-}  // namespace
 
 const char* to_text(MissCause cause) {
   switch (cause) {

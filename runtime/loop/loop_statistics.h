@@ -102,6 +102,9 @@ class TouchedObjects {
 
 using TouchedInFrame = std::array<TouchedObject, 4>;
 
+// Objects that the part pushes against in a frame, numbered as in LoopStatistics.
+TouchedInFrame touched_in(const Frame& frame) noexcept;
+
 // The first frame of a kind.
 struct FirstFrame {
   double time_s = 0;

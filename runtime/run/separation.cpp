@@ -23,6 +23,7 @@ double arc_deviation_m(double voxel_size_m, double radius_m) {
 std::string length_text(const std::optional<double>& length_m) {
   if (!length_m) return "none";
   const double length_mm = *length_m * 1000;
+  if (!(length_mm > 0)) return "0 mm";
   const double last_digit = std::pow(10, std::floor(std::log10(length_mm)) - 2);
   char text[32];
   std::snprintf(text, sizeof text, "%.3g mm", std::floor(length_mm / last_digit) * last_digit);

@@ -49,11 +49,11 @@ Result<ChosenDevice> make_sim(const Options& options) {
     auto read = devices::MotionScript::read(options.motion);
     if (!read) return read.error();
     script = std::move(*read);
-    chosen.motion_end_s = script.end_s();
+    chosen.motion = script;
   }
   if (options.pull_m) {
     script = pulled(resting_handle(options), *options.pull_m);
-    chosen.motion_end_s = script.end_s();
+    chosen.motion = script;
   }
   if (options.hand.empty()) {
     chosen.device = std::make_unique<devices::SimDevice>(std::move(script), placement);

@@ -7,13 +7,14 @@
 
 #include "formats/result.h"
 #include "runtime/devices/device.h"
+#include "runtime/devices/motion_script.h"
 #include "runtime/voxrun/options.h"
 
 namespace forcelayer::voxrun {
 
 struct ChosenDevice {
-  std::unique_ptr<devices::Device> device;  // started
-  std::optional<double> motion_end_s;       // of a scripted hand
+  std::unique_ptr<devices::Device> device;      // started
+  std::optional<devices::MotionScript> motion;  // of a scripted hand
 };
 
 // Makes and starts it. Errors: kUsage, of files, of devices; kDeviceRefused for a device with

@@ -94,7 +94,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
       "penetration (in any case), contact (but in the seat), outside (of the map), seat (not left) "
-      "or held (short of the end of --pull): end with status 6 where it happened; repeatable");
+      "or held (off --motion, or short of the end of --pull): end with status 6 where it "
+      "happened; repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
       "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
@@ -271,9 +272,9 @@ Status OptionParser::check(const Options& options) const {
   if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
     return usage("--pull", "is a motion of the sim device", "leave out --device and --motion");
   }
-  if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m) {
-    return usage("--fail-on", "held is of --pull: no other run is found to be held",
-                 "give --pull, or leave held out");
+  if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m && options.motion.empty()) {
+    return usage("--fail-on", "held needs a motion that the part should follow",
+                 "give --motion or --pull, or leave held out");
   }
   if (!options.hand.empty() && options.device != "sim") {
     return usage("--hand", "is for the sim device", "leave out --device");

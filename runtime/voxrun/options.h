@@ -29,7 +29,7 @@ enum FailOn : std::uint32_t {
   kFailOnContact = 2,      // a contact, but with the objects of the open seat
   kFailOnOutside = 4,      // a frame beyond a cropped side
   kFailOnSeat = 8,         // a seat that is open at the end
-  kFailOnHeld = 16,        // a part that stopped short of the end of its pull
+  kFailOnHeld = 16,        // a part off its motion, or short of the end of its pull
 };
 
 // What was typed.

@@ -280,16 +280,34 @@ double seconds_of(const Scenes& scenes, const loop::TouchedTotal& total) {
   return static_cast<double>(total.frames) / scenes.parameters().rate_hz;
 }
 
-Json pull_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
-  if (!facts.pull) return nullptr;
-  Json json;
-  put(json, "led_m", facts.pull->led_m);
-  put(json, "went_m", facts.pull->went_m);
-  put(json, "held", facts.pull->short_of_end());
-  Json& against = json["against"] = Json::array();
-  for (const TouchedObject& touched : s.touched_last) {
-    if (touched.object != 0) against.push_back(object_json(scenes, touched.object));
+Json names_json(const Scenes& scenes, const loop::TouchedInFrame& in_frame) {
+  Json names = Json::array();
+  for (const TouchedObject& touched : in_frame) {
+    if (touched.object != 0) names.push_back(object_json(scenes, touched.object));
   }
+  return names;
+}
+
+Json pull_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopStatistics& s) {
+  const std::optional<Pull>& pull = facts.outcome.pull;
+  if (!pull) return nullptr;
+  Json json;
+  put(json, "led_m", pull->led_m);
+  put(json, "went_m", pull->went_m);
+  put(json, "held", pull->short_of_end());
+  put(json, "against", names_json(scenes, s.touched_last));
+  return json;
+}
+
+Json motion_json(const Scenes& scenes, const RunFacts& facts) {
+  if (!facts.outcome.motion) return nullptr;
+  const Followed& motion = *facts.outcome.motion;
+  Json json;
+  put(json, "followed", motion.all_the_way());
+  put(json, "held_off_m", motion.off_m);
+  put(json, "held_off_rad", motion.off_rad);
+  put(json, "t_s", motion.all_the_way() ? Json(nullptr) : Json(motion.time_s));
+  put(json, "against", names_json(scenes, motion.touched));
   return json;
 }
 
@@ -425,8 +443,9 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "frames", s.frames);
   put(json, "force_layer_frames", s.force_layer_frames);
   put(json, "penetration_frames", s.penetration_frames);
-  put(json, "verdict", verdict_word(scenes, facts.pull, s));
+  put(json, "verdict", verdict_word(scenes, facts.outcome, s));
   put(json, "pull", pull_json(scenes, facts, s));
+  put(json, "motion", motion_json(scenes, facts));
   put(json, "penetration_ratio", number(penetration_ratio(s)));
   put(json, "contact_frames", s.contact_frames);
   put(json, "guard_cuts", s.guard_cuts);

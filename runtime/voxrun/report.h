@@ -27,7 +27,7 @@ struct RunFacts {
   devices::DeviceTrouble device_trouble;
   std::vector<devices::DeviceCounter> device_counters;
   bool ended_tripped = false;
-  std::optional<Pull> pull;  // none without one, or where it was not carried out
+  Outcome outcome;
   std::vector<OutputEvent> events;
   std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages brought in before the start
   std::uint64_t resident_bytes = 0;    // of the scene's file, in memory at the end

@@ -167,8 +167,15 @@ void SceneChange::run() {
     servo_->set_hold(false);
     if (!done) say("the scene stays: " + to_line(done.error()));
     lock.lock();
+    if (!done && missed_ && is_listed(asked_)) missed_ = done;
     asked_.clear();
   }
+}
+
+// Else it is one that the user asked for anew, and can ask for again.
+bool SceneChange::is_listed(const std::string& path) const {
+  const auto& listed = options_.scene_next;
+  return std::any_of(listed.begin(), listed.end(), [&](const auto& s) { return s.path == path; });
 }
 
 Status SceneChange::wait_until_held(std::unique_lock<std::mutex>& lock) {

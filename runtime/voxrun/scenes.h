@@ -75,11 +75,16 @@ class SceneChange {
   // Once the loop has ended: ends the thread.
   void finish();
 
+  // After finish(): the error of the first scene of --scene-next that was not taken when it was
+  // due.
+  const Status& missed() const { return missed_; }
+
   // The map in use, once another scene was taken than the first one; else null.
   const Voxmap* map() const { return current_ ? &current_->simulation().voxmap() : nullptr; }
 
  private:
   bool is_due(const Frame& frame);
+  bool is_listed(const std::string& path) const;
   void run();
   Status change();
   Status wait_until_held(std::unique_lock<std::mutex>& lock);
@@ -95,6 +100,7 @@ class SceneChange {
   std::size_t listed_ = 0;             // scenes of --scene-next that were asked for
   std::uint32_t buttons_ = 0;          // of the last frame
   bool due_ = false;                   // a change was asked for, and has not begun
+  Status missed_;
 
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;

@@ -53,6 +53,7 @@ struct Session {
   std::optional<Scenes> scenes;  // of the run
   std::optional<loop::Guide> guide;
   State start;
+  Status missed_scene;  // of --scene-next, by a file that could not be used
 
   ~Session() {
     if (device.device) device.device->stop();
@@ -162,6 +163,9 @@ Status prepare_run(const Options& options, Session& session) {
   if (!voxmap) return voxmap.error();
   auto shell = open_part(options.run.part, options.run.expected_sha256);
   if (!shell) return shell.error();
+  for (const NextScene& next : options.scene_next) {
+    if (auto later = Voxmap::open(next.path, Verify::kStructure); !later) return later.error();
+  }
   const Status input = options.replay.empty() ? make_input(options, session)
                                               : open_recording(options, *voxmap, *shell, session);
   if (!input) return input;
@@ -224,6 +228,11 @@ std::uint64_t frames_of(double seconds, const Session& session) {
   return static_cast<std::uint64_t>(std::ceil(seconds * session.run->parameters().rate_hz - 1e-6));
 }
 
+std::optional<double> motion_end_s(const Session& session) {
+  const auto& motion = session.device.motion;
+  return motion ? std::optional(motion->end_s()) : std::nullopt;
+}
+
 loop::LoopOptions loop_options(const Options& options, const Session& session,
                                const std::atomic<int>& stop) {
   loop::LoopOptions loop;
@@ -231,7 +240,7 @@ loop::LoopOptions loop_options(const Options& options, const Session& session,
   loop.stop = &stop;
   loop.stale_s = options.run.stale_s;
   loop.end_on_trip = session.after_trip == AfterTrip::kEnd;
-  const auto seconds = options.duration_s ? options.duration_s : session.device.motion_end_s;
+  const auto seconds = options.duration_s ? options.duration_s : motion_end_s(session);
   if (seconds) loop.frames = frames_of(*seconds, session);
   return loop;
 }
@@ -241,9 +250,10 @@ void warn_of_early_end(const Options& options, const std::optional<std::uint64_t
                        Session& session) {
   if (!frames) return;
   std::vector<std::string>& warnings = session.facts.warnings;
-  if (options.pull_m && *frames < frames_of(*session.device.motion_end_s, session)) {
-    warnings.push_back(
-        "--duration: the run ends before --pull does: it does not tell whether the part comes out");
+  if (const auto end_s = motion_end_s(session); end_s && *frames < frames_of(*end_s, session)) {
+    warnings.push_back(options.pull_m ? "--duration: the run ends before --pull does: it does not "
+                                        "tell whether the part comes out"
+                                      : "--duration: the run ends before --motion does");
   }
   for (const NextScene& next : options.scene_next) {
     if (!next.at_s || *frames > frames_of(*next.at_s, session)) continue;
@@ -381,6 +391,14 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
     for (const std::string& event : change.see(frame)) events.add(frame.time_s, event, true);
     return {};
   });
+  std::optional<MotionWatch> motion;
+  if (session.device.motion) {
+    motion.emplace(*session.device.motion, session.request.placement.motion_scale);
+    sinks.push_back([&](const Frame& frame) -> Status {
+      motion->see(frame);
+      return {};
+    });
+  }
   sinks.push_back(progress_sink(loop, progress));
   machine::SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), session.stop);
@@ -417,11 +435,11 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
   session.facts.steal_s = machine::steal_seconds() - stolen_s;
   session.facts.wall_s = static_cast<double>(machine::monotonic_ns() - begin_ns) / 1e9;
   if (options.pull_m && statistics.frames == loop.frames &&
-      loop.frames >= frames_of(*session.device.motion_end_s, session)) {
+      loop.frames >= frames_of(*motion_end_s(session), session)) {
     const glm::dvec3 went_m =
         statistics.part_last.position_m - session.start.world_from_center.position_m;
     const double led_m = glm::length(*options.pull_m);
-    session.facts.pull = Pull{led_m, glm::dot(went_m, *options.pull_m) / led_m};
+    session.facts.outcome.pull = Pull{led_m, glm::dot(went_m, *options.pull_m) / led_m};
   }
   change.finish();
   const Voxmap& last = change.map() != nullptr ? *change.map() : voxmap;
@@ -429,6 +447,13 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
   session.facts.resident_bytes = machine::resident_bytes(last.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
+  if (statistics.frames == 0 && session.stop > 0) {  // a signal before the first frame
+    session.began = false;
+    return {};
+  }
+  if (motion) session.facts.outcome.motion = motion->followed();
+  session.missed_scene = change.missed();
+  session.facts.outcome.scene_missed = !session.missed_scene;
   session.facts.output_trips = servo.output().trips();
   if (session.device.device) {
     session.facts.device_trouble = session.device.device->trouble();
@@ -458,7 +483,7 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   if (!began) return {};
   if (done && !options.quiet) {
     print(end_text(*session.scenes, session.facts, *statistics));
-    print(verdict_text(*session.scenes, session.facts.pull, *statistics));
+    print(verdict_text(*session.scenes, session.facts.outcome, *statistics));
   }
   if (done && !options.json.empty()) {
     auto report = report_json(*session.scenes, session.facts, *statistics);
@@ -467,7 +492,8 @@ Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<i
   }
   if (done) done = check_output(session.facts);
   if (done) done = check_replay(session);
-  if (done) done = check_verdict(options, *session.scenes, session.facts.pull, *statistics);
+  if (done) done = check_verdict(options, *session.scenes, session.facts.outcome, *statistics);
+  if (done) done = session.missed_scene;
   return done;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "formats/command/text.h"
 
@@ -42,16 +43,21 @@ bool is_of_seat(const Scenes& scenes, std::uint32_t object) {
   return false;
 }
 
-// ", against A, B": what the part pushed against in a frame.
-std::string against(const Scenes& scenes, const loop::TouchedInFrame& in_frame, bool with_seat) {
+// "A, B" behind `before`: what the part pushed against in a frame. Empty where that has no number.
+std::string named(const Scenes& scenes, const loop::TouchedInFrame& in_frame, const char* before,
+                  bool with_seat) {
   std::string line;
   std::size_t count = 0;
   for (const TouchedObject& touched : in_frame) {
     if (touched.object == 0 || (!with_seat && is_of_seat(scenes, touched.object))) continue;
-    if (count == 0) line = ", against ";
+    if (count == 0) line = before;
     list(line, count++, printed(scenes, touched.object));
   }
   return line;
+}
+
+std::string against(const Scenes& scenes, const loop::TouchedInFrame& in_frame, bool with_seat) {
+  return named(scenes, in_frame, ", against ", with_seat);
 }
 
 bool is_short(const std::optional<Pull>& pull) { return pull && pull->short_of_end(); }
@@ -137,6 +143,25 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   return part;
 }
 
+// The last words of a scripted motion.
+std::string motion_part(const Scenes& scenes, const Outcome& outcome) {
+  if (!outcome.motion) return "";
+  const Followed& motion = *outcome.motion;
+  if (motion.all_the_way()) return "; followed";
+  constexpr double kDegrees = 180 / std::numbers::pi, kSaidRad = 0.01;
+  return text(
+      "; did not follow: held off by up to %.3g mm%s at %.3f s%s", 1e3 * motion.off_m,
+      motion.off_rad > kSaidRad ? text(" and %.3g degrees", kDegrees * motion.off_rad).c_str() : "",
+      motion.time_s, named(scenes, motion.touched, " by ", true).c_str());
+}
+
+// A motion that something holds the part off. A pull is held where it stops short of its end: on
+// its way out the part may slide along its neighbors.
+bool is_held(const Outcome& outcome) {
+  if (is_short(outcome.pull)) return true;
+  return !outcome.pull && outcome.motion && !outcome.motion->all_the_way();
+}
+
 }  // namespace
 
 bool Pull::short_of_end() const { return went_m < kFollowed * led_m; }
@@ -155,27 +180,29 @@ std::string seat_text(const Scenes& scenes, double least_overlap_m) {
   return line;
 }
 
-const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
-                         const LoopStatistics& s) {
-  if (s.penetration_frames > 0) return "not clear";
-  if (is_doubtful(scenes, s) || is_unfinished(scenes, pull, s)) return "unknown";
+const char* verdict_word(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
+  if (s.penetration_frames > 0) return "penetrated";
+  if (outcome.scene_missed || is_doubtful(scenes, s) || is_unfinished(scenes, outcome.pull, s)) {
+    return "unknown";
+  }
   if (seat_open(scenes, s)) return "seated";
-  return is_short(pull) ? "held" : "clear";
+  return is_held(outcome) ? "held" : "proven";
 }
 
-std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
-                         const LoopStatistics& s) {
+std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
   if (s.frames == 0) return "no frame was run\n";
+  const std::optional<Pull>& pull = outcome.pull;
   std::string line = seat_part(scenes, pull, s);
+  const bool loose = is_unfinished(scenes, pull, s);
   if (s.penetration_frames > 0) {
-    line += "NOT clear: ";
-  } else if (const bool loose = is_unfinished(scenes, pull, s); loose || is_doubtful(scenes, s)) {
-    line += "not known to be clear: ";
+    line += "PENETRATED: ";
+  } else if (loose || outcome.scene_missed || is_doubtful(scenes, s)) {
+    line += "not proven: ";
+    if (outcome.scene_missed) line += "a scene of --scene-next did not come; ";
     if (loose) line += text("%s, nothing holds it; ", pull_part(pull).c_str());
-  } else if (!seat_open(scenes, s)) {
-    line += is_short(pull) ? text("held: %s%s; ", pull_part(pull).c_str(),
-                                  against(scenes, s.touched_last, true).c_str())
-                           : "clear: ";
+  } else if (!seat_open(scenes, s) && is_short(pull)) {
+    line += text("held: %s%s; ", pull_part(pull).c_str(),
+                 against(scenes, s.touched_last, true).c_str());
   }
   if (s.first_outside_map) {
     line += text("%llu frame%s beyond a cropped side of the scene, the first at %.3f s; ",
@@ -187,14 +214,18 @@ std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
                  ending(s.barred_frames));
   }
   if (is_too_fast(scenes, s)) line += "points may have gone more than half a voxel in a frame; ";
-  if (!s.first_penetration) return line + clearance_part(scenes, s) + "; 0 penetration frames\n";
-  return line + text("%llu penetration frame%s, the first at %.3f s%s\n",
-                     printable(s.penetration_frames), ending(s.penetration_frames),
-                     s.first_penetration->time_s,
-                     against(scenes, s.first_penetration->touched, true).c_str());
+  const std::string last = motion_part(scenes, outcome) + "\n";
+  if (!s.first_penetration) {
+    return line + clearance_part(scenes, s) + "; 0 penetration frames" + last;
+  }
+  return line +
+         text("%llu penetration frame%s, the first at %.3f s%s", printable(s.penetration_frames),
+              ending(s.penetration_frames), s.first_penetration->time_s,
+              against(scenes, s.first_penetration->touched, true).c_str()) +
+         last;
 }
 
-Status check_verdict(const Options& options, const Scenes& scenes, const std::optional<Pull>& pull,
+Status check_verdict(const Options& options, const Scenes& scenes, const Outcome& outcome,
                      const LoopStatistics& s) {
   std::optional<double> first_s;
   std::string what;
@@ -212,9 +243,12 @@ Status check_verdict(const Options& options, const Scenes& scenes, const std::op
       true);
   if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
     what = "the part has not left its seat on " + seat_text(scenes, INFINITY);
-  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_short(pull)) {
-    what = (is_stopped(pull, s) ? "the part is held: " : "the part stopped short: ") +
-           pull_part(pull) + against(scenes, s.touched_last, true);
+  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_held(outcome)) {
+    const std::optional<Pull>& pull = outcome.pull;
+    what = !is_short(pull)
+               ? "the part" + motion_part(scenes, outcome).substr(1)
+               : (is_stopped(pull, s) ? "the part is held: " : "the part stopped short: ") +
+                     pull_part(pull) + against(scenes, s.touched_last, true);
   }
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),

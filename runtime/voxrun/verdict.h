@@ -5,6 +5,7 @@
 #include <string>
 
 #include "runtime/loop/loop_statistics.h"
+#include "runtime/voxrun/motion_watch.h"
 #include "runtime/voxrun/options.h"
 #include "runtime/voxrun/scenes.h"
 
@@ -17,22 +18,29 @@ struct Pull {
   bool short_of_end() const;
 };
 
+// The outcome of a run, beside its statistics.
+struct Outcome {
+  std::optional<Pull> pull;        // none without one, or where it was not carried out
+  std::optional<Followed> motion;  // of --motion and --pull
+  bool scene_missed = false;       // of --scene-next
+};
+
 // The objects of the part's seat, escaped, the first few by name; empty without a seat. An overlap
 // of more than `least_overlap_m` is said.
 std::string seat_text(const Scenes& scenes, double least_overlap_m);
 
-// `clear`, `not clear` (a penetration frame), `seated` (the seat was not left), `held` (stopped
-// short of the end of its pull), or `unknown` (a premise failed, a pull was not followed although
-// nothing holds the part, or no frame was run).
-const char* verdict_word(const Scenes& scenes, const std::optional<Pull>& pull,
+// `proven`, `penetrated` (a penetration frame), `seated` (the seat was not left), `held` (off its
+// motion, or short of the end of its pull), or `unknown` (a premise failed, a scene was missed, a
+// pull was not followed although nothing holds the part, or no frame was run).
+const char* verdict_word(const Scenes& scenes, const Outcome& outcome,
                          const loop::LoopStatistics& statistics);
 
 // The same with figures, times and names: one line, escaped, with its end.
-std::string verdict_text(const Scenes& scenes, const std::optional<Pull>& pull,
+std::string verdict_text(const Scenes& scenes, const Outcome& outcome,
                          const loop::LoopStatistics& statistics);
 
 // An error where the run did what --fail-on names. Errors: kAnswerIsNo.
-Status check_verdict(const Options& options, const Scenes& scenes, const std::optional<Pull>& pull,
+Status check_verdict(const Options& options, const Scenes& scenes, const Outcome& outcome,
                      const loop::LoopStatistics& statistics);
 
 }  // namespace forcelayer::voxrun

@@ -93,13 +93,27 @@ PYTHON
 }
 in_time err at_a_signal || fail "at a signal: $(cat err)"
 
-# A scene that cannot be used changes nothing. A part in the middle of a solid has no side to be on.
+# A scene that is not there is found before the run begins.
+"$bin/voxrun" first.vox part.pshell --motion press.csv --scene-next missing.vox@0.1s --json missing.json >out 2>err
+[ $? = 1 ] && [ ! -s out ] && grep -q "^voxrun: missing.vox: no such file" err || fail "a missing scene: $(cat out err)"
+
+# One that is gone later, or cannot be used, changes nothing, and the run ends with its error. A part in the middle of a
+# solid has no side to be on.
 stays() {
-  "$bin/voxrun" first.vox part.pshell --motion press.csv --duration 1s --after-trip rearm --scene-next missing.vox@0.1s \
-    --scene-next buried.vox@0.2s --json stays.json >out 2>err || return 1
-  grep -qE "^voxrun: at 0\.[0-9]+ s: the scene stays: missing.vox: " err || return 1
-  [ "$(grep -c "^voxrun: at 0\.[0-9]* s: the scene stays: " err)" = 2 ] || return 1
-  python3 -c 'import json; s = json.load(open("stays.json"))["scenes"]; assert len(s) == 1, s' 2>>err
+  local running wait
+  cp open.vox gone.vox
+  "$bin/voxrun" first.vox part.pshell --motion press.csv --duration 1.2s --after-trip rearm --scene-next gone.vox@0.6s \
+    --scene-next buried.vox@0.8s --json stays.json >out 2>err &
+  running=$!
+  for wait in $(seq 200); do [ -s out ] && break; sleep 0.05; done
+  rm gone.vox
+  wait $running
+  [ $? = 1 ] || return 1
+  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene stays: gone.vox: " err || return 1
+  [ "$(grep -c "^voxrun: at [01]\.[0-9]* s: the scene stays: " err)" = 2 ] || return 1
+  tail -n 1 err | grep -q "^voxrun: gone.vox: no such file" || return 1
+  tail -n 1 out | grep -q "^not proven: a scene of --scene-next did not come; " || return 1
+  python3 -c 'import json; r = json.load(open("stays.json")); assert len(r["scenes"]) == 1 and r["verdict"] == "unknown", r' 2>>err
 }
 cp plate.vox first.vox
 in_time err stays || fail "it stays: $(cat err)"

@@ -44,11 +44,11 @@ run 0 opened.vox cover.pshell --motion out.csv --json run.json --trace run.csv -
   --fail-on contact --fail-on outside --fail-on seat
 grep -q '^the part is seated on Gearbox/Housing$' out.txt || { cat out.txt; fail "no seat at the start"; }
 grep -q '^guaranteed separation, once the part has left its seat: [0-9.]* mm' out.txt || fail "no guarantee"
-says '^seated on Gearbox/Housing until 0\.[0-9]{3} s; then clear: least proven clearance [0-9.]+ mm to Gearbox/Housing at 0\.[0-9]{3} s, .*; 0 penetration frames$'
+says '^seated on Gearbox/Housing until 0\.[0-9]{3} s; then least proven clearance [0-9.]+ mm to Gearbox/Housing at 0\.[0-9]{3} s, .*; 0 penetration frames; followed$'
 python3 - <<'PYTHON'
 import csv, json
 run, rows = json.load(open("run.json")), list(csv.DictReader(open("run.csv")))
-assert run["verdict"] == "clear" and run["penetration_frames"] == 0, run["verdict"]
+assert run["verdict"] == "proven" and run["motion"]["followed"] and run["penetration_frames"] == 0, run["verdict"]
 assert 0.2 < run["guarantee_from_s"] < 0.5, run["guarantee_from_s"]
 assert run["seated_frames"] == round(1000 * run["guarantee_from_s"]), run["seated_frames"]
 [seat] = run["seat"]
@@ -67,7 +67,7 @@ PYTHON
 
 # Bolted, it stays, and the bolts hold it.
 run 0 bolted.vox cover.pshell --motion out.csv --json run.json
-says '^seated on Gearbox/Housing, Gearbox/Lid/Bolt, .* and 1 more to the end: it has not left its seat, and no separation is guaranteed; .*0 penetration frames$'
+says '^seated on Gearbox/Housing, Gearbox/Lid/Bolt, .* and 1 more to the end: it has not left its seat, and no separation is guaranteed; .*0 penetration frames; did not follow: held off by up to 24 mm at 0\.999 s by Gearbox/Lid/Bolt, .*'
 says ' no separation is guaranteed; held, against Gearbox/Lid/Bolt.*; no clearance is known; '
 grep -q '^touched Gearbox/.*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { cat out.txt; fail "nothing touched"; }
 python3 - <<'PYTHON'
@@ -90,11 +90,11 @@ run 0 bolted.vox cover.pshell --motion out.csv --fail-on contact --fail-on penet
 
 # Lifted by a millimeter it is free, but not yet out.
 run 0 opened.vox cover.pshell --motion lift.csv
-says '^seated on Gearbox/Housing to the end: .* guaranteed; nothing holds it; no clearance is known; 0 penetration frames$'
+says '^seated on Gearbox/Housing to the end: .* guaranteed; nothing holds it; no clearance is known; 0 penetration frames; followed$'
 
 # Out and pressed down again: it touches what was its seat.
 run 0 opened.vox cover.pshell --motion back.csv --json run.json
-says '^seated on Gearbox/Housing until .* s; then clear: '
+says '^seated on Gearbox/Housing until .* s; then least proven clearance .*; did not follow: held off by up to [0-9.]+ mm( and [0-9.]+ degrees)? at [01]\.[0-9]{3} s by Gearbox/Housing$'
 python3 - <<'PYTHON'
 import json
 run = json.load(open("run.json"))
@@ -160,11 +160,11 @@ done
 run 6 opened.vox cover.pshell --motion rest.csv --model paper --json run.json
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part penetrated the scene'
 grep -q '^guaranteed separation, where no point penetrates' out.txt || fail "a guarantee that does not hold"
-says '^NOT clear: [0-9]+ penetration frames?, the first at 0\.[0-9]{3} s'
+says '^PENETRATED: [0-9]+ penetration frames?, the first at 0\.[0-9]{3} s'
 python3 - <<'PYTHON'
 import json
 run = json.load(open("run.json"))
-assert run["verdict"] == "not clear" and run["seat"] == [] and run["seated_frames"] == 0
+assert run["verdict"] == "penetrated" and run["seat"] == [] and run["seated_frames"] == 0
 assert run["guarantee_from_s"] == 0 and run["touched_objects"] == []
 PYTHON
 run 6 opened.vox cover.pshell --motion rest.csv --model paper --fail-on penetration --fail-on seat
@@ -173,7 +173,7 @@ errs 'cover.pshell: at 0\.[0-9]{3} s: the part penetrated the scene'
 # Beyond a cropped side nothing is known.
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --roi=-1m,-1m,-1m,1m,1m,45mm -o cropped.vox --quiet
 run 0 cropped.vox cover.pshell --motion out.csv --json run.json
-says 'not known to be clear: [0-9]+ frames? beyond a cropped side of the scene, the first at 0\.[0-9]{3} s; '
+says 'not proven: [0-9]+ frames? beyond a cropped side of the scene, the first at 0\.[0-9]{3} s; '
 grep -q '"verdict": "unknown"' run.json || fail "a verdict on what is not known"
 run 6 cropped.vox cover.pshell --motion out.csv --fail-on outside
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part went beyond a cropped side of the scene'
@@ -181,7 +181,7 @@ errs 'cover.pshell: at 0\.[0-9]{3} s: the part went beyond a cropped side of the
 # A scene without names.
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --lean -o lean.vox --quiet
 run 0 lean.vox cover.pshell --motion out.csv --start 0,0,30mm --json run.json --trace run.csv
-says '^clear: no clearance is known; 0 penetration frames$'
+says '^no clearance is known; 0 penetration frames; followed$'
 [ "$(tail -n 1 run.csv | grep -c ',$')" = 1 ] || fail "a name in a scene without"
 
 run 2 opened.vox cover.pshell --motion out.csv --fail-on quark
@@ -255,28 +255,28 @@ printf 't_s,x_mm,y_mm,z_mm\n0,0,0,30\n0.3,0,0,30\n0.36,0,0,270\n0.5,0,0,270\n' >
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,21\n' >slow.csv
 "$bin/pointshell" sheet.obj --units mm --voxel-size 1mm -o sheet.pshell --quiet
 run 0 roofed.vox sheet.pshell --motion fast.csv --model paper --rate 100 --set max_speed_mps=10 --json fast.json
-says '^not known to be clear: points may have gone more than half a voxel in a frame; .*; 0 penetration frames$'
+says '^not proven: points may have gone more than half a voxel in a frame; .*; 0 penetration frames; followed$'
 grep -q '"verdict": "unknown"' fast.json || fail "another verdict in the report"
 run 0 roofed.vox sheet.pshell --motion slow.csv --model paper
-says '^clear: '
+says '0 penetration frames; followed$'
 run 0 roofed.vox sheet.pshell --motion fast.csv --rate 100 --set max_speed_mps=10
-says '^clear: '
+says '^least proven clearance .* 0 penetration frames; did not follow: held off by up to [0-9.]* mm.* by roof$'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --json held.json
 says '^seated on plate until [0-9.]* s; then held: pulled 100 mm, it went 3[0-9.]* mm, against roof; least proven clearance [0-9.]* mm to roof'
 run 6 roofed.vox block.pshell --pull 0,0,100mm --fail-on held
 errs 'at the end: the part is held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
-run 2 roofed.vox block.pshell --motion rest.csv --fail-on penetration,held
-errs '--fail-on: held is of --pull: no other run is found to be held; give --pull, or leave held out'
+run 2 roofed.vox block.pshell --duration 1s --fail-on penetration,held
+errs '--fail-on: held needs a motion that the part should follow; give --motion or --pull, or leave held out'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --hand firm --json firm.json
 says 'then held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --duration 0.5s --fail-on held --json early.json  # not to its end
 errs 'warning: --duration: the run ends before --pull does'
 run 0 open.vox block.pshell --pull 0,0,100mm --fail-on held --hand firm --json open.json
-says 'then clear: '
+says 'then least proven clearance .*; followed$'
 python3 - <<'PYTHON'
 import json
 held, firm, early, free = (json.load(open(f"{name}.json")) for name in ("held", "firm", "early", "open"))
-assert held["verdict"] == firm["verdict"] == "held" and free["verdict"] == "clear", (held["verdict"], free["verdict"])
+assert held["verdict"] == firm["verdict"] == "held" and free["verdict"] == "proven", (held["verdict"], free["verdict"])
 for run in (held, firm):
     pull = run["pull"]
     assert pull["led_m"] == 0.1 and 0.03 < pull["went_m"] < 0.04 and pull["held"] and pull["against"] == ["roof"], pull
@@ -285,7 +285,7 @@ PYTHON
 
 # Nothing holds a part that a loose hand leaves a little behind: friction stops the hand before its way ends.
 run 0 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --json loose.json
-says '^not known to be clear: pulled 20 mm, it went 19[0-9.]* mm, nothing holds it; clearance at least '
+says '^not proven: pulled 20 mm, it went 19[0-9.]* mm, nothing holds it; clearance at least '
 run 6 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --fail-on held
 errs 'at the end: the part stopped short: pulled 20 mm, it went 19[0-9.]* mm; '
 # A part between walls 0.02 mm away stays below a lid without a contact that has depth: the hand pulls on, and it is held.
@@ -317,4 +317,25 @@ assert loose["verdict"] == "unknown" and loose["pull"]["held"] and loose["pull"]
 assert tight["verdict"] == "seated" and tight["pull"]["held"] and tight["contact_frames"] == 0, tight["pull"]
 assert float(list(csv.DictReader(open("tight.csv")))[-1]["force_z_n"]) < -1  # what a hand feels that pulls on
 PYTHON
+# A motion that the part cannot follow: the hand goes on into the roof, and the last words say by how much it was off.
+printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,20\n1,0,0,80\n1.2,0,0,80\n' >into.csv
+for hand in "" "--hand firm"; do
+  run 0 roofed.vox block.pshell --motion into.csv $hand --json into.json
+  says '^least proven clearance [0-9.]* mm to roof .*; 0 penetration frames; did not follow: held off by up to [0-9.]* mm.* at [01]\.[0-9]{3} s by roof$'
+  python3 - <<'PYTHON'
+import json
+run = json.load(open("into.json"))
+motion = run["motion"]
+assert run["verdict"] == "held" and not motion["followed"] and motion["against"] == ["roof"], motion
+assert 0.038 < motion["held_off_m"] < 0.045 and 0.9 < motion["t_s"] <= 1.2 and run["pull"] is None, motion
+PYTHON
+  run 6 roofed.vox block.pshell --motion into.csv $hand --fail-on held
+  errs 'block.pshell: at the end: the part did not follow: held off by up to [0-9.]* mm.* by roof; --trace shows every frame$'
+done
+# Free of everything a loose hand is behind its script, but nothing holds the part.
+printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,20\n0.4,0,0,30\n1,0,0,30\n' >up.csv
+run 0 roofed.vox block.pshell --motion up.csv --hand loose --fail-on held --json up.json
+says '; followed$'
+run 0 roofed.vox block.pshell --motion into.csv --duration 0.4s
+errs 'warning: --duration: the run ends before --motion does'
 echo "all passed"

@@ -120,7 +120,7 @@ static void stay(struct driver* d, double t_s, double way) {
   d->wire->stays = 1;
 }
 
-/* What this process may do: write beside the library (`home` is a file there), start a program. */
+/* Rights of this process: write beside the library (`home` is a file there), start a program. */
 static void write_rights(FILE* facts, const char* home) {
   const int file = home[0] == 0 ? -1 : open(home, O_WRONLY | O_CREAT, 0600);
   if (file >= 0) fputs("may write\n", facts);
@@ -146,8 +146,8 @@ static void note(FILE* facts, const char* kind, const char* call, long result) {
 #define SYSTEM(call) (errno = 0, note(facts, "call", #call, (long)(call)))
 #define ON_FILE(call) (errno = 0, note(facts, "file", #call, (long)(call)))
 
-/* What must be refused to a confined plugin, by the filter of system calls (EPERM even where the
- * call makes no sense) or by the rights to files. Only what was not refused is written down. */
+/* All of this must be refused to a confined plugin: by the filter of system calls (EPERM even where
+ * the call makes no sense), or by the rights to files. Only calls that pass are written down. */
 static void try_the_loop(FILE* facts) {
   const pid_t loop = getppid();
   struct sched_param ordinary = {0};
