@@ -1,7 +1,7 @@
 // How much work proving a file may take. Internal to formats/audit/.
 //
 // Equal nodes and bricks are stored once, and each can stand in many places, so a small file can
-// describe more places than anyone can look at. A bake takes some 30 ns a byte. A file that needs
+// describe more places than anyone can look at. A bake takes some 40 ns a byte. A file that needs
 // more than this is refused: its facts may be true, but they are not proven.
 #pragma once
 
