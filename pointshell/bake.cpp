@@ -26,9 +26,9 @@
 namespace forcelayer::pointshell {
 namespace {
 
-// The stages of a bake and about which share of its processor time each takes
-// (tests/bench/progress.md): at full effort, at fast effort, with voxel centers; and of a part of
-// few triangles, on whose flat faces points are spread soon and the proof takes longest.
+// The stages of a bake and about which share of its processor time each takes: at full effort, at
+// fast effort, with voxel centers; and of a part of few triangles, on whose flat faces points are
+// spread soon and the proof takes longest.
 struct StageShare {
   const char* stage;
   double full, fast, centers;

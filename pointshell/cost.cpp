@@ -17,7 +17,7 @@
 namespace forcelayer::pointshell {
 namespace {
 
-// Fitted to the parts of tests/bench/part_traps.py on a core of 2025. Lengths in covering radii.
+// Fitted to the parts of tests/support/part_traps.py on a core of 2025. Lengths in covering radii.
 constexpr double kBytesOfProgram = 9e6;  // before it reads anything
 // Points of wide surface over the planar bound; along sharp and open edges, a cell that they run
 // through; along needles, a cell that holds little other surface.

@@ -24,7 +24,7 @@ Cost cost_of(const BakeOptions& options) {
   return {3, 10, 5e-7};
 }
 
-// Per triangle, from bakes of an aircraft bay of 0.15 to 10.5 million (tests/bench/growth.md).
+// Per triangle, from bakes of an aircraft bay of 0.15 to 10.5 million.
 constexpr double kBytesPerTriangle = 30, kThreadSecondsPerTriangle = 5e-7;
 
 bool touches(const mesh::Box& box, const std::optional<std::array<double, 6>>& roi_m) {

@@ -46,7 +46,7 @@
 //     interior phi may be -1/8, and the depth left there, (sqrt(3)/2 - 3/8 |d|_1) s, must still
 //     hold a point back.
 //
-// Why a blend. Median errors at 5 mm, by force_bench (tests/bench/force.md):
+// Why a blend. Median errors at 5 mm, on contacts with a closed formula:
 //                                        along g     this push   along n
 //     flush and smooth, direction        2.3 deg     0.8 deg
 //     flush and smooth, torque           0.028       0.006

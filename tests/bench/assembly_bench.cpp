@@ -1,9 +1,8 @@
-// Assembly tasks that others can run with their own renderer (assembly.md):
+// Assembly tasks that others can run with their own renderer:
 //
 //   assembly_bench peg [SEEDS]      a peg into a hole, by clearance, chamfer and tilt
 //   assembly_bench nut [SEEDS]      a nut turned and pulled on an M20 thread, by play
-//   assembly_bench scans [SEEDS]    scans that fly at each other: contacts that are missed
-//   assembly_bench meshes FOLDER    the meshes of the first two, as OBJ files in millimeters
+//   assembly_bench meshes FOLDER    the meshes of both, as OBJ files in millimeters
 //
 // --short makes fewer of each. Seeds run from 1. --json FILE writes the report elsewhere.
 #include <CLI/CLI.hpp>
@@ -16,7 +15,6 @@
 #include <stdexcept>
 
 #include "formats/guard.h"
-#include "formats/mesh/scene.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/run/separation.h"
@@ -25,7 +23,6 @@
 #include "tests/stress/exact_distance.h"
 #include "tests/stress/shapes.h"
 #include "tests/stress/trial.h"
-#include "tests/support/models.h"
 #include "tests/support/random_numbers.h"
 
 namespace forcelayer::bench {
@@ -67,27 +64,6 @@ double guaranteed_m(const model::Simulation& simulation) {
   return separation_guarantee(scene, simulation.shell().header(),
                               simulation.query().rounding_bound_m(), guard)
       .tested_m.value_or(0);
-}
-
-// Clopper and Pearson's interval of a share, by bisection of the binomial's tails.
-std::pair<double, double> share_95(int events, int of) {
-  const auto at_most = [of](int k, double p) {
-    double sum = 0, term = std::pow(1 - p, of);
-    for (int i = 0; i <= k; ++i) {
-      sum += term;
-      term *= p / (1 - p) * (of - i) / (i + 1);
-    }
-    return sum;
-  };
-  const auto where = [&](int k, double tail) {
-    double low = 0, high = 1;
-    for (int i = 0; i < 60; ++i) {
-      const double middle = (low + high) / 2;
-      (at_most(k, middle) > tail ? low : high) = middle;
-    }
-    return low;
-  };
-  return {events == 0 ? 0 : where(events - 1, 0.975), events == of ? 1 : where(events, 0.025)};
 }
 
 // --- the peg
@@ -147,7 +123,6 @@ Json peg_table(const Choice& choice) {
             in += !m.progress.empty() && m.progress[0] * (kDeepM + kAboveM) > kInM + kAboveM;
             sum.add(m);
           }
-          const auto [low, high] = share_95(in, seeds);
           rows.push_back({{"map", standoff > 0 ? "standoff 1.3" : "two layers"},
                           {"voxel_m", kPegVoxelM},
                           {"clearance_m", clearance_mm * 1e-3},
@@ -155,8 +130,6 @@ Json peg_table(const Choice& choice) {
                           {"tilt_deg", tilt_deg},
                           {"trials", seeds},
                           {"in", in},
-                          {"in_95_low", low},
-                          {"in_95_high", high},
                           {"frames", sum.frames},
                           {"penetrating_frames", sum.penetration_frames},
                           {"nearest_m", sum.distances_visited > 0 ? Json(sum.smallest_distance_m)
@@ -277,7 +250,6 @@ Json nut_table(const Choice& choice) {
         sum.step_us.insert(sum.step_us.end(), one.step_us.begin(), one.step_us.end());
       }
     }
-    const auto [low, high] = share_95(turned, seeds);
     const double median_lead = lead.empty() ? NAN : percentiles(lead).p50;
     rows.push_back(
         {{"map", row.standoff_voxels > 0 ? "standoff 1.3" : "two layers"},
@@ -288,8 +260,6 @@ Json nut_table(const Choice& choice) {
          {"trials", seeds},
          {"starts_inside", refused},
          {"turned", turned},
-         {"turned_95_low", low},
-         {"turned_95_high", high},
          {"lead_pitches", lead.empty() ? Json(nullptr) : Json(median_lead)},
          {"held", held},
          {"pulled_m", pulled_m.empty() ? Json(nullptr) : Json(percentiles(pulled_m).max)},
@@ -316,173 +286,6 @@ Json nut_table(const Choice& choice) {
   return rows;
 }
 
-// --- the scans
-
-constexpr double kScanVoxelM = 0.002, kSceneM = 0.3, kPartM = 0.06, kRunUpM = 0.3;
-constexpr double kSpeedsMps[] = {0.2, 1, 5, 20};
-
-// A scan about the middle of its box, so large across.
-mesh::Mesh scan(const char* file, double across_m) {
-  const auto assembly = mesh::read_assembly(test::model_path(file));
-  if (!assembly) throw std::runtime_error(to_line(assembly.error()));
-  mesh::Mesh mesh = assembly->meshes.at(0);
-  mesh.single_precision = false;
-  glm::dvec3 low(1e300), high(-1e300);
-  for (const auto& v : mesh.vertices) {
-    low = glm::min(low, {v[0], v[1], v[2]}), high = glm::max(high, {v[0], v[1], v[2]});
-  }
-  const glm::dvec3 size = high - low, middle = (low + high) / 2.0;
-  const double scale = across_m / std::max({size.x, size.y, size.z});
-  for (auto& v : mesh.vertices) {
-    for (int axis = 0; axis < 3; ++axis) v[axis] = (v[axis] - middle[axis]) * scale;
-  }
-  return mesh;
-}
-
-// Whether the exact meshes meet, at every pose of a path; a pose is measured unless the part cannot
-// have come that far since the last that was.
-class Meeting {
- public:
-  Meeting(const stress::ExactDistance& exact, double radius_m)
-      : exact_(exact), radius_m_(radius_m) {}
-  bool at(const Pose& pose) {
-    if (known_) {
-      at_least_m_ -= glm::length(pose.position_m - last_.position_m) +
-                     radius_m_ * glm::length(coupling::rotation_vector(
-                                     pose.orientation * glm::conjugate(last_.orientation)));
-    }
-    last_ = pose;
-    if (known_ && at_least_m_ > 0) return false;
-    known_ = true;
-    at_least_m_ = exact_.at(pose, kFarM);
-    nearest_m = std::min(nearest_m, at_least_m_);
-    return at_least_m_ <= 0;
-  }
-  double nearest_m = 1e300;  // of those that were measured; kFarM or less
-
- private:
-  static constexpr double kFarM = 0.005;
-  const stress::ExactDistance& exact_;
-  double radius_m_, at_least_m_ = 0;
-  Pose last_;
-  bool known_ = false;
-};
-
-// The counts of one way of moving.
-struct Flight {
-  std::uint64_t poses = 0, reported = 0;  // reported: with a point in value 2 or 1
-  std::uint64_t meeting = 0, missed = 0;  // of the exact meshes; not reported
-  double nearest_m = 1e300, guaranteed_m = 0;
-  void count(bool meets, bool reports) {
-    ++poses;
-    reported += reports, meeting += meets, missed += meets && !reports;
-  }
-};
-
-// Straight through a point near the scene's middle at a speed, turning on the way.
-struct Throw {
-  Pose from;
-  glm::dvec3 along, spin_rad_per_s;
-  double speed_mps;
-  Pose at(double t_s) const {
-    return {from.position_m + along * (speed_mps * t_s),
-            coupling::rotation_by(spin_rad_per_s * t_s) * from.orientation};
-  }
-};
-
-Throw random_throw(Random& random, double speed_mps) {
-  Throw one;
-  one.along = random_direction(random);
-  const glm::dvec3 through = 0.25 * kSceneM * uniform(random, 0, 1) * random_direction(random);
-  one.from = {through - kRunUpM * one.along,
-              coupling::rotation_by(random_direction(random) * uniform(random, 0, M_PI))};
-  one.spin_rad_per_s = random_direction(random) * (uniform(random, 0, M_PI) * speed_mps / kRunUpM);
-  one.speed_mps = speed_mps;
-  return one;
-}
-
-// The query at the handle's own poses, whatever a model makes of them.
-void fly_freely(const stress::Trial& trial, const Throw& one, Meeting meeting, Flight& out) {
-  const Voxmap voxmap = trial.scene->open(test::VoxelKind::kFull);
-  const Pshell shell = trial.part->open();
-  query::ContactQuery query(voxmap, shell, {});
-  query::CollectedPoints points;
-  points.reserve(shell.view().point_count);
-  const auto& c = shell.header().center_m;
-  const Pose part_from_center{{c[0], c[1], c[2]}, {1, 0, 0, 0}};
-  for (double t = 0; t < 2 * kRunUpM / one.speed_mps; t += kDtS) {
-    const Pose pose = one.at(t);
-    query.run(pose * part_from_center, points);
-    out.count(meeting.at(pose), points.surface_count + points.interior_count > 0);
-  }
-  out.nearest_m = std::min(out.nearest_m, meeting.nearest_m);
-}
-
-// The part of a model whose handle flies like that.
-void fly_held(const stress::Trial& trial, Model model, const Throw& one, Meeting meeting,
-              Flight& out) {
-  const auto simulation = stress::make_simulation(trial, model);
-  State state = simulation->registered(one.from, one.from);
-  loop::HandleVelocity velocity;
-  if (model == Model::kDefault) out.guaranteed_m = guaranteed_m(*simulation);
-  for (double t = 0; t < 2 * kRunUpM / one.speed_mps + 0.05; t += kDtS) {
-    StepInput input;
-    input.world_from_handle = one.at(std::min(t, 2 * kRunUpM / one.speed_mps));
-    input.handle_velocity = velocity.update(input.world_from_handle, kDtS);
-    input.valid = kInputValid;
-    const StepResult result = simulation->step(state, input, kDtS);
-    const Pose at = simulation->world_from_part(result.report.world_from_center);
-    out.count(meeting.at(at), result.report.surface + result.report.interior > 0);
-  }
-  out.nearest_m = std::min(out.nearest_m, meeting.nearest_m);
-}
-
-Json scan_table(const Choice& choice) {
-  stress::Trial trial;
-  trial.scene = std::make_shared<BakedScene>(scan("dragon.drc", kSceneM), kScanVoxelM);
-  trial.part = std::make_shared<BakedPart>(scan("bunny.drc", kPartM), kScanVoxelM);
-  const stress::ExactDistance exact(trial.scene->mesh(), trial.part->mesh());
-  const double radius_m = stress::radius_m(trial.part->mesh());
-  const int seeds = choice.seeds_or(20, 2);
-  Json rows = Json::array();
-  for (const double speed_mps : kSpeedsMps) {
-    std::map<std::string, Flight> flights;
-    for (int seed = 1; seed <= seeds; ++seed) {
-      Random random(static_cast<std::uint64_t>(seed));
-      const Throw one = random_throw(random, speed_mps);
-      const Meeting meeting(exact, radius_m);
-      fly_freely(trial, one, meeting, flights["the handle's poses"]);
-      fly_held(trial, Model::kPaper, one, meeting, flights["held by `paper`"]);
-      fly_held(trial, Model::kDefault, one, meeting, flights["held by `default`"]);
-    }
-    for (const auto& [way, f] : flights) {
-      const stress::Interval of_missed =
-          stress::interval95(f.missed, std::max<std::uint64_t>(1, f.meeting));
-      const stress::Interval of_meeting =
-          stress::interval95(f.meeting, std::max<std::uint64_t>(1, f.poses));
-      rows.push_back({{"speed_mps", speed_mps},
-                      {"way", way},
-                      {"trials", seeds},
-                      {"poses", f.poses},
-                      {"reported", f.reported},
-                      {"meeting", f.meeting},
-                      {"meeting_95_high", of_meeting.high},
-                      {"missed", f.missed},
-                      {"missed_95_high", f.meeting > 0 ? Json(of_missed.high) : Json(nullptr)},
-                      {"nearest_m", f.nearest_m},
-                      {"guaranteed_m", f.guaranteed_m}});
-      std::printf(
-          "scans: %4g m/s %-20s %llu poses, %llu reported, meshes meet in %llu, missed %llu, "
-          "nearest %.3f mm, proven %.3f mm\n",
-          speed_mps, way.c_str(), static_cast<unsigned long long>(f.poses),
-          static_cast<unsigned long long>(f.reported), static_cast<unsigned long long>(f.meeting),
-          static_cast<unsigned long long>(f.missed), 1e3 * f.nearest_m, 1e3 * f.guaranteed_m);
-      std::fflush(stdout);
-    }
-  }
-  return rows;
-}
-
 void write_meshes(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   write_obj(peg(), folder / "peg.obj");
@@ -504,9 +307,9 @@ int run(int argc, char** argv) {
   CLI::App app{"Assembly tasks that others can run", "assembly_bench"};
   Choice choice;
   std::string amount;
-  app.add_option("task", choice.what, "peg, nut, scans or meshes")
+  app.add_option("task", choice.what, "peg, nut or meshes")
       ->required()
-      ->check(CLI::IsMember({"peg", "nut", "scans", "meshes"}));
+      ->check(CLI::IsMember({"peg", "nut", "meshes"}));
   app.add_option("amount", amount, "seeds; of meshes, the folder");
   app.add_flag("--short", choice.brief, "fewer of each");
   app.add_option("--json", choice.json, "report; by default under build/bench");
@@ -516,9 +319,7 @@ int run(int argc, char** argv) {
     return 0;
   }
   if (!amount.empty()) choice.seeds = std::stoi(amount);
-  const Json results = choice.what == "peg"   ? peg_table(choice)
-                       : choice.what == "nut" ? nut_table(choice)
-                                              : scan_table(choice);
+  const Json results = choice.what == "peg" ? peg_table(choice) : nut_table(choice);
   write_report("assembly_" + choice.what, argc, argv, results, choice.json);
   return 0;
 }

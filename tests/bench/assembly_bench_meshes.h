@@ -1,4 +1,4 @@
-// The meshes of assembly_bench, by the formulas of assembly.md: a peg, a plate with a chamfered
+// The meshes of assembly_bench, by their formulas: a peg, a plate with a chamfered
 // hole, a bolt and a nut of ISO metric thread. All are closed; lengths are in meters.
 #pragma once
 

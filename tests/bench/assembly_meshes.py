@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The meshes that assembly_bench writes: closed, and of the volumes that assembly.md's formulas give, computed here anew.
+"""The meshes that assembly_bench writes: closed, and of the volumes that their formulas give, computed here anew.
 
 Usage: assembly_meshes.py BIN_FOLDER. Exit status: 0 they are, 1 not, 2 wrong usage.
 """

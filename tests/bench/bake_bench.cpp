@@ -1,19 +1,13 @@
 // The bake beside what people use today: one run, one machine, same mesh, resolution and threads.
 //
-//   bake_bench [--wide [--vectors TARGET]] [--case NAME]... [--voxels N]... [--repeat N]
-//              [--models FOLDER] [--json FILE]
+//   bake_bench [--case NAME]... [--voxels N]... [--repeat N] [--models FOLDER] [--json FILE]
 //
-// With --wide: the bakes of Euclidean layers and of voxels that store distances beside the usual
-// one, in memory and by the command, and beside vdb_tool and meshToVolume making floats of the same
-// distances. With --vectors without the commands: it limits this process alone.
-//
-// Without, for every case: the whole bake from triangles in memory to the finished file, checksums
-// and provenance included, and the whole command, beside `vdb_tool -mesh2ls` (which writes a level
-// set, no classification); and the scan conversion alone beside meshToVolume and beside the
-// straightforward way, which has the same output. Every figure is the least of the repetitions,
-// which alternate between the programs: other work on the machine only ever adds time. What takes
-// long runs once: meshToVolume, and with --wide vdb_tool too. The one-thread scans are compared by
-// CPU time.
+// For every case and every kind of map: the bake from triangles in memory to the finished file,
+// checksums and provenance included, and the whole command; beside vdb_tool and OpenVDB's
+// meshToVolume, which make floats of the same distances. Our figures are the least of the
+// repetitions: other work on the machine only ever adds time. The peers take long and run once.
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/MeshToVolume.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -22,13 +16,11 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include <unistd.h>
 
 #include "formats/mesh/scene.h"
 #include "formats/voxmap_writer.h"
-#include "tests/bench/bake_bench_peers.h"
 #include "tests/bench/bench_mesh.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
@@ -72,7 +64,6 @@ struct Best {
     cpu_s = std::min(cpu_s, cpu);
   }
 };
-Json to_json(const Best& best) { return {{"wall_s", best.wall_s}, {"cpu_s", best.cpu_s}}; }
 
 template <class T>
 T value_of(Result<T> result) {
@@ -131,69 +122,38 @@ class Case {
     }
   }
 
-  Json run(int repeat) {
-    for (int i = 0; i < repeat; ++i) {
-      file_bytes_ = bake_in_memory(kKinds[0], in_memory_);
-      command_rss_ = run_command(kKinds[0], command_);
-      run_vdb_tool(3);
-      scan_one_thread_.add(run_scan_conversion(peer_mesh_, 1));
-      scan_all_threads_.add(run_scan_conversion(peer_mesh_, threads()));
-      scan_straightforward_.add(run_straightforward(peer_mesh_));
-      if (scan_straightforward_.voxels != scan_one_thread_.voxels) {
-        throw std::runtime_error("the straightforward scan has other voxels");
-      }
-      if (i == 0)
-        scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_, 3, 3));  // it takes longest
-    }
-    return report();
-  }
-
-  // Every kind, and the peers once: they take longest.
-  Json run_wide(int repeat, bool with_command) {
-    Best kinds[std::size(kKinds)], commands[std::size(kKinds)];
+  // Adds a row for each kind.
+  void run(int repeat, Json& rows) const {
+    Best bakes[std::size(kKinds)], commands[std::size(kKinds)];
     std::uint64_t bytes[std::size(kKinds)] = {};
     for (int i = 0; i < repeat; ++i) {
       for (std::size_t k = 0; k < std::size(kKinds); ++k) {
-        bytes[k] = bake_in_memory(kKinds[k], kinds[k]);
-        if (with_command) run_command(kKinds[k], commands[k]);
+        bytes[k] = bake_in_memory(kKinds[k], bakes[k]);
+        run_command(kKinds[k], commands[k]);
       }
-      if (i > 0) continue;
-      run_vdb_tool(kExteriorBand);
-      scan_mesh_to_volume_.add(run_mesh_to_volume(peer_mesh_, kExteriorBand, kInteriorBand));
     }
-    Json row = {{"model", model_.name},
-                {"triangles", peer_mesh_.triangles.size()},
-                {"voxels_across", voxels_},
-                {"voxel_size_m", voxel_size_m_},
-                {"vdb_tool", to_json(vdb_tool_)},
-                {"vdb_tool_without_reading", to_json(vdb_tool_no_reading_)},
-                {"vdb_bytes", vdb_bytes_},
-                {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)}};
+    const Json peers = run_peers();
     for (std::size_t k = 0; k < std::size(kKinds); ++k) {
-      Json kind = {{"in_memory_to_file", to_json(kinds[k])},
-                   {"file_bytes", bytes[k]},
-                   {"over_two_bits", kinds[k].wall_s / kinds[0].wall_s},
-                   {"vdb_tool_times", vdb_tool_no_reading_.wall_s / kinds[k].wall_s},
-                   {"mesh_to_volume_times", scan_mesh_to_volume_.best.wall_s / kinds[k].wall_s}};
-      if (with_command) {
-        kind["command"] = to_json(commands[k]);
-        kind["command_over_two_bits"] = commands[k].wall_s / commands[0].wall_s;
+      Json row{{"vectors", machine()["vectors"]},
+               {"model", model_.name},
+               {"voxels", voxels_},
+               {"kind", kKinds[k].name},
+               {"bake_s", bakes[k].wall_s},
+               {"bake_cpu_s", bakes[k].cpu_s},
+               {"command_s", commands[k].wall_s},
+               {"file_bytes", bytes[k]}};
+      row.update(peers);
+      std::printf("%-8s %6d %-20s", model_.name, voxels_, kKinds[k].name);
+      for (const char* key : {"bake_s", "command_s", "vdb_tool_s", "mesh_to_volume_s"}) {
+        std::printf("  %s %8.4f", key, row[key].get<double>());
       }
-      row["kinds"][kKinds[k].name] = std::move(kind);
+      std::printf("  %.2f MB\n", static_cast<double>(bytes[k]) / 1e6);
+      std::fflush(stdout);
+      rows.push_back(std::move(row));
     }
-    return row;
   }
 
  private:
-  struct Scan {
-    Best best;
-    std::uint64_t voxels = 0;
-    void add(const PeerRun& run) {
-      best.add(run.wall_s, run.cpu_s);
-      voxels = run.voxels;
-    }
-  };
-
   voxelize::BakeOptions options(const Kind& kind) const {
     voxelize::BakeOptions options;
     options.voxel_size_m = voxel_size_m_;
@@ -220,8 +180,7 @@ class Case {
     return bytes;
   }
 
-  // Its peak memory, bytes.
-  std::uint64_t run_command(const Kind& kind, Best& best) const {
+  void run_command(const Kind& kind, Best& best) const {
     std::vector<std::string> command = {test::command_path("voxelize"),
                                         peer_path_,
                                         "--quiet",
@@ -236,53 +195,43 @@ class Case {
     if (!kind.distances && kind.metric == Metric::kEuclidean) command.push_back("--lean");
     const ProcessRun run = run_process(command);
     best.add(run.wall_s, run.cpu_s);
-    return run.peak_rss_bytes;
   }
 
-  void run_vdb_tool(int width_voxels) {
-    const ProcessRun run = run_process(
-        {"vdb_tool", "-read", peer_path_, "-mesh2ls", "voxel=" + number(peer_voxel_),
-         "width=" + std::to_string(width_voxels), "-write", (folder_ / "peer.vdb").string()});
+  // vdb_tool, whole and without reading the mesh, and meshToVolume, on all threads: each makes a
+  // band of floats as wide as that of our stored distances.
+  Json run_peers() const {
+    const fs::path vdb = folder_ / "peer.vdb";
+    const ProcessRun run =
+        run_process({"vdb_tool", "-read", peer_path_, "-mesh2ls", "voxel=" + number(peer_voxel_),
+                     "width=" + std::to_string(kExteriorBand), "-write", vdb.string()});
     const double read_s = vdb_tool_stage_s(run.output, "Read geometry");
-    vdb_tool_.add(run.wall_s, run.cpu_s);
-    vdb_tool_no_reading_.add(run.wall_s - read_s, run.cpu_s - read_s);
-    vdb_tool_rss_ = run.peak_rss_bytes;
-    vdb_bytes_ = fs::file_size(folder_ / "peer.vdb");
+    return {{"vdb_tool_bake_s", run.wall_s - read_s},
+            {"vdb_tool_s", run.wall_s},
+            {"mesh_to_volume_s", mesh_to_volume_s()},
+            {"vdb_bytes", fs::file_size(vdb)}};
+  }
+
+  double mesh_to_volume_s() const {
+    std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec3I> triangles;
+    for (const auto& v : peer_mesh_.vertices) points.emplace_back(openvdb::Vec3d(v.data()));
+    for (const mesh::Triangle& t : peer_mesh_.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+    const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(
+        points, triangles);
+    const auto transform = openvdb::math::Transform::createLinearTransform(1);
+    const double begin_s = now_s();
+    openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, kExteriorBand,
+                                                     kInteriorBand);
+    return now_s() - begin_s;
   }
 
   static const char* metric_name(Metric metric) {
     return metric == Metric::kEuclidean ? "euclidean" : "chebyshev";
   }
-  static int threads() {
-    return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  }
   static std::string number(double value) {
     char text[40];
     std::snprintf(text, sizeof text, "%.9g", value);
     return text;
-  }
-
-  Json report() const {
-    return {{"model", model_.name},
-            {"triangles", peer_mesh_.triangles.size()},
-            {"objects", scene_.objects.size()},
-            {"voxels_across", voxels_},
-            {"voxel_size_m", voxel_size_m_},
-            {"in_memory_to_file", to_json(in_memory_)},
-            {"command", to_json(command_)},
-            {"command_peak_rss_bytes", command_rss_},
-            {"file_bytes", file_bytes_},
-            {"vdb_tool", to_json(vdb_tool_)},
-            {"vdb_tool_without_reading", to_json(vdb_tool_no_reading_)},
-            {"vdb_tool_peak_rss_bytes", vdb_tool_rss_},
-            {"vdb_bytes", vdb_bytes_},
-            {"scan_one_thread", to_json(scan_one_thread_.best)},
-            {"scan_all_threads", to_json(scan_all_threads_.best)},
-            {"scan_voxels", scan_one_thread_.voxels},
-            {"straightforward_one_thread", to_json(scan_straightforward_.best)},
-            {"straightforward_voxels", scan_straightforward_.voxels},
-            {"mesh_to_volume", to_json(scan_mesh_to_volume_.best)},
-            {"mesh_to_volume_voxels", scan_mesh_to_volume_.voxels}};
   }
 
   const Model& model_;
@@ -294,72 +243,15 @@ class Case {
   mesh::Mesh peer_mesh_;  // voxels
   std::string peer_path_, peer_units_;
   double peer_voxel_ = 0;  // in the units of the file that vdb_tool reads
-  Best in_memory_, command_, vdb_tool_, vdb_tool_no_reading_;
-  Scan scan_one_thread_, scan_all_threads_, scan_straightforward_, scan_mesh_to_volume_;
-  std::uint64_t command_rss_ = 0, vdb_tool_rss_ = 0, file_bytes_ = 0, vdb_bytes_ = 0;
 };
-
-void print_header() {
-  std::printf("%-8s %6s | %9s %7s | %9s %7s | %9s %9s %7s | %9s %9s %7s | %6s\n", "model", "voxels",
-              "plain ms", "times", "m2v ms", "times", "bake ms", "vdb ms", "times", "cmd ms",
-              "vdb ms", "times", "rss");
-}
-
-void print_row(const Json& row) {
-  const auto ms = [&](const char* key) { return row[key]["wall_s"].get<double>() * 1e3; };
-  const auto times = [&](const char* theirs, const char* ours, const char* clock = "wall_s") {
-    return row[theirs][clock].get<double>() / row[ours][clock].get<double>();
-  };
-  const auto bytes = [&](const char* key) { return row[key].get<double>(); };
-  std::printf(
-      "%-8s %6d | %9.1f %7.1f | %9.0f %7.1f | %9.1f %9.0f %7.1f | %9.1f %9.0f %7.1f | %5.1f%%\n",
-      row["model"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
-      ms("straightforward_one_thread"),
-      times("straightforward_one_thread", "scan_one_thread", "cpu_s"), ms("mesh_to_volume"),
-      times("mesh_to_volume", "scan_all_threads"), ms("in_memory_to_file"),
-      ms("vdb_tool_without_reading"), times("vdb_tool_without_reading", "in_memory_to_file"),
-      ms("command"), ms("vdb_tool"), times("vdb_tool", "command"),
-      100 * bytes("command_peak_rss_bytes") / bytes("vdb_tool_peak_rss_bytes"));
-  std::fflush(stdout);
-}
-
-void print_wide_header() {
-  std::printf("%-8s %6s | %-20s %9s %7s | %8s | %9s %7s | %9s %7s | %7s %7s\n", "model", "voxels",
-              "kind", "ms", "times", "MB", "vdb ms", "times", "m2v ms", "times", "command",
-              "times");
-}
-
-void print_wide_row(const Json& row) {
-  for (const auto& [name, kind] : row["kinds"].items()) {
-    std::printf("%-8s %6d | %-20s %9.1f %7.2f | %8.2f | %9.0f %7.1f | %9.0f %7.1f",
-                row["model"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
-                name.c_str(), kind["in_memory_to_file"]["wall_s"].get<double>() * 1e3,
-                kind["over_two_bits"].get<double>(), kind["file_bytes"].get<double>() / 1e6,
-                row["vdb_tool_without_reading"]["wall_s"].get<double>() * 1e3,
-                kind["vdb_tool_times"].get<double>(),
-                row["mesh_to_volume"]["wall_s"].get<double>() * 1e3,
-                kind["mesh_to_volume_times"].get<double>());
-    if (kind.contains("command")) {
-      std::printf(" | %7.0f %7.2f", kind["command"]["wall_s"].get<double>() * 1e3,
-                  kind["command_over_two_bits"].get<double>());
-    }
-    std::printf("\n");
-  }
-  std::fflush(stdout);
-}
 
 int run(int argc, char** argv) {
   CLI::App app{"The bake beside what people use today", "bake_bench"};
   std::vector<std::string> cases;
   std::vector<int> voxels = {512, 1024};
   int repeat = 5;
-  bool wide = false;
-  std::string models = test::source_path("../shared/models"), json, vectors;
+  std::string models = test::source_path("../shared/models"), json;
   app.add_option("--case", cases, "bunny, dragon, counter, engine (default: all)");
-  CLI::Option* const wide_flag =
-      app.add_flag("--wide", wide, "Euclidean layers and stored distances");
-  app.add_option("--vectors", vectors, "AVX2, SSE4, ...: none wider, and no commands")
-      ->needs(wide_flag);
   app.add_option("--voxels", voxels, "voxels across the longest side (default 512 1024)");
   app.add_option("--repeat", repeat, "repetitions, of which the least counts")
       ->check(CLI::PositiveNumber);
@@ -367,11 +259,9 @@ int run(int argc, char** argv) {
   app.add_option("--json", json, "where to write the figures");
   CLI11_PARSE(app, argc, argv);
 
-  if (!vectors.empty()) use_vectors(vectors);
   const fs::path folder = fs::temp_directory_path() / ("bake_bench_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   Json results = Json::array();
-  wide ? print_wide_header() : print_header();
   for (const Model& model : kModels) {
     if (!cases.empty() && std::find(cases.begin(), cases.end(), model.name) == cases.end())
       continue;
@@ -380,13 +270,11 @@ int run(int argc, char** argv) {
       continue;
     }
     for (const int n : voxels) {
-      Case one(model, models, folder, n);
-      results.push_back(wide ? one.run_wide(repeat, vectors.empty()) : one.run(repeat));
-      wide ? print_wide_row(results.back()) : print_row(results.back());
+      Case(model, models, folder, n).run(repeat, results);
     }
   }
   fs::remove_all(folder);
-  write_report(wide ? "bake_wide" : "bake", argc, argv, results, json);
+  write_report("bake_kinds", argc, argv, results, json);
   return 0;
 }
 

@@ -46,10 +46,10 @@ def measure(bin_folder, repeat, short):
             lean = kinds["lean, chebyshev"]
             for kind, facts in kinds.items():
                 rows.append({
-                    "scene": scene.name, "voxel_size_m": voxel_size_m, "triangles": facts["triangles"],
-                    "voxels_across": round(scene.longest_m / voxel_size_m), "kind": kind,
-                    **{key: facts[key] for key in ("wall_s", "cpu_s", "peak_rss_bytes", "file_bytes")}})
-                print(f"{scene.name:9} {rows[-1]['voxels_across']:5} {kind:16} {facts['cpu_s']:8.3f} s "
+                    "scene": scene.name, "voxels": round(scene.longest_m / voxel_size_m), "triangles": facts["triangles"],
+                    "voxel_m": voxel_size_m, "kind": kind, "wall_s": facts["wall_s"], "cpu_s": facts["cpu_s"],
+                    "peak_bytes": facts["peak_rss_bytes"], "file_bytes": facts["file_bytes"]})
+                print(f"{scene.name:9} {rows[-1]['voxels']:5} {kind:16} {facts['cpu_s']:8.3f} s "
                       f"{facts['cpu_s'] / lean['cpu_s']:6.2f}   {facts['file_bytes'] / 1e6:9.3f} MB "
                       f"{facts['file_bytes'] / lean['file_bytes']:6.2f}", flush=True)
     return rows

@@ -1,7 +1,6 @@
 #include "tests/bench/bench_report.h"
 #include "tests/support/places.h"
 
-#include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -46,22 +45,6 @@ std::string file_name(const std::string& path) {
 
 }  // namespace
 
-void use_vectors(const std::string& target) {
-  std::string known;
-  std::int64_t all = 0;  // that the machine has and this program was compiled for
-  for (const std::int64_t bit : hwy::SupportedAndGeneratedTargets()) all |= bit;
-  for (std::int64_t left = all; left != 0; left &= left - 1) {
-    const std::int64_t bit = left & -left;  // the narrower, the higher
-    if (hwy::TargetName(bit) == target) {
-      hwy::SetSupportedTargetsForTest(left);
-      hwy::GetChosenTarget().Update(left);
-      return;
-    }
-    known += (known.empty() ? "" : ", ") + std::string(hwy::TargetName(bit));
-  }
-  throw std::runtime_error("no vectors '" + target + "' on this machine; it has " + known);
-}
-
 Percentiles percentiles(std::vector<double> sample) {
   if (sample.empty()) return {NAN, NAN, NAN, NAN};
   std::sort(sample.begin(), sample.end());
@@ -99,12 +82,6 @@ double cpu_s() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
-
-std::uint64_t peak_rss_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 void write_report(const std::string& benchmark, int argc, char** argv,

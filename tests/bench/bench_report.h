@@ -17,16 +17,9 @@ nlohmann::ordered_json to_json(const Percentiles& percentiles);
 // CPU model, cores, memory, kernel, compiler and flags, date (UTC) of this run.
 nlohmann::ordered_json machine();
 
-// From now on this process takes vectors no wider than those of one of Highway's targets ("AVX2"),
-// which machine() then names. Throws std::runtime_error where the machine does not have it.
-void use_vectors(const std::string& target);
-
 // Seconds of a monotonic clock, and CPU seconds of this process (all threads).
 double now_s();
 double cpu_s();
-
-// Peak resident set of this process, bytes.
-std::uint64_t peak_rss_bytes();
 
 // Writes {"benchmark", "command", "machine", "results"} to `path`, or, where it is empty, to
 // build/bench/<benchmark>.json; prints where. Throws std::runtime_error.

@@ -1,18 +1,16 @@
 #!/usr/bin/env python3
-"""Takes an assembly apart with voxplan: which parts come out, in which order, and how near to what.
+"""Takes assemblies apart with voxplan: the parts that come out, their order, and how near they come to what.
 
-Usage: disassembly.py BIN ASSEMBLY [--voxel-size 1mm] [--clearance 0.5mm] [--time 10s] [--units U] [--exact] [--parts N]
+Usage: disassembly.py [--short] [--bin FOLDER] [--json FILE]
 
-Every part that is left is tried against the others that are left, small ones first; one that comes out is taken away at once, and it is
-tried again, until a round brings no part out. A part that lies deeper in others than the stored distances tell is tried
-with ever deeper ones (--range); one that is nearer to others in its seat than the clearance asked for is tried with
-none, and where not even that is proven with smaller voxels. A line a trial, as CSV: round, part, whether it came out,
-the clearance asked for, the range and the voxel size, seconds of the search, poses tested, the way's length and proven
-clearance with the nearest object, its sharpest corners, or how far it came and what was nearest there; the verdict of voxcheck (--exact: by the meshes; else by the files, with --felt-seat).
+Every part that is left is tried against the others that are left, small ones first. A part whose path voxcheck confirms
+is taken away at once. Rounds go on until one brings no part out. A part that lies deeper in others than the stored
+distances reach is tried with greater ones (--range). A part that is nearer to others in its seat than the clearance
+asked for is tried with a clearance of 0, and where not even that is proven, with smaller voxels. A row is a part in a
+round: the last trial, and the verdict of voxcheck (by the meshes, or by the files with --felt-seat). --short takes the
+gearbox alone.
 """
 
-import argparse
-import csv
 import json
 import math
 import pathlib
@@ -21,8 +19,16 @@ import subprocess
 import sys
 import tempfile
 
+import bench_scenes
+
 RANGES = (4, 10, 30)  # voxels
 SMALLER = (1, 1 / 2, 1 / 4)  # voxels, tried one after the other
+SEARCH = "8s"
+# By name: file, unit, voxel size in mm, clearance, whether the meshes decide.
+ASSEMBLIES = {
+    "gearbox": (bench_scenes.ROOT / "sample_data/gearbox.glb", [], 1, "0.5mm", True),
+    "as1": (bench_scenes.MODELS / "cad/as1-oc-214.stp", [], 1, "0.3mm", False),
+    "engine": (bench_scenes.MODELS / "cad/2CylinderEngine.glb", ["--units", "mm"], 2, "0.5mm", False)}
 
 
 def leaves(bin_folder, assembly, units):
@@ -35,124 +41,92 @@ def leaves(bin_folder, assembly, units):
     return sorted(found, key=lambda name: math.prod(float(edge) for edge in box[name].groups()))
 
 
-def product(p, q):
-    a, b, c, d = p
-    e, f, g, h = q
-    return (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f,
-            a * h + b * g - c * f + d * e)
+class Assembly:
+    def __init__(self, bin_folder, name, at):
+        self.bin, self.at = bin_folder, at
+        self.path, self.units, self.voxel_mm, self.clearance, self.exact = ASSEMBLIES[name]
+        self.gone = []
 
+    def run(self, command, *arguments):
+        return subprocess.run([self.bin / command, *map(str, arguments), "--quiet"], capture_output=True, text=True)
 
-def corners(path, shell):
-    """The sharpest corner of a way, degrees, and the most degrees a millimeter of the shorter leg beside a corner.
+    def said(self, process):
+        return process.stderr.strip().replace(f"{self.at}/", "")
 
-    A leg is the way of the part's centroid, and its turn times the part's radius."""
-    rows = [[float(cell) for cell in row[1:8]] for row in list(csv.reader(open(path)))[1:]]
-    legs = []
-    for a, b in zip(rows, rows[1:]):
-        centers = []
-        for row in (a, b):
-            q, back = row[3:], [row[3], -row[4], -row[5], -row[6]]
-            turned = product(product(q, [0, *shell["center_m"]]), back)[1:]
-            centers.append([x + y for x, y in zip(row, turned)])
-        turn = product(b[3:], [a[3], -a[4], -a[5], -a[6]])
-        sine = math.hypot(*turn[1:])
-        angle = 2 * math.atan2(sine, abs(turn[0])) * (1 if turn[0] >= 0 else -1)
-        arm = [angle * shell["bounding_radius_m"] * x / sine if sine > 0 else 0 for x in turn[1:]]
-        leg = [q - p for p, q in zip(*centers)] + arm
-        if math.hypot(*leg) > 1e-9:
-            legs.append(leg)
-    sharpest = steepest = 0
-    for a, b in zip(legs, legs[1:]):
-        cosine = sum(p * q for p, q in zip(a, b)) / math.hypot(*a) / math.hypot(*b)
-        corner = math.degrees(math.acos(max(-1, min(1, cosine))))
-        sharpest = max(sharpest, corner)
-        steepest = max(steepest, corner / (1e3 * min(math.hypot(*a), math.hypot(*b))))
-    return sharpest, steepest
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("bin", type=pathlib.Path)
-    parser.add_argument("assembly")
-    for option, default in (("--voxel-size", "1mm"), ("--clearance", "0.5mm"), ("--time", "10s"), ("--units", "")):
-        parser.add_argument(option, default=default)
-    parser.add_argument("--exact", action="store_true")
-    parser.add_argument("--parts", type=int, default=0, help="of which at most; 0: all")
-    given = parser.parse_args()
-    units = ["--units", given.units] if given.units else []
-    voxel_mm = float(given.voxel_size.removesuffix("mm"))
-
-    def run(command, *arguments):
-        return subprocess.run([given.bin / command, *map(str, arguments), "--quiet"], capture_output=True, text=True)
-
-    left = leaves(given.bin, given.assembly, units)
-    tried = left[: given.parts] if given.parts else left
-    gone = []
-    rows = csv.writer(sys.stdout, lineterminator="\n")
-    rows.writerow("round part out asked_mm range_mm voxel_mm search_s poses way_mm clearance_mm nearest corner_deg deg_per_mm best_mm blocked_by verdict".split())
-
-    def attempt(at, part, clearance, depth, voxel):
-        """The outcome of one trial, as the columns from `out` on; why it was refused, or an empty text."""
-        size = ("--voxel-size", f"{voxel:g}mm")
-        shell = run("pointshell", f"{given.assembly}#{part}", *size, *units, "-o", at / "part.pshell")
-        if shell.returncode:
-            return [], shell.stderr.strip()
-        without = [word for name in (*gone, part) for word in ("--without", name)]
-        baked = run("voxelize", given.assembly, *without, *size, *units, "--range", f"{depth * voxel:g}mm",
-                    "--cache", at / "cache", "-o", at / "rest.vox")
-        if baked.returncode:
-            return [], baked.stderr.strip()
+    def attempt(self, part, clearance, depth, voxel):
+        """The row of one trial; and why it was refused, or an empty text."""
+        at, size = self.at, ("--voxel-size", f"{voxel:g}mm")
+        row = {"out": "", "asked_mm": float(clearance[:-2]), "range_mm": depth * voxel, "voxel_mm": voxel, "search_s": None,
+               "poses": None, "way_mm": None, "clearance_mm": None, "nearest": None, "best_mm": None, "blocked_by": None,
+               "verdict": None}
+        without = [word for name in (*self.gone, part) for word in ("--without", name)]
+        for command in (["pointshell", f"{self.path}#{part}", *size, *self.units, "-o", at / "part.pshell"],
+                        ["voxelize", self.path, *without, *size, *self.units, "--range", f"{depth * voxel:g}mm",
+                         "--cache", at / "cache", "-o", at / "rest.vox"]):
+            baked = self.run(*command)
+            if baked.returncode:
+                return row, self.said(baked)
         files = (at / "rest.vox", at / "part.pshell")
-        planned = run("voxplan", *files, "--clearance", clearance, "--time", given.time, "-o", at / "way.csv",
-                      "--json", at / "way.json")
+        planned = self.run("voxplan", *files, "--clearance", clearance, "--time", SEARCH, "-o", at / "way.csv",
+                           "--json", at / "way.json")
         if planned.returncode not in (0, 6):
-            return [], planned.stderr.strip().replace(f"{at}/", "")
+            return row, self.said(planned)
         report = json.loads((at / "way.json").read_text())
-        asked = [clearance.removesuffix("mm"), f"{depth * voxel:g}", f"{voxel:g}", f"{report['seconds']['search']:.3g}",
-                 report["poses_tested"]]
+        row.update(search_s=report["seconds"]["search"], poses=report["poses_tested"])
         if not report["found"]:
             best = report["best"]
-            return ["no", *asked, "", "", "", "", "", f"{1e3 * best['out_m']:.3g}", ", ".join(best["blocked_by"]), ""], ""
-        meshes = ("--exact", given.assembly, *without, "--part", f"{given.assembly}#{part}", *units)
-        checked = run("voxcheck", *files, at / "way.csv", "--clearance", clearance, "--seat", "0,0,0m",
-                      *(meshes if given.exact else ("--felt-seat",)))
+            row.update(out="no", best_mm=1e3 * best["out_m"], blocked_by=", ".join(best["blocked_by"]))
+            return row, ""
+        meshes = ("--exact", self.path, *without, "--part", f"{self.path}#{part}", *self.units)
+        checked = self.run("voxcheck", *files, at / "way.csv", "--clearance", clearance, "--seat", "0,0,0m",
+                           *(meshes if self.exact else ("--felt-seat",)))
         least = report["least_clearance"]
-        run("voxinfo", files[1], "--json", at / "part.json")
-        shape = json.loads((at / "part.json").read_text())
-        verdict = "clear" if checked.returncode == 0 else checked.stderr.strip().replace(f"{at}/", "")
-        return ["yes", *asked, f"{1e3 * report['way_m']:.4g}", f"{1e3 * least['clearance_m']:.3f}", least["object"],
-                *(f"{figure:.2g}" for figure in corners(at / "way.csv", shape)), "", "", verdict], ""
+        row.update(out="yes", way_mm=1e3 * report["way_m"], clearance_mm=1e3 * least["clearance_m"], nearest=least["object"],
+                   verdict="clear" if checked.returncode == 0 else self.said(checked))
+        return row, ""
 
-    def outcome(at, part):
-        depths, voxels, clearance = list(RANGES), [voxel_mm * share for share in SMALLER], given.clearance
+    def outcome(self, part):
+        depths, voxels, clearance = list(RANGES), [self.voxel_mm * share for share in SMALLER], self.clearance
         while True:
-            row, refused = attempt(at, part, clearance, depths[0], voxels[0])
-            if row:
-                return row
+            row, refused = self.attempt(part, clearance, depths[0], voxels[0])
+            near = "nearer there than --clearance" in refused
             if "--range" in refused and len(depths) > 1:
                 depths.pop(0)
-            elif "nearer there than --clearance" in refused and clearance != "0mm":
+            elif near and clearance != "0mm":
                 clearance = "0mm"
-            elif "nearer there than --clearance" in refused and len(voxels) > 1:
+            elif near and len(voxels) > 1:
                 voxels.pop(0)
             else:
-                return ["", clearance.removesuffix("mm"), f"{depths[0] * voxels[0]:g}", f"{voxels[0]:g}",
-                        "", "", "", "", "", "", "", "", "", refused]
+                return {**row, "verdict": refused or row["verdict"]}
 
-    with tempfile.TemporaryDirectory() as folder:
-        at = pathlib.Path(folder)
+    def rows(self):
+        left = leaves(self.bin, self.path, self.units)
         for number in range(1, len(left) + 1):
-            before = len(gone)
-            for part in [name for name in tried if name not in gone]:
-                if len(gone) == len(left) - 1:
+            before = len(self.gone)
+            for part in [name for name in left if name not in self.gone]:
+                if len(self.gone) == len(left) - 1:
                     return
-                row = outcome(at, part)
-                rows.writerow([number, part, *row])
-                sys.stdout.flush()
-                if row[0] == "yes" and row[-1] == "clear":
-                    gone.append(part)
-            if len(gone) == before:
+                row = self.outcome(part)
+                yield {"round": number, "part": part, **row}
+                if row["out"] == "yes" and row["verdict"] == "clear":
+                    self.gone.append(part)
+            if len(self.gone) == before:
                 return
 
 
-main()
+def main():
+    arguments = bench_scenes.arguments(sys.modules[__name__], "disassembly", bench_scenes.SHORT)
+    rows = []
+    for name in ["gearbox"] if arguments.short else ASSEMBLIES:
+        if not ASSEMBLIES[name][0].exists():
+            print(f"{name} left out: no {ASSEMBLIES[name][0]}")
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            for row in Assembly(arguments.bin.resolve(), name, pathlib.Path(folder)).rows():
+                rows.append({"assembly": name, **row})
+                print(rows[-1], flush=True)
+    bench_scenes.write_report("disassembly", rows, arguments.json)
+
+
+if __name__ == "__main__":
+    main()

@@ -5,7 +5,6 @@
 //   puzzle_bench [--seeds N] [--time S] [--voxel-size MM] [--poses N] [--only NAME] [--bin FOLDER]
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <fstream>
 #include <limits>
@@ -14,7 +13,6 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
 #include "tests/bench/puzzle_bench_fcl.h"
-#include "tests/bench/puzzle_bench_replay.h"
 #include "tests/support/scratch_folder.h"
 #include "workbench/voxplan/check/pose_check.h"
 #include "workbench/voxplan/search.h"
@@ -49,10 +47,9 @@ struct Trials {
   int solved = 0;
   std::vector<double> seconds;  // of those that are solved
   std::vector<double> poses_per_s, motions_per_s, steps_per_s;
-  std::vector<double> at_once_poses_per_s;  // where its tests answer at once
-  // `replay_s` is the time of the replay. A motion that is kept counts as the steps in which it
-  // would be tested, another one as one.
-  void add(const Trial& trial, double replay_s, double step_m) {
+
+  // A motion that is kept counts as the steps in which it would be tested, another one as one.
+  void add(const Trial& trial, double step_m) {
     solved += trial.found ? 1 : 0;
     if (trial.found) seconds.push_back(trial.seconds);
     const double taken_s = std::max(trial.seconds, 1e-9);
@@ -60,62 +57,18 @@ struct Trials {
     motions_per_s.push_back(static_cast<double>(trial.motions) / taken_s);
     steps_per_s.push_back(
         (static_cast<double>(trial.motions - trial.kept) + trial.kept_m / step_m) / taken_s);
-    at_once_poses_per_s.push_back(static_cast<double>(trial.poses) / std::max(replay_s, 1e-9));
   }
-};
-
-// The answers that a run of voxplan's search gets.
-struct SearchAnswers {
-  std::array<Answers<PoseAnswer>, voxplan::kHands> of_hands;
-  Answers<double> clock;
 };
 
 Trial search_once(const voxplan::Problem& problem, const voxplan::Destination& goal,
-                  std::uint64_t seed, double most_s, SearchAnswers& answers) {
+                  std::uint64_t seed, double most_s) {
   voxplan::SearchRequest request;
   request.seed = seed;
   request.most_s = most_s;
-  request.clock_s = [&] { return answers.clock.next(cpu_s); };
-  std::size_t hand = 0;
-  request.make_check = [&](const voxplan::Problem& of) {
-    return Result<std::unique_ptr<voxplan::PoseCheck>>(
-        std::make_unique<ReplayedCheck>(of, answers.of_hands.at(hand++)));
-  };
+  request.clock_s = cpu_s;
   const double begin_s = cpu_s();
   const auto r = value_of(voxplan::search(problem, goal, request));
   return {r.found, cpu_s() - begin_s, r.poses_tested, r.motions_tested, r.motions_kept, r.kept_m};
-}
-
-// The time of the second run, which must be the first one again.
-double same_again(const Trial& first, const Trial& second, bool is_played) {
-  if (!is_played || second.found != first.found || second.poses != first.poses) {
-    throw std::runtime_error("a replay took another course than the run that was recorded");
-  }
-  return second.seconds;
-}
-
-void add_search(const voxplan::Problem& problem, const voxplan::Destination& goal,
-                std::uint64_t seed, double most_s, double step_m, Trials& trials) {
-  SearchAnswers answers;
-  const Trial first = search_once(problem, goal, seed, most_s, answers);
-  answers.clock.replay();
-  for (auto& hand : answers.of_hands) hand.replay();
-  const Trial second = search_once(problem, goal, seed, most_s, answers);
-  const bool is_played =
-      answers.clock.is_played() && std::all_of(answers.of_hands.begin(), answers.of_hands.end(),
-                                               [](const auto& hand) { return hand.is_played(); });
-  trials.add(first, same_again(first, second, is_played), step_m);
-}
-
-void add_peer(const Puzzle& puzzle, const voxplan::Problem& problem, std::uint64_t seed,
-              double most_s, double step_m, Trials& trials) {
-  MeshAnswers answers;
-  const Trial first = solve_by_meshes(puzzle, problem, step_m, seed, most_s, answers);
-  answers.clock.replay();
-  answers.is_free.replay();
-  const Trial second = solve_by_meshes(puzzle, problem, step_m, seed, most_s, answers);
-  const bool is_played = answers.clock.is_played() && answers.is_free.is_played();
-  trials.add(first, same_again(first, second, is_played), step_m);
 }
 
 // The lower quartile, the median and the upper quartile; null where there is nothing.
@@ -177,7 +130,6 @@ Json row_of(const Puzzle& puzzle, double voxel_m, const char* validity, const Tr
            {"median_s", seconds[1]},
            {"q3_s", seconds[2]},
            {"poses_per_s", quartiles(trials.poses_per_s)[1]},
-           {"at_once_poses_per_s", quartiles(trials.at_once_poses_per_s)[1]},
            {"motions_per_s", quartiles(trials.motions_per_s)[1]},
            {"steps_per_s", quartiles(trials.steps_per_s)[1]},
            {"alone_poses_per_s", alone_poses_per_s}};
@@ -227,8 +179,8 @@ int run(int argc, char** argv) {
     Trials ours, theirs;
     for (int seed = 1; seed <= seeds; ++seed) {
       const auto n = static_cast<std::uint64_t>(seed);
-      add_search(problem, goal, n, most_s, step_m, ours);
-      add_peer(puzzle, problem, n, most_s, step_m, theirs);
+      ours.add(search_once(problem, goal, n, most_s), step_m);
+      theirs.add(solve_by_meshes(puzzle, problem, step_m, n, most_s), step_m);
     }
     const ValidityRates alone = validity_rates(puzzle, problem, poses);
     if (alone.wrong > 0) throw std::runtime_error("a pose is free that collides by the meshes");

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "tests/bench/puzzle_bench_puzzles.h"
-#include "tests/bench/puzzle_bench_replay.h"
 #include "workbench/voxplan/destination.h"
 
 namespace forcelayer::bench {
@@ -31,15 +31,9 @@ struct Trial {
   double kept_m = 0;          // their travel
 };
 
-// The answers that the peer's run gets.
-struct MeshAnswers {
-  Answers<char> is_free;
-  Answers<double> clock;
-};
-
 // Four RRT-Connect of the ranges that voxplan gives its own, in turns, until one has a way out of
 // the scene. Motions are tested in steps of `step_m` of travel.
 Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
-                      std::uint64_t seed, double most_s, MeshAnswers& answers);
+                      std::uint64_t seed, double most_s);
 
 }  // namespace forcelayer::bench

@@ -1,6 +1,5 @@
-// The contact query by motion, shell size and way of working, beside peers: an OpenVDB
-// ValueAccessor on the same tree, a trilinear OpenVDB level set, and FCL, mesh against mesh. All
-// take turns along the same recorded poses (query.md).
+// The contact query by motion and shell size, beside peers: an OpenVDB ValueAccessor on the same
+// tree, and FCL, mesh against mesh. All take turns along the same recorded poses.
 //
 //   query_bench [--motion NAME]... [--from POINTS] [--largest POINTS] [--seconds S]
 //               [--our-seconds S] [--threads N]... [--no-peers]
@@ -31,8 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kFrames = 100'000;
 constexpr std::size_t kStretch = 50;  // frames that a method runs before the next one does
 constexpr std::size_t kColdFrames = 200;
-constexpr std::size_t kColdPoints = 100'000'000;   // in all cold frames: flushing them takes longer
-constexpr std::size_t kLargestLevelSet = 100'000;  // points; beyond, building it takes minutes
+constexpr std::size_t kColdPoints = 100'000'000;  // in all cold frames: flushing them takes longer
 constexpr std::uint32_t kNotCompared = UINT32_MAX;  // of methods that count something else
 
 struct Choice {
@@ -53,8 +51,6 @@ struct Method {
   std::size_t same_as = 0;              // the method that finds the same
   std::vector<double> ns;
   std::vector<std::uint32_t> found;
-  const query::ContactQuery* query = nullptr;  // of our own ways
-  double points_looked_at = 0;                 // in all frames
   double spent_s = 0, may_spend_s = 0;
 
   bool is_done(std::size_t frames) const {
@@ -76,7 +72,6 @@ struct Contest {
   query::CollectedPoints collected;
   std::vector<std::unique_ptr<query::ContactQuery>> queries;
   std::unique_ptr<AccessorQuery> accessor;
-  std::unique_ptr<LevelSetQuery> level_set;
   std::unique_ptr<FclQuery> fcl, grown_fcl;
   std::vector<Method> methods;
 };
@@ -86,33 +81,23 @@ Voxmap baked(const mesh::Mesh& scene, test::VoxelKind kind = test::VoxelKind::kF
   return stress::BakedScene(scene, kVoxelSizeM).open(kind);
 }
 
-query::QueryOptions ways_of(bool clearance, bool super_blocks, bool coherence, bool walls = true) {
-  query::QueryOptions options;
-  options.skip = {clearance, super_blocks, coherence, walls};
-  return options;
-}
-
 Contest::Contest(const Setting& setting, const SpherePart& part, const Choice& choice)
     : map(baked(setting.scene)), shell(part.shell) {
   collected.reserve(shell.view().point_count);
-  add("all skipping", map, ways_of(true, true, true));
-  add("no coherence", map, ways_of(true, true, false));
-  add("no super-blocks", map, ways_of(true, false, true));
-  add("no walls", map, ways_of(true, true, true, false));
-  query::QueryOptions shared = ways_of(true, true, true);
+  add("all skipping", map, {});
   for (const unsigned threads : choice.threads) {
+    query::QueryOptions shared;
     shared.threads = threads;
     add("all skipping, " + std::to_string(threads) + " threads", map, shared);
   }
-  add("no skipping", map, ways_of(false, false, false));
-  query::QueryOptions scalar = ways_of(false, false, false);
-  scalar.vector = false;
-  add("scalar, no skipping", map, scalar);
+  query::QueryOptions plain;
+  plain.skip = {false, false, false, true};
+  add("no skipping", map, plain);
   if (setting.name == "wall") {
     lean = baked(setting.scene, test::VoxelKind::kLean);
     chebyshev = baked(setting.scene, test::VoxelKind::kChebyshev);
-    add("lean file, Euclidean layers", *lean, ways_of(true, true, true));
-    add("lean file, Chebyshev layers", *chebyshev, ways_of(true, true, true));
+    add("lean file, Euclidean layers", *lean, {});
+    add("lean file, Chebyshev layers", *chebyshev, {});
     methods.back().same_as = methods.size() - 1;
   }
   if (choice.peers) add_peers(setting, part);
@@ -124,7 +109,6 @@ void Contest::add(const std::string& name, const Voxmap& scene,
   query::ContactQuery* query = queries.back().get();
   Method method;
   method.name = name;
-  method.query = query;
   method.run = [this, query](const Pose& pose) {
     query->run(pose, collected);
     return collected.count;
@@ -145,17 +129,8 @@ void Contest::add_peers(const Setting& setting, const SpherePart& part) {
     methods.push_back(std::move(method));
   };
   accessor = std::make_unique<AccessorQuery>(map);
-  add_peer("OpenVDB ValueAccessor, counting",
-           [&](const Pose& pose) { return accessor->count(query, pose); });
   add_peer("OpenVDB ValueAccessor",
            [&](const Pose& pose) { return accessor->collect(query, pose, collected); });
-  if (shell.view().point_count <= kLargestLevelSet) {
-    level_set = std::make_unique<LevelSetQuery>(setting.scene, kVoxelSizeM);
-    add_peer("OpenVDB level set, trilinear", [&](const Pose& pose) {
-      level_set->count(query, pose);
-      return kNotCompared;
-    });
-  }
   const mesh::Mesh mesh = sphere_mesh(part.radius_m);
   fcl = std::make_unique<FclQuery>(setting.scene, mesh);
   grown_fcl = std::make_unique<FclQuery>(setting.grown, mesh);
@@ -178,7 +153,6 @@ void Contest::run_frame(Method& method, const Pose& pose) {
   method.ns.push_back(took * 1e9);
   method.found.push_back(found);
   method.spent_s += took;
-  if (method.query) method.points_looked_at += double(method.query->points_looked_at());
 }
 
 // Stretches of frames in random order, so that no method always follows the same one, and caches
@@ -260,34 +234,30 @@ void add_cold(Contest& contest, const Setting& setting) {
   contest.methods.push_back(std::move(cold));
 }
 
-Json row_of(const Setting& setting, std::size_t points, const Contest& contest) {
+void add_rows(const Setting& setting, std::size_t points, const Contest& contest, Json& rows) {
   const std::vector<std::uint32_t>& found = contest.methods.front().found;
   double sum = 0;
   for (const std::uint32_t n : found) sum += n;
-  Json row = {{"motion", setting.name},
-              {"points", points},
-              {"mean_points_in_band", sum / double(found.size())},
-              {"scene_triangles", setting.scene.triangles.size()},
-              {"methods", Json::object()}};
   for (const Method& method : contest.methods) {
-    const Percentiles p = percentiles(method.ns);
-    row["methods"][method.name] = {{"frames", method.ns.size()},
-                                   {"frame_ns", to_json(p)},
-                                   {"ns_per_point", p.p50 / double(points)}};
-    const double looked_at = method.points_looked_at / double(method.ns.size());
-    if (method.query) row["methods"][method.name]["mean_points_looked_at"] = looked_at;
-    std::printf(
-        "%-10s %9zu  %-28s %6zu frames  p50 %11.2f us  p99 %11.2f us  %8.3f ns a point, %.0f "
-        "looked at\n",
-        setting.name.c_str(), points, method.name.c_str(), method.ns.size(), p.p50 / 1e3,
-        p.p99 / 1e3, p.p50 / double(points), looked_at);
+    const Percentiles ns = percentiles(method.ns);
+    rows.push_back({{"motion", setting.name},
+                    {"points", points},
+                    {"points_in_band", sum / double(found.size())},
+                    {"method", method.name},
+                    {"frames", method.ns.size()},
+                    {"p50_us", ns.p50 / 1e3},
+                    {"p99_us", ns.p99 / 1e3},
+                    {"p999_us", ns.p999 / 1e3},
+                    {"max_us", ns.max / 1e3}});
+    std::printf("%-10s %9zu  %-28s %6zu frames  p50 %11.2f us  p99 %11.2f us\n",
+                setting.name.c_str(), points, method.name.c_str(), method.ns.size(), ns.p50 / 1e3,
+                ns.p99 / 1e3);
   }
   std::fflush(stdout);
-  return row;
 }
 
 void measure(const Choice& choice, int argc, char** argv) {
-  Json results = {{"instruction_set", query::kernel_target()}, {"rows", Json::array()}};
+  Json rows = Json::array();
   std::printf("instruction set %s\n", query::kernel_target());
   for (std::size_t points = choice.from; points <= choice.largest; points *= 10) {
     const SpherePart part(points);
@@ -297,10 +267,10 @@ void measure(const Choice& choice, int argc, char** argv) {
       run_warm(contest, setting, choice);
       compare(contest, setting);
       if (motion == "wall") add_cold(contest, setting);
-      results["rows"].push_back(row_of(setting, points, contest));
+      add_rows(setting, points, contest, rows);
     }
   }
-  write_report("query", argc, argv, results, choice.json);
+  write_report("query", argc, argv, rows, choice.json);
 }
 
 int run(int argc, char** argv) {

@@ -1,8 +1,6 @@
 #include "tests/bench/query_bench_openvdb.h"
 
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tree/Tree.h>
 #include <openvdb/tree/ValueAccessor.h>
 
@@ -93,24 +91,6 @@ AccessorQuery::AccessorQuery(const Voxmap& voxmap) : tree_(std::make_unique<Tree
 }
 AccessorQuery::~AccessorQuery() = default;
 
-std::uint32_t AccessorQuery::count(const query::ContactQuery& query,
-                                   const Pose& world_from_center) const {
-  const auto& origin = query.voxmap().header().directory_origin;
-  openvdb::tree::ValueAccessor<const ByteTree> accessor(tree_->tree);
-  std::uint32_t found = 0;
-  place_points(query, world_from_center,
-               [&](const query::VoxelPose& pose, const float(&position)[3], std::uint64_t) {
-                 openvdb::Coord voxel;
-                 for (int axis = 0; axis < 3; ++axis) {
-                   voxel[axis] = pose.whole[axis] +
-                                 static_cast<std::int32_t>(std::floor(position[axis])) +
-                                 static_cast<std::int32_t>(origin[axis]);
-                 }
-                 found += accessor.getValue(voxel) != 0;
-               });
-  return found;
-}
-
 std::uint32_t AccessorQuery::collect(const query::ContactQuery& query,
                                      const Pose& world_from_center,
                                      query::CollectedPoints& out) const {
@@ -149,43 +129,6 @@ std::uint32_t AccessorQuery::collect(const query::ContactQuery& query,
                  out.nx[at] = normal[0], out.ny[at] = normal[1], out.nz[at] = normal[2];
                });
   return out.count;
-}
-
-struct LevelSetQuery::Grid {
-  openvdb::FloatGrid::Ptr grid;
-};
-
-LevelSetQuery::LevelSetQuery(const mesh::Mesh& scene, double voxel_size_m)
-    : grid_(std::make_unique<Grid>()) {
-  openvdb::initialize();
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;
-  for (const mesh::Vec3d& v : scene.vertices) points.emplace_back(v[0], v[1], v[2]);
-  for (const mesh::Triangle& t : scene.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  // Voxel centers where the voxmap has them.
-  const auto transform = openvdb::math::Transform::createLinearTransform(voxel_size_m);
-  transform->postTranslate(openvdb::Vec3d(voxel_size_m / 2));
-  grid_->grid =
-      openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, points, triangles, 4);
-}
-LevelSetQuery::~LevelSetQuery() = default;
-
-std::uint32_t LevelSetQuery::count(const query::ContactQuery& query,
-                                   const Pose& world_from_center) const {
-  const auto& origin = query.voxmap().header().directory_origin;
-  const auto near = static_cast<float>(3.5 * query.voxmap().voxel_size_m());
-  const auto accessor = grid_->grid->getConstAccessor();
-  std::uint32_t found = 0;
-  place_points(query, world_from_center,
-               [&](const query::VoxelPose& pose, const float(&position)[3], std::uint64_t) {
-                 openvdb::Vec3d index;
-                 for (int axis = 0; axis < 3; ++axis) {
-                   index[axis] =
-                       static_cast<double>(pose.whole[axis] + origin[axis]) + position[axis] - 0.5;
-                 }
-                 found += openvdb::tools::BoxSampler::sample(accessor, index) < near;
-               });
-  return found;
 }
 
 }  // namespace forcelayer::bench

@@ -2,9 +2,8 @@
 //
 //   shell_bench [--mesh NAME]... [--voxels N]... [--models FOLDER] [--json FILE]
 //
-// First table, by mesh and voxels across: the `pointshell` command as a user runs it (full and fast
-// effort, and voxel centers), its shell proven again by `pointshell verify`, and what the file
-// holds. Second table, by analytic shape and voxel size: normals and places against closed forms.
+// By mesh and voxels across: the `pointshell` command as a user runs it (full and fast effort, and
+// voxel centers), its shell proven again by `pointshell verify`, and the facts of the file.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -18,13 +17,11 @@
 #include <stdexcept>
 
 #include "formats/pshell.h"
-#include "pointshell/bake.h"
 #include "pointshell/part/part_files.h"
 #include "pointshell/part/triangle_tree.h"
 #include "pointshell/report.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/process_run.h"
-#include "tests/bench/shell_bench_shapes.h"
 #include "tests/support/places.h"
 
 namespace forcelayer::bench {
@@ -177,41 +174,37 @@ class MeshCase {
     const part::TriangleTree tree(part_);
     const part::Vec3 center{header.center_m[0], header.center_m[1], header.center_m[2]};
     const ShellFacts facts = facts_of(shell.view(), center, tree, header.covering_radius_m);
-    Json row{
-        {"mesh", model_.name},
-        {"triangles", header.triangles},
-        {"voxels_across", voxels_},
-        {"voxel_size_m", voxel_size_m_},
-        {"method", method.name},
-        {"points", header.point_count},
-        {"covering_radius_m", header.covering_radius_m},
-        {"covering_radius_voxels", header.covering_radius_m / header.voxel_size_m},
-        {"proven_again", true},  // `pointshell verify` fails otherwise, and run_process with it
-        {"points_over_planar_bound", pointshell::points_over_bound(header, header.area_m2)},
-        {"normal_error_deg", to_json(percentiles(facts.normal_error_deg))},
-        {"weight_sum_over_area", facts.weight_sum_m2 / header.area_m2},
-        {"mean_block_radius_voxels", facts.mean_block_radius_m / header.voxel_size_m},
-        {"wall_s", bake.wall_s},
-        {"cpu_s", bake.cpu_s},
-        {"peak_rss_bytes", bake.peak_rss_bytes},
-        {"proof_wall_s", proof.wall_s},
-        {"proof_cpu_s", proof.cpu_s},
-        {"file_bytes", fs::file_size(shell_)}};
+    const Percentiles normals = percentiles(facts.normal_error_deg);
+    Json row{{"mesh", model_.name},
+             {"voxels", voxels_},
+             {"method", method.name},
+             {"points", header.point_count},
+             {"radius_voxels", header.covering_radius_m / header.voxel_size_m},
+             {"points_over_bound", pointshell::points_over_bound(header, header.area_m2)},
+             {"share_of_voxel_centers", nullptr},
+             {"normal_p50_deg", normals.p50},
+             {"normal_p99_deg", normals.p99},
+             {"normal_max_deg", normals.max},
+             {"weights_over_area", facts.weight_sum_m2 / header.area_m2},
+             {"block_voxels", facts.mean_block_radius_m / header.voxel_size_m},
+             {"wall_s", bake.wall_s},
+             {"cpu_s", bake.cpu_s},
+             {"peak_bytes", bake.peak_rss_bytes},
+             {"proof_s", proof.wall_s},
+             {"file_bytes", fs::file_size(shell_)}};
     return row;
   }
 
   static void print(const Json& row) {
     const auto get = [&](const char* key) { return row[key].get<double>(); };
-    const Json& normals = row["normal_error_deg"];
     std::printf(
         "%-8s %6d %-8s | %8.0f %6.4f %6.3f %5.1f%% | %7.2f %7.2f %7.2f | %8.5f %7.2f | %7.2f "
         "%7.2f %6.0f %7.2f\n",
-        row["mesh"].get<std::string>().c_str(), row["voxels_across"].get<int>(),
-        row["method"].get<std::string>().c_str(), get("points"), get("covering_radius_voxels"),
-        get("points_over_planar_bound"), 100 * get("share_of_voxel_centers"),
-        normals["p50"].get<double>(), normals["p99"].get<double>(), normals["max"].get<double>(),
-        get("weight_sum_over_area"), get("mean_block_radius_voxels"), get("wall_s"), get("cpu_s"),
-        get("peak_rss_bytes") / 1e6, get("proof_wall_s"));
+        row["mesh"].get<std::string>().c_str(), row["voxels"].get<int>(),
+        row["method"].get<std::string>().c_str(), get("points"), get("radius_voxels"),
+        get("points_over_bound"), 100 * get("share_of_voxel_centers"), get("normal_p50_deg"),
+        get("normal_p99_deg"), get("normal_max_deg"), get("weight_sum_over_area"),
+        get("block_voxels"), get("wall_s"), get("cpu_s"), get("peak_bytes") / 1e6, get("proof_s"));
     std::fflush(stdout);
   }
 
@@ -222,81 +215,12 @@ class MeshCase {
   const double voxel_size_m_;
 };
 
-// A shape's shell against its closed form. Points within a covering radius of an edge or tip are
-// judged apart: there a normal between those of the two faces is what the rule asks for.
-Json shape_row(const AnalyticShape& shape, int voxels, ShellMethod method) {
-  mesh::Assembly assembly;
-  assembly.meshes = {shape.mesh};
-  assembly.instances = {{0, shape.name, {}}};
-  assembly.meters_per_unit = 1;
-  const part::PartInput input{&assembly, 1};
-  const part::Part part = value_of(part::assemble_part({&input, 1}));
-  pointshell::ShellOptions options;
-  options.voxel_size_m = longest_side(part) / voxels;
-  options.method = method;
-  const pointshell::BakedShell shell =
-      value_of(pointshell::bake_shell(part, options, [](const std::string&, double) {}));
-  const auto& c = shell.header.center_m;
-  const double radius = shell.header.covering_radius_m, s = options.voxel_size_m;
-  std::vector<double> smooth_deg, edge_deg, distance_voxels;
-  for (std::size_t n = 0; n < shell.x.size(); ++n) {
-    const part::Vec3 outward{-shell.nx[n], -shell.ny[n], -shell.nz[n]};
-    const std::vector<FaceTruth> faces =
-        shape.faces({shell.x[n] + c[0], shell.y[n] + c[1], shell.z[n] + c[2]});
-    distance_voxels.push_back(faces[0].distance / s);
-    double error_deg = angle_deg(outward, faces[0].outward);
-    bool at_edge = false;
-    for (std::size_t f = 1; f < faces.size() && faces[f].distance < radius; ++f) {
-      at_edge = true;
-      error_deg = std::min(error_deg, angle_deg(outward, faces[f].outward));
-    }
-    (at_edge ? edge_deg : smooth_deg).push_back(error_deg);
-  }
-  Json row{{"shape", shape.name},
-           {"voxels_across", voxels},
-           {"method", pointshell::method_name(method)},
-           {"points", shell.x.size()},
-           {"normal_error_deg", to_json(percentiles(smooth_deg))},
-           {"points_near_edges", edge_deg.size()}};
-  if (!edge_deg.empty()) row["near_edges_deg"] = to_json(percentiles(edge_deg));
-  row["distance_voxels"] = to_json(percentiles(distance_voxels));
-  return row;
-}
-
-void run_shapes(Json& rows) {
-  std::printf("\n%-8s %6s %-13s | %7s | %-23s | %-23s | %-23s\n", "shape", "voxels", "method",
-              "points", "normal deg 50  99  max", "near edges 50  99  max",
-              "distance/s 50  99  max");
-  const auto triple = [](const Json& p) {
-    char text[40] = "";
-    if (!p.is_null()) {
-      std::snprintf(text, sizeof text, "%7.3f %7.3f %7.3f", p["p50"].get<double>(),
-                    p["p99"].get<double>(), p["max"].get<double>());
-    }
-    return std::string(text);
-  };
-  for (const AnalyticShape& shape : analytic_shapes()) {
-    for (const int voxels : {16, 32, 64, 128}) {
-      for (const ShellMethod method : {ShellMethod::kSurface, ShellMethod::kVoxelCenters}) {
-        const Json row = shape_row(shape, voxels, method);
-        std::printf("%-8s %6d %-13s | %7zu | %-23s | %-23s | %-23s\n", shape.name, voxels,
-                    pointshell::method_name(method), row["points"].get<std::size_t>(),
-                    triple(row["normal_error_deg"]).c_str(),
-                    triple(row.value("near_edges_deg", Json())).c_str(),
-                    triple(row["distance_voxels"]).c_str());
-        rows.push_back(row);
-      }
-    }
-  }
-}
-
 int run(int argc, char** argv) {
   CLI::App app{"Points, proof, normals, time and memory of point shells", "shell_bench"};
   std::vector<std::string> meshes;
   std::vector<int> voxels = {128, 256};
   std::string models = test::source_path("../shared/models"), json;
-  app.add_option("--mesh", meshes,
-                 "bunny, dragon, counter, block, part (default: all, and shapes)");
+  app.add_option("--mesh", meshes, "bunny, dragon, counter, block, part (default: all)");
   app.add_option("--voxels", voxels, "voxels across the longest side (default 128 256)");
   app.add_option("--models", models, "folder of the models");
   app.add_option("--json", json, "where to write the figures");
@@ -304,7 +228,7 @@ int run(int argc, char** argv) {
 
   const fs::path folder = fs::temp_directory_path() / ("shell_bench_" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  Json results{{"meshes", Json::array()}, {"shapes", Json::array()}};
+  Json rows = Json::array();
   MeshCase::print_header();
   for (const Model& model : kModels) {
     if (!meshes.empty() && std::find(meshes.begin(), meshes.end(), model.name) == meshes.end()) {
@@ -314,11 +238,10 @@ int run(int argc, char** argv) {
       std::printf("%-8s left out: no %s in %s\n", model.name, model.file, models.c_str());
       continue;
     }
-    for (const int n : voxels) MeshCase(model, models, folder, n).run(results["meshes"]);
+    for (const int n : voxels) MeshCase(model, models, folder, n).run(rows);
   }
-  if (meshes.empty()) run_shapes(results["shapes"]);
   fs::remove_all(folder);
-  write_report("shell", argc, argv, results, json);
+  write_report("shell", argc, argv, rows, json);
   return 0;
 }
 

@@ -4,7 +4,7 @@
 //   wrench_bench [--contact NAME]... [--s S]... [--orientations N] [--pair-cases N]
 //                [--models FOLDER] [--json FILE]
 //
-// S are voxel sizes in units of 10 mm. wrench.md says what the oracles are.
+// S are voxel sizes in units of 10 mm. README.md says what the truth is.
 #include <oneapi/tbb/global_control.h>
 #include <openvdb/openvdb.h>
 #include <CLI/CLI.hpp>
@@ -16,13 +16,12 @@
 #include <map>
 #include <optional>
 
-#include "runtime/field/level_field.h"
 #include "runtime/field/tangent_plane.h"
 #include "tests/bench/bench_report.h"
-#include "tests/bench/force_bench_contacts.h"
-#include "tests/bench/force_bench_frame.h"
 #include "tests/bench/spread.h"
 #include "tests/bench/wrench_bench_commanded.h"
+#include "tests/bench/wrench_bench_contacts.h"
+#include "tests/bench/wrench_bench_frame.h"
 #include "tests/bench/wrench_bench_level_set.h"
 #include "tests/bench/wrench_bench_meshes.h"
 #include "tests/bench/wrench_bench_pairs.h"
@@ -44,50 +43,36 @@ constexpr VoxelKind kKinds[] = {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKi
 struct Contender {
   const char* name;
   const char* skips;
-  VoxelKind kind;                // whose force layer it is judged in
-  std::size_t shifts;            // fewer where the lattice says nothing
-  Shared shared = Shared::kNot;  // how the truth's load is
-  bool has_our_unit = true;      // of force, so that it can be judged raw
+  VoxelKind kind;            // whose force layer it is judged in
+  std::size_t shifts;        // fewer where the lattice says nothing
+  bool has_our_unit = true;  // of force, so that it can be judged raw
+  LoadOfTruth load = LoadOfTruth::kWhole;
 };
 constexpr std::size_t kAll = 100;
 constexpr Contender kContenders[] = {
     {"default, distances", "blocks and rows", VoxelKind::kFull, kAll},
     {"default as voxrun runs it", "blocks and rows", VoxelKind::kFull, kAll},
-    {"default as voxrun runs it, truth shared", "blocks and rows", VoxelKind::kFull, kAll,
-     Shared::kAsDefault},
     {"default, Euclidean layers", "blocks and rows", VoxelKind::kLean, kAll},
     {"default, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
-    {"level field, Chebyshev layers", "blocks and rows", VoxelKind::kChebyshev, kAll},
-    {"paper: tangent plane, N/10", "blocks and rows", VoxelKind::kChebyshev, kAll, Shared::kByTen},
+    {"paper: tangent plane, N/10", "blocks and rows", VoxelKind::kChebyshev, kAll, true,
+     LoadOfTruth::kByTen},
     {"dense float distances, our query", "blocks and rows", VoxelKind::kFull, kAll},
-    {"dense float distances, default's slope", "blocks and rows", VoxelKind::kFull, kAll},
-    {"dense float distances, averaged", "blocks and rows", VoxelKind::kFull, kAll},
-    {"exact closest points, our query", "blocks and rows", VoxelKind::kFull, kAll},
-    {"exact closest points, averaged", "blocks and rows", VoxelKind::kFull, kAll},
     {"OpenVDB level set, as people use it", "nothing", VoxelKind::kFull, kAll},
-    {"FCL contacts", "by a tree", VoxelKind::kFull, 2, Shared::kNot, false},
-    {"FCL distance", "by a tree", VoxelKind::kFull, 2, Shared::kNot, false},
-    {"Bullet contacts", "by a tree", VoxelKind::kFull, 1, Shared::kNot, false}};
+    {"FCL contacts", "by a tree", VoxelKind::kFull, 2, false},
+    {"FCL distance", "by a tree", VoxelKind::kFull, 2, false}};
 enum Name : std::size_t {
   kDistances,
   kShared,
-  kSharedTruth,
   kEuclidean,
   kChebyshev,
-  kLevel,
   kPaper,
   kDense,
-  kDenseSlope,
-  kDenseAveraged,
-  kExact,
-  kExactAveraged,
   kLevelSet,
   kFclContacts,
-  kFclDistance,
-  kBullet
+  kFclDistance
 };
 
-// All that is told of a method in a case.
+// The figures of a method in a case.
 struct Figure {
   const char* name;
   double Quality::*value;
@@ -95,13 +80,8 @@ struct Figure {
 };
 constexpr Figure kFigures[] = {{"force", &Quality::force_error},
                                {"raw force", &Quality::raw_error, true},
-                               {"pressing", &Quality::pressing_error},
                                {"touching", &Quality::touching_error},
-                               {"deviation", &Quality::deviation},
-                               {"noise", &Quality::noise},
-                               {"direction, deg", &Quality::direction_deg},
-                               {"torque", &Quality::torque_error},
-                               {"raw torque", &Quality::raw_torque_error, true}};
+                               {"torque", &Quality::torque_error}};
 constexpr const char* kFrameUs = "frame, us";  // median of the frames of a case
 
 using Values = std::map<std::string, std::map<std::string, std::vector<double>>>;  // by figure
@@ -109,15 +89,12 @@ using Values = std::map<std::string, std::map<std::string, std::vector<double>>>
 // All that was measured at one voxel size.
 struct Samples {
   std::map<std::string, Values> groups;  // [contacts]: figures by method
-  Json cases = Json::array();            // one by one
 
-  void add(const std::string& group, const std::string& contact, int number,
+  void add(const std::string& group, const std::string& contact,
            const std::map<std::size_t, Quality>& qualities,
            const std::map<std::size_t, double>& frames_us) {
-    Json row{{"contacts", group}, {"contact", contact}, {"case", number}};
     const auto put = [&](const char* method, const char* figure, double value) {
       for (const std::string& of : {group, contact}) groups[of][method][figure].push_back(value);
-      row[figure][method] = value;
     };
     for (const auto& [m, quality] : qualities) {
       for (const Figure& figure : kFigures) {
@@ -126,33 +103,33 @@ struct Samples {
       }
     }
     for (const auto& [m, us] : frames_us) put(kContenders[m].name, kFrameUs, us);
-    cases.push_back(std::move(row));
   }
 };
 
-Json to_json(const Spread& s) {
-  return {{"n", s.n},
-          {"p5", s.p5},
-          {"p25", s.p25},
-          {"p50", s.p50},
-          {"p75", s.p75},
-          {"p95", s.p95},
-          {"median_low", s.median_low},
-          {"median_high", s.median_high}};
-}
-
-Json to_json(const Values& methods) {
-  Json all;
+// A row for each method and figure of these contacts; of the force alone where `force_only`.
+void add_rows(double voxel_m, const std::string& contacts, const Values& methods, bool force_only,
+              Json& rows) {
   for (const Contender& method : kContenders) {
     const auto found = methods.find(method.name);
     if (found == methods.end()) continue;
-    Json& row = all[method.name];
-    row["skips"] = method.skips;
     for (const auto& [figure, values] : found->second) {
-      row["figures"][figure] = to_json(spread(values));
+      if (force_only && figure != kFigures[0].name) continue;
+      const Spread s = spread(values);
+      rows.push_back({{"voxel_m", voxel_m},
+                      {"contacts", contacts},
+                      {"method", method.name},
+                      {"skips", method.skips},
+                      {"figure", figure},
+                      {"n", s.n},
+                      {"p5", s.p5},
+                      {"p25", s.p25},
+                      {"p50", s.p50},
+                      {"p75", s.p75},
+                      {"p95", s.p95},
+                      {"median_low", s.median_low},
+                      {"median_high", s.median_high}});
     }
   }
-  return all;
 }
 
 constexpr double kTimedS = 0.02;  // that a method may take in one contact, but for the least frames
@@ -188,12 +165,10 @@ class MapFrames {
     if (kind == VoxelKind::kFull) {
       add(kDistances, *usual_, Averaging::kDirections);
       add(kShared, *usual_, Averaging::kShared);
-      add(kSharedTruth, *usual_, Averaging::kShared);
     }
     if (kind == VoxelKind::kLean) add(kEuclidean, *usual_, Averaging::kDirections);
     if (kind != VoxelKind::kChebyshev) return;
     add(kChebyshev, *usual_, Averaging::kDirections);
-    add(kLevel, *usual_, Averaging::kNone);
     add(kPaper, tangent_plane_, Averaging::kByTen);
   }
   MapFrames(const MapFrames&) = delete;  // the frames know the other members
@@ -218,26 +193,6 @@ Pose pose_of(const ContactCase::Placed& placed) {
   return {placed.position_m, glm::quat_cast(placed.rotation)};
 }
 
-constexpr std::size_t kCheckedPlaces = 200;
-
-// The dense fields over one box of distances, by slope.
-struct PeerFields {
-  PeerFields(const Voxmap& voxmap, const DenseDistances& distances, double offset_m)
-      : gradient(voxmap, distances, offset_m),
-        averaged(voxmap, distances, offset_m, DenseSlope::kAveraged),
-        continuous(voxmap, distances, offset_m, DenseSlope::kContinuous) {}
-  void add_to(MapFrames& frames) const {
-    frames.add(kDense, gradient, Averaging::kNone);
-    frames.add(kDenseAveraged, averaged, Averaging::kDirections);
-    frames.add(kDenseSlope, continuous, Averaging::kNone);
-  }
-  void check() const {
-    std::mt19937_64 random(1);
-    for (const DenseField* field : {&gradient, &continuous}) field->check(kCheckedPlaces, random);
-  }
-  DenseField gradient, averaged, continuous;
-};
-
 // The exact distance at the voxel centers around the contact.
 DenseDistances distances_of(const ContactCase& contact) {
   const test::VoxelScene& scene = contact.dense().scene;
@@ -260,7 +215,7 @@ DenseDistances distances_of(const ContactCase& contact) {
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
-           int number, std::mt19937_64& random, Samples& samples, Commanded& commanded) {
+           std::mt19937_64& random, Samples& samples, Commanded& commanded) {
   std::map<std::size_t, Quality> qualities;
   std::map<std::size_t, double> frames_us;
   const std::mt19937_64 same = random;
@@ -272,16 +227,16 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
     const auto run = [&](std::size_t m, const auto& wrench_at) {
       qualities[m] = contact.judge(
           [&](const ContactCase::Placed& placed) { return wrench_at(pose_of(placed)); },
-          std::min(ContactCase::kShifts, kContenders[m].shifts), kContenders[m].shared);
+          std::min(ContactCase::kShifts, kContenders[m].shifts), kContenders[m].load);
       frames_us[m] = frame_us(slide, wrench_at);
     };
     MapFrames maps(kind, contact.voxmap(), pshell);
     DenseDistances distances;
-    std::optional<PeerFields> dense;
+    std::optional<DenseField> dense;
     if (kind == VoxelKind::kFull) {
       distances = distances_of(contact);
       dense.emplace(contact.voxmap(), distances, contact.middle_m());
-      dense->add_to(maps);
+      maps.add(kDense, *dense, Averaging::kNone);
     }
     for (const auto& [m, frame] : maps.all()) {
       run(m, [&frame = *frame](const Pose& pose) { return frame.at(pose); });
@@ -300,24 +255,17 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
     };
     collide(kFclContacts, fcl_contacts(part), contact.middle_m());
     collide(kFclDistance, fcl_distance(part, contact.middle_m()), 0);
-    collide(kBullet, bullet_contacts(part), contact.middle_m());
   }
-  samples.add(kGroups[combination.smooth ? 0 : 1], combination.name, number, qualities, frames_us);
+  samples.add(kGroups[combination.smooth ? 0 : 1], combination.name, qualities, frames_us);
 }
 
 // The colliders of a pair: they know the scene in its own frame.
 struct PairColliders {
   PairColliders(const MeshPair& pair, const PairPart& part, double offset_m)
-      : contacts(fcl_contacts(part.mesh)),
-        distance(fcl_distance(part.mesh, offset_m)),
-        bullet(bullet_contacts(part.mesh)) {
+      : contacts(fcl_contacts(part.mesh)), distance(fcl_distance(part.mesh, offset_m)) {
     distance->set_scene(pair.scene);
   }
-  void set_offset_mesh(const mesh::Mesh& mesh) {
-    contacts->set_scene(mesh);
-    bullet->set_scene(mesh);
-  }
-  std::unique_ptr<MeshContacts> contacts, distance, bullet;
+  std::unique_ptr<MeshContacts> contacts, distance;
 };
 
 // One of the maps that a contact is judged in, and what reads it.
@@ -326,20 +274,19 @@ struct PairMap {
 
   Voxmap voxmap;
   DenseDistances distances;
-  std::optional<PeerFields> dense;
-  std::optional<ExactField> exact, exact_averaged;
+  std::optional<DenseField> dense;
   std::optional<LevelSetFrame> level_set;
   std::optional<MapFrames> frames;
 };
 
 // Judges all methods; times them where `timed`, over the whole map.
-void judge(const PairContact& contact, const PairPart& part, const ExactDistance& distance,
-           PairColliders& colliders, double s, bool timed,
-           std::map<std::size_t, Quality>& qualities, std::map<std::size_t, double>& frames_us) {
+void judge(const PairContact& contact, const PairPart& part, PairColliders& colliders, double s,
+           bool timed, std::map<std::size_t, Quality>& qualities,
+           std::map<std::size_t, double>& frames_us) {
   const auto run = [&](std::size_t m, const PairContact::WrenchAt& wrench_at) {
     const Contender& method = kContenders[m];
     qualities[m] = contact.judge(method.kind, wrench_at,
-                                 std::min(PairContact::kShifts, method.shifts), method.shared);
+                                 std::min(PairContact::kShifts, method.shifts), method.load);
     if (!timed) return;
     frames_us[m] =
         frame_us(contact.frames(method.kind), [&](const Pose& pose) { return wrench_at(0, pose); });
@@ -354,14 +301,8 @@ void judge(const PairContact& contact, const PairPart& part, const ExactDistance
       if (kind != VoxelKind::kFull) continue;
       here.distances = contact.distances(i);
       here.dense.emplace(here.voxmap, here.distances, offset_m);
-      here.exact.emplace(here.voxmap, distance, contact.world_from_scene(i), offset_m);
-      here.exact_averaged.emplace(here.voxmap, distance, contact.world_from_scene(i), offset_m,
-                                  true);
       here.level_set.emplace(here.distances, part.tested, s, offset_m);
-      here.dense->add_to(*here.frames);
-      if (timed && i == 0) here.dense->check();
-      here.frames->add(kExact, *here.exact, Averaging::kNone);
-      here.frames->add(kExactAveraged, *here.exact_averaged, Averaging::kDirections);
+      here.frames->add(kDense, *here.dense, Averaging::kNone);
     }
     for (const auto& [m, first] : at[0]->frames->all()) {
       run(m, [&, method = m](std::size_t i, const Pose& pose) {
@@ -381,17 +322,16 @@ void judge(const PairContact& contact, const PairPart& part, const ExactDistance
   };
   collide(kFclContacts, *colliders.contacts);
   collide(kFclDistance, *colliders.distance);
-  collide(kBullet, *colliders.bullet);
 }
 
 constexpr int kTimedEvery = 10;  // cases
+constexpr std::size_t kCheckedPlaces = 200;
 
 // The deviation of the colliders' offset surfaces is returned, in voxels.
 double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samples& samples,
-             Json& points, Commanded& commanded) {
+             Commanded& commanded) {
   std::mt19937_64 random(seed);
   const PairPart part(pair, s);
-  points[pair.name] = part.tested.points_m.size();
   const ExactDistance distance(pair.scene);
   distance.check(kCheckedPlaces, 10 * s, random);
   std::optional<PairColliders> colliders;
@@ -400,11 +340,11 @@ double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samp
     const PairContact contact(pair.scene, distance, part, s, random);
     if (!colliders) colliders.emplace(pair, part, contact.offset_m(VoxelKind::kFull));
     const mesh::Mesh offset_mesh = contact.offset_mesh();
-    colliders->set_offset_mesh(offset_mesh);
+    colliders->contacts->set_scene(offset_mesh);
     const bool timed = number % kTimedEvery == 0;
     std::map<std::size_t, Quality> qualities, cropped;
     std::map<std::size_t, double> frames_us;
-    judge(contact, part, distance, *colliders, s, timed, qualities, frames_us);
+    judge(contact, part, *colliders, s, timed, qualities, frames_us);
     if (timed) deviation_m = std::max(deviation_m, contact.offset_mesh_deviation_m(offset_mesh));
     if (timed) {
       const std::vector<Pose> line = contact.frames(VoxelKind::kFull);
@@ -412,61 +352,43 @@ double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samp
                     glm::normalize(line.back().position_m - line.front().position_m));
     }
     if (number == 0) {  // a map around the contact tells what the whole one does
-      judge(contact, part, distance, *colliders, s, false, cropped, frames_us);
+      judge(contact, part, *colliders, s, false, cropped, frames_us);
       for (const auto& [m, quality] : cropped) {
         if (std::abs(quality.force_error - qualities[m].force_error) < 1e-4) continue;
         throw std::runtime_error(pair.name + ": the cropped map differs: " + kContenders[m].name);
       }
     }
-    samples.add(kGroups[2], pair.name, number, qualities, frames_us);
+    samples.add(kGroups[2], pair.name, qualities, frames_us);
   }
   return deviation_m / s;
 }
 
-// The cost of the kinds of voxels, on disk and to bake: from mesh in memory to file, the least
-// processor time of three.
-Json files_of(const MeshPair& pair, double s) {
-  Json files;
-  for (const VoxelKind kind : kKinds) {
-    const test::ScratchFolder folder;
-    double least_s = 1e300;
-    for (int turn = 0; turn < 3; ++turn) {
-      const double start_s = cpu_s();
-      stress::bake_scene_file(pair.scene, s, kind, folder / "scene.vox");
-      least_s = std::min(least_s, cpu_s() - start_s);
-    }
-    files[test::name_of(kind)] = {{"file_bytes", std::filesystem::file_size(folder / "scene.vox")},
-                                  {"bake_cpu_s", least_s}};
-  }
-  return files;
-}
-
-void print(const std::string& group, const Json& methods) {
-  std::printf("%s%*s%8s %15s %8s %8s %8s %8s %8s\n", group.c_str(),
-              40 - static_cast<int>(group.size()), "", "force", "95%", "raw", "pressing", "torque",
-              "n", "us");
-  for (const auto& [name, row] : methods.items()) {
-    const auto at = [&figures = row["figures"]](const char* figure, const char* key) {
-      if (!figures.contains(figure) || figures[figure][key].is_null()) return std::nan("");
-      return figures[figure][key].template get<double>();
+void print(const std::string& group, const Values& methods) {
+  std::printf("%-40s%8s %15s %8s %8s %8s %8s %8s\n", group.c_str(), "force", "95%", "raw",
+              "touching", "torque", "n", "us");
+  for (const Contender& method : kContenders) {
+    const auto found = methods.find(method.name);
+    if (found == methods.end()) continue;
+    const auto of = [&](const char* figure) {
+      const auto values = found->second.find(figure);
+      return spread(values == found->second.end() ? std::vector<double>() : values->second);
     };
-    const auto median = [&at](const char* figure) {
-      const double share = at(figure, "p50");
+    const auto median = [&](const char* figure) {
+      const double value = of(figure).p50;
       char text[16] = "-";
-      if (!std::isnan(share)) std::snprintf(text, sizeof text, "%.2f%%", 100 * share);
+      if (!std::isnan(value)) std::snprintf(text, sizeof text, "%.2f%%", 100 * value);
       return std::string(text);
     };
-    std::printf("  %-38s%8s %6.2f - %6.2f %8s %8s %8s %8.0f %8.1f\n", name.c_str(),
-                median("force").c_str(), 100 * at("force", "median_low"),
-                100 * at("force", "median_high"), median("raw force").c_str(),
-                median("pressing").c_str(), median("torque").c_str(), at("force", "n"),
-                at(kFrameUs, "p50"));
+    const Spread force = of("force");
+    std::printf("  %-38s%8s %6.2f - %6.2f %8s %8s %8s %8zu %8.1f\n", method.name,
+                median("force").c_str(), 100 * force.median_low, 100 * force.median_high,
+                median("raw force").c_str(), median("touching").c_str(), median("torque").c_str(),
+                force.n, of(kFrameUs).p50);
   }
   std::fflush(stdout);
 }
 
 constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
-constexpr const char* kPartNames[] = {"sphere", "box", "cylinder", "cone", "torus"};
 
 struct Choice {
   std::vector<double> sizes = {1, 0.5, 0.25};
@@ -479,59 +401,53 @@ struct Choice {
   }
 };
 
-Json judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units) {
+void judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units,
+                Json& results) {
   const double s = units * kUnitM;
-  Json points, files = Json::object();
   std::map<Part, PartShells> shells;
   std::map<Part, Pshell> pshells;
   for (const Part part : kParts) {
     shells[part] = shells_of(part, s, kPaperCover);
     pshells.emplace(part, pshell_of(shells[part].tested, s));
-    points[kPartNames[static_cast<int>(part)]] = shells[part].tested.points_m.size();
   }
   Samples samples;
   Commanded commanded;
   std::mt19937_64 random(20260101);
-  for (const Combination& combination : wide_combinations()) {
-    if (combination.standoff) continue;  // judged by what the map holds: for our fields alone
+  for (const Combination& combination : combinations()) {
     if (!choice.wants(combination.name)) continue;
     for (int i = 0; i < choice.orientations; ++i) {
-      judge(combination, shells[combination.part], pshells.at(combination.part), s, i, random,
-            samples, commanded);
+      judge(combination, shells[combination.part], pshells.at(combination.part), s, random, samples,
+            commanded);
     }
   }
   double deviation_voxels = 0;
   for (const MeshPair& pair : pairs) {
     // One seed, so that every choice of sizes, pairs and cases begins with the same contacts.
-    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, points, commanded);
+    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, commanded);
     deviation_voxels = std::max(deviation_voxels, deviated);
-    files[pair.name] = files_of(pair, s);
   }
-  Json groups;
-  for (const auto& [group, methods] : samples.groups) groups[group] = to_json(methods);
-  const std::vector<double>& off = commanded.off();
-  std::printf("s = %g (%g mm)", units, 1000 * s);
-  if (!off.empty()) {
+  std::printf("s = %g (%g mm); the offset surfaces of the pairs deviate by %.2g voxels\n", units,
+              1000 * s, deviation_voxels);
+  if (const std::vector<double>& off = commanded.off(); !off.empty()) {
+    const Percentiles p = percentiles(off);
     std::printf(
-        "; the step's wrench at rest, %zu times, %zu of more than ten contacts: off by %.1g, "
-        "at most %.1g",
-        off.size(), commanded.many(), percentiles(off).p50, percentiles(off).max);
+        "the step's wrench at rest, %zu times, %zu of more than ten contacts: off by %.1g, at most "
+        "%.1g\n",
+        off.size(), commanded.many(), p.p50, p.max);
+    results["wrench_commanded"].push_back({{"voxel_m", s},
+                                           {"compared", off.size()},
+                                           {"many_contacts", commanded.many()},
+                                           {"off_p50", p.p50},
+                                           {"off_max", p.max}});
   }
-  std::printf("\n");
   for (const char* group : kGroups) {
-    if (groups.contains(group)) print(group, groups[group]);
+    if (samples.groups.contains(group)) print(group, samples.groups[group]);
   }
-  return {{"voxel_size_m", s},
-          {"shell_points", points},
-          {"pair_offset_deviation_voxels", deviation_voxels},
-          {"commanded",
-           {{"compared", off.size()},
-            {"many_contacts", commanded.many()},
-            {"off_p50", off.empty() ? Json(nullptr) : Json(percentiles(off).p50)},
-            {"off_max", off.empty() ? Json(nullptr) : Json(percentiles(off).max)}}},
-          {"files", files},
-          {"contacts", groups},
-          {"cases", samples.cases}};
+  for (const auto& [contacts, methods] : samples.groups) {
+    const bool is_group = std::ranges::find(kGroups, contacts) != std::end(kGroups);
+    const bool is_pair = std::ranges::find(kPairNames, contacts) != std::end(kPairNames);
+    if (is_group || is_pair) add_rows(s, contacts, methods, is_pair, results["wrench"]);
+  }
 }
 
 int run(int argc, char** argv) {
@@ -557,8 +473,8 @@ int run(int argc, char** argv) {
       pairs.push_back(mesh_pair(name, choice.models));
     }
   }
-  Json results = Json::array();
-  for (const double units : choice.sizes) results.push_back(judge_size(choice, pairs, units));
+  Json results;
+  for (const double units : choice.sizes) judge_size(choice, pairs, units, results);
   write_report("wrench", argc, argv, results, choice.json);
   return 0;
 }

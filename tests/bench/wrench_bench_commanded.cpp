@@ -8,7 +8,7 @@
 #include "forcelayer/run.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/model/simulation.h"
-#include "tests/bench/force_bench_frame.h"
+#include "tests/bench/wrench_bench_frame.h"
 #include "tests/stress/trial.h"
 
 namespace forcelayer::bench {

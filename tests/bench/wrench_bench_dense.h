@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "runtime/field/force_field.h"
@@ -25,31 +24,21 @@ struct DenseDistances {
   }
 };
 
-// The direction of a dense field: the gradient of the trilinear interpolation; the same, averaged
-// over contacts as average_directions() does; or the slope of distance_field.h, from 20 voxels.
-enum class DenseSlope { kGradient, kAveraged, kContinuous };
-
-// Depth below the surface at `offset_m`. A point that is not between the centers that its slope
-// needs has no depth.
+// Depth below the surface at `offset_m`, along the gradient of the trilinear interpolation. A point
+// that is not between the centers of the box has no depth.
 class DenseField final : public field::ForceField {
  public:
   // Both must outlive the field.
-  DenseField(const Voxmap& voxmap, const DenseDistances& distances, double offset_m,
-             DenseSlope slope = DenseSlope::kGradient);
+  DenseField(const Voxmap& voxmap, const DenseDistances& distances, double offset_m);
 
   void measure(const query::CollectedPoints& points,
                field::FieldSamples& samples) const noexcept override;
-  bool has_exact_slopes() const noexcept override { return slope_ != DenseSlope::kAveraged; }
-
-  // Compares measure() at random places with the formulas, point by point. Throws
-  // std::runtime_error where one differs.
-  void check(std::size_t places, std::mt19937_64& random) const;
+  bool has_exact_slopes() const noexcept override { return true; }
 
  private:
   const DenseDistances& distances_;
   std::array<std::int32_t, 3> first_;  // voxel of the query that is the box's first
   float voxel_size_m_, offset_m_;
-  DenseSlope slope_;
 };
 
 }  // namespace forcelayer::bench

@@ -1,9 +1,7 @@
 #include "tests/bench/wrench_bench_exact.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <stdexcept>
 
 namespace forcelayer::bench {
@@ -50,24 +48,6 @@ void ExactDistance::check(std::size_t places, double spread_m, std::mt19937_64& 
     if (std::abs(std::sqrt(least2) - foot(place).distance_m) > 1e-12) {
       throw std::runtime_error("the tree's distance is not that of all triangles");
     }
-  }
-}
-
-void ExactField::measure(const query::CollectedPoints& points,
-                         field::FieldSamples& samples) const noexcept {
-  const auto& origin = voxmap_.header().directory_origin;
-  const double s = voxmap_.voxel_size_m();
-  const glm::dvec3 low(origin[0], origin[1], origin[2]);
-  const glm::dquat back = glm::conjugate(world_from_mesh_.orientation);
-  for (std::uint32_t i = 0; i < points.count; ++i) {
-    const glm::dvec3 voxel(points.vx[i], points.vy[i], points.vz[i]);
-    const glm::dvec3 place =
-        (low + voxel + glm::dvec3(points.fx[i], points.fy[i], points.fz[i])) * s;
-    const auto foot = distance_.foot(back * (place - world_from_mesh_.position_m), offset_m_);
-    samples.depth_m[i] = static_cast<float>(std::max(-1.0, offset_m_ - foot.distance_m));
-    const glm::vec3 out(world_from_mesh_.orientation * foot.direction);
-    samples.dx[i] = out.x, samples.dy[i] = out.y, samples.dz[i] = out.z;
-    samples.gx[i] = out.x, samples.gy[i] = out.y, samples.gz[i] = out.z;  // a voxel a voxel
   }
 }
 

@@ -5,8 +5,8 @@
 #include <openvdb/openvdb.h>
 
 #include "forcelayer/pose.h"
-#include "tests/bench/force_bench_shell.h"
 #include "tests/bench/wrench_bench_dense.h"
+#include "tests/bench/wrench_bench_shell.h"
 
 namespace forcelayer::bench {
 

@@ -6,7 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <utility>
 
-#include "tests/bench/force_bench_contacts.h"
+#include "tests/bench/wrench_bench_contacts.h"
 #include "tests/stress/shapes.h"
 
 namespace forcelayer::bench {

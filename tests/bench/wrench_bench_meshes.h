@@ -1,8 +1,8 @@
-// The analytic contacts of force_bench as triangle meshes, for the peers that know nothing else.
+// The contacts with a formula as triangle meshes, for the peers that know nothing else.
 #pragma once
 
 #include "formats/mesh/mesh.h"
-#include "tests/bench/force_bench_case.h"
+#include "tests/bench/wrench_bench_case.h"
 
 namespace forcelayer::bench {
 

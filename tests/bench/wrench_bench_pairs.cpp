@@ -13,7 +13,7 @@
 
 #include "formats/mesh/scene.h"
 #include "tests/bench/bench_mesh.h"
-#include "tests/bench/force_bench_scene.h"
+#include "tests/bench/wrench_bench_scene.h"
 #include "tests/stress/baked.h"
 #include "tests/stress/shapes.h"
 #include "tests/support/curve_order.h"
@@ -357,7 +357,7 @@ DenseDistances PairContact::distances(std::size_t shift) const {
 }
 
 Quality PairContact::judge(VoxelKind kind, const WrenchAt& wrench_at, std::size_t shifts,
-                           Shared shared) const {
+                           LoadOfTruth load) const {
   const Layer& through = layer(kind);
   bench::Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d) {
@@ -369,7 +369,7 @@ Quality PairContact::judge(VoxelKind kind, const WrenchAt& wrench_at, std::size_
     }
   }
   const TruthAt truth_at = [&](std::size_t d, double offset_m) {
-    return shared_truth(through.truth[d], offset_m, shared, s_);
+    return true_wrench_at(through.truth[d], offset_m, load);
   };
   std::vector<double> offsets_m;
   const double reach_m = kFitThicknesses * thickness_m_;

@@ -13,10 +13,10 @@
 #include "formats/mesh/mesh.h"
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
-#include "tests/bench/force_bench_fit.h"
-#include "tests/bench/force_bench_shell.h"
 #include "tests/bench/wrench_bench_dense.h"
 #include "tests/bench/wrench_bench_exact.h"
+#include "tests/bench/wrench_bench_fit.h"
+#include "tests/bench/wrench_bench_shell.h"
 #include "tests/support/voxel_kind.h"
 
 namespace forcelayer::bench {
@@ -73,9 +73,9 @@ class PairContact {
 
   // The wrench at world_from_center with the scene at a shift, world axes, about the center.
   using WrenchAt = std::function<Wrench(std::size_t shift, const Pose& world_from_center)>;
-  // Judges the force in voxels of a kind, at the first so many shifts. `shared`: how the truth is.
+  // Judges the force in voxels of a kind, at the first so many shifts.
   Quality judge(test::VoxelKind kind, const WrenchAt& wrench_at, std::size_t shifts = kShifts,
-                Shared shared = Shared::kNot) const;
+                LoadOfTruth load = LoadOfTruth::kWhole) const;
 
   // World poses along the line at shift 0, through the force layer of a kind, kFrames of them.
   std::vector<Pose> frames(test::VoxelKind kind) const;

@@ -25,7 +25,4 @@ std::unique_ptr<MeshContacts> fcl_contacts(const mesh::Mesh& part);
 // how much nearer than `offset_m` they are.
 std::unique_ptr<MeshContacts> fcl_distance(const mesh::Mesh& part, double offset_m);
 
-// Bullet 3: a GImpact mesh in a static triangle mesh, all contact points, margins of a micrometre.
-std::unique_ptr<MeshContacts> bullet_contacts(const mesh::Mesh& part);
-
 }  // namespace forcelayer::bench

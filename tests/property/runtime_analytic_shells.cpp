@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "tests/bench/force_bench_shell.h"
+#include "tests/bench/wrench_bench_shell.h"
 
 namespace forcelayer::bench {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include "tests/bench/force_bench_scene.h"
+#include "tests/bench/wrench_bench_scene.h"
 
 namespace forcelayer::bench {
 namespace {

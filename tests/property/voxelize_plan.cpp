@@ -19,8 +19,8 @@ using reference::Random;
 using reference::real;
 
 // The estimated file size holds within this factor, either way: two coarse bakes cannot know which
-// bricks of a fine one will be equal. plan_bench.py measured 0.9 to 1.6 of the true size, and what
-// becomes of the estimated time, which no test can hold.
+// bricks of a fine one will be equal. Bakes of models and bays came to 0.9 to 1.6 of
+// the true size.
 constexpr double kSizeFactor = 2;
 
 void expect_size_is_estimated(const std::vector<voxelize::SceneObject>& objects,

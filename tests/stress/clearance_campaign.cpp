@@ -68,8 +68,6 @@ std::vector<JudgedPose> judge_scene(const ClearanceScene& scene, std::uint64_t s
     const bool near = frame.exact < kNearVoxels && !frame.premise_failed;
     if (near && (points < kManyPoints || near_poses++ % 10 == 0)) {
       frame.provable = provable.of_part_m(at) / s;
-      frame.by_points =
-          provable.of_part_m(at, [&](const glm::dvec3& p) { return judge.exact_m(p); }) / s;
       frame.too_much |= frame.claimed > frame.provable + kRoundingVoxels;
     }
     if (frame.exact < kFarVoxels || frame.too_much) judged.push_back(frame);
@@ -86,7 +84,7 @@ Spread spread_of(std::vector<double> sample) {
 
 ClearanceSummary summary_of(std::span<const JudgedPose> poses, double from, double to) {
   ClearanceSummary summary;
-  std::vector<double> slack, of_provable, of_by_points;
+  std::vector<double> slack;
   for (const JudgedPose& pose : poses) {
     const double end = to > 0 ? to : pose.band_end;
     if (pose.premise_failed || pose.exact < from || pose.exact >= end) continue;
@@ -94,14 +92,8 @@ ClearanceSummary summary_of(std::span<const JudgedPose> poses, double from, doub
     summary.without += pose.kind == ClearanceKind::kNone;
     summary.too_much += pose.too_much;
     slack.push_back(pose.exact - pose.claimed);
-    if (pose.provable < 0) continue;
-    ++summary.compared;
-    of_provable.push_back(pose.exact - pose.provable);
-    of_by_points.push_back(pose.exact - pose.by_points);
   }
   summary.slack = spread_of(std::move(slack));
-  summary.of_provable = spread_of(std::move(of_provable));
-  summary.of_by_points = spread_of(std::move(of_by_points));
   return summary;
 }
 

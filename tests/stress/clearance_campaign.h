@@ -13,20 +13,17 @@ namespace forcelayer::stress {
 
 // A frame that was judged; lengths in voxels.
 struct JudgedPose {
-  double exact = 0;     // between the meshes
-  double claimed = 0;   // 0 where nothing is proven
-  double band_end = 0;  // what is claimed where no point is near enough to be measured
-  // The most that the files prove, and the most that the shell would prove if every point's
-  // distance were known exactly; negative where they were not computed.
-  double provable = -1, by_points = -1;
+  double exact = 0;      // between the meshes
+  double claimed = 0;    // 0 where nothing is proven
+  double band_end = 0;   // what is claimed where no point is near enough to be measured
+  double provable = -1;  // the most that the files prove; negative where it was not computed
   ClearanceKind kind = ClearanceKind::kNone;
   bool premise_failed = false;  // a point at a cropped side or beyond it: nothing is claimed
   bool too_much = false;        // the claim is above the exact distance, or above the provable one
   ObjectVerdict object = ObjectVerdict::kNotTold;
 };
 
-// Poses farther apart than this are not kept; nearer than kNear, `provable` and `by_points` are
-// computed.
+// Poses farther apart than this are not kept; nearer than kNear, `provable` is computed.
 inline constexpr double kFarVoxels = 8, kNearVoxels = 1.2;
 
 // The frames of a scene's random poses, of the default model, unseated.
@@ -43,9 +40,7 @@ struct ClearanceSummary {
   std::uint64_t poses = 0;
   std::uint64_t without = 0;  // with nothing proven; their slack is the exact distance
   std::uint64_t too_much = 0;
-  Spread slack;                      // exact less claimed
-  std::uint64_t compared = 0;        // with `provable` and `by_points`
-  Spread of_provable, of_by_points;  // exact less these
+  Spread slack;  // exact less claimed
 };
 ClearanceSummary summary_of(std::span<const JudgedPose> poses, double from, double to);
 

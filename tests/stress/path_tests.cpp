@@ -1,5 +1,5 @@
 // The proofs of voxcheck along paths against the exact distance of the meshes, which FCL measures.
-// FORCELAYER_LONG_TESTS=1 multiplies the moments by thirty; path_bench has 100,000.
+// FORCELAYER_LONG_TESTS=1 multiplies the moments by thirty; clearance_bench paths has 100,000.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -143,12 +143,6 @@ double ProvableDistance::of_place_m(const glm::dvec3& world_m) const {
 }
 
 double ProvableDistance::of_part_m(const Pose& world_from_part) const {
-  return of_part_m(world_from_part,
-                   [this](const glm::dvec3& place_m) { return of_place_m(place_m); });
-}
-
-double ProvableDistance::of_part_m(const Pose& world_from_part,
-                                   const DistanceOfPlace& distance_m) const {
   // Those that are nearest by the cells first: once these are farther, no other is nearer.
   std::vector<std::pair<double, glm::dvec3>> places;
   for (const glm::dvec3& place_m : places_at(world_from_part)) {
@@ -159,7 +153,7 @@ double ProvableDistance::of_part_m(const Pose& world_from_part,
   double least_m = 1e300;
   for (const auto& [by_cell, place_m] : places) {
     if (by_cell >= least_m) break;
-    least_m = std::min(least_m, std::max(by_cell, distance_m(place_m)));
+    least_m = std::min(least_m, std::max(by_cell, of_place_m(place_m)));
   }
   const double proven_m = surface_distance_bound_m(shell_.surface_distance_terms(), least_m);
   return std::max(

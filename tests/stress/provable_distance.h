@@ -2,7 +2,6 @@
 // double precision, from the two files alone. No claim may be above it.
 #pragma once
 
-#include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -20,10 +19,6 @@ class ProvableDistance {
   // The part's surface at a pose: from the least of_place_m() of all shell points. Deviations of
   // the meshes are taken off; rounding is not. m.
   double of_part_m(const Pose& world_from_part) const;
-  // The same by another distance of a place in world, m, which is at least by_cell_m(): what the
-  // shell alone would prove if the scene were known better.
-  using DistanceOfPlace = std::function<double(const glm::dvec3& world_m)>;
-  double of_part_m(const Pose& world_from_part, const DistanceOfPlace& distance_m) const;
 
   // Whether a shell point lies between centers of which one is beyond a cropped side: nothing is
   // known of it.

@@ -11,7 +11,6 @@
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/loop/output_stage.h"
 #include "tests/stress/exact_distance.h"
-#include "tests/stress/rest_place.h"
 
 namespace forcelayer::stress {
 namespace {
@@ -72,8 +71,7 @@ class HoldWatch {
       both_.see(part);
       low_n_ = glm::min(low_n_, wrench.force_n);
       high_n_ = glm::max(high_n_, wrench.force_n);
-      count_reversals(part);
-      last_s_ = t_s;
+      reported_ = true;
     }
     started_ = true;
     last_ = part;
@@ -86,27 +84,16 @@ class HoldWatch {
     metrics.cycle_voxels.push_back(both_.length_m(radius_m_) / s_);
     metrics.swing_third_voxels.push_back(third_.length_m(radius_m_) / s_);
     metrics.swing_last_voxels.push_back(last_quarter_.length_m(radius_m_) / s_);
-    metrics.cycle_force_n.push_back(last_s_ > 0 ? glm::length(high_n_ - low_n_) : 0);
-    const double seconds = last_s_ - middle_s_;
-    metrics.cycle_hz.push_back(seconds > 0 ? 0.5 * reversals_ / seconds : 0);
+    metrics.cycle_force_n.push_back(reported_ ? glm::length(high_n_ - low_n_) : 0);
   }
 
  private:
-  // Half-cycles: how often the motion turns back on itself.
-  void count_reversals(const Pose& part) {
-    const glm::dvec3 step_m = part.position_m - last_.position_m;
-    if (glm::length(step_m) < 1e-6 * s_) return;
-    if (glm::dot(step_m, last_step_m_) < 0) ++reversals_;
-    last_step_m_ = step_m;
-  }
-
   double from_s_, middle_s_, to_s_, radius_m_, s_;
-  bool started_ = false;
+  bool started_ = false, reported_ = false;
   Pose last_;
-  glm::dvec3 last_force_n_{0}, low_n_{1e300}, high_n_{-1e300}, last_step_m_{0};
+  glm::dvec3 last_force_n_{0}, low_n_{1e300}, high_n_{-1e300};
   Extent third_, last_quarter_, both_;
-  double settle_s_ = 0, last_s_ = 0;
-  int reversals_ = 0;
+  double settle_s_ = 0;
 };
 
 // Watches a part while the handle slides along a direction.
@@ -141,16 +128,11 @@ class SlideWatch {
   double first_m_ = 0, first_goal_m_ = 0, last_m_ = 0, last_goal_m_ = 0;
 };
 
-glm::dvec3 voxel_of(const Pose& pose, double s) { return glm::floor(pose.position_m / s); }
-
 void count_frame(const StepResult& result, const Parameters& limits, Metrics& metrics) {
   const StepReport& report = result.report;
   ++metrics.frames;
   metrics.force_layer_frames += report.interior + report.surface > 0;
   metrics.penetration_frames += report.interior > 0;
-  metrics.guard_cuts += report.guard_cuts;
-  metrics.saturated_frames += report.saturated;
-  metrics.overflows += (report.faults & kFaultNonFiniteState) != 0;
   if (!finite(result.wrench.force_n) || !finite(result.wrench.torque_nm) ||
       !finite(report.world_from_center.position_m)) {
     ++metrics.non_finite;
@@ -158,8 +140,6 @@ void count_frame(const StepResult& result, const Parameters& limits, Metrics& me
   }
   const double force_n = glm::length(result.at_handle.force_n);
   const double torque_nm = glm::length(result.at_handle.torque_nm);
-  metrics.peak_force_n = std::max(metrics.peak_force_n, force_n);
-  metrics.peak_torque_nm = std::max(metrics.peak_torque_nm, torque_nm);
   // Rounding of a clamped length aside.
   metrics.over_limit +=
       force_n > limits.max_force_n * (1 + 1e-9) || torque_nm > limits.max_torque_nm * (1 + 1e-9);
@@ -264,24 +244,17 @@ void Metrics::add(const Metrics& other) {
   force_layer_frames += other.force_layer_frames;
   penetration_frames += other.penetration_frames;
   penetrating_trials += other.penetrating_trials;
-  guard_cuts += other.guard_cuts;
-  saturated_frames += other.saturated_frames;
   non_finite += other.non_finite;
-  overflows += other.overflows;
   over_limit += other.over_limit;
   generated_j += other.generated_j;
   distances_visited += other.distances_visited;
   distances_measured += other.distances_measured;
-  peak_force_n = std::max(peak_force_n, other.peak_force_n);
-  peak_torque_nm = std::max(peak_torque_nm, other.peak_torque_nm);
   worst_generated_j = std::max(worst_generated_j, other.worst_generated_j);
   smallest_distance_m = std::min(smallest_distance_m, other.smallest_distance_m);
   guaranteed_m = std::min(guaranteed_m, other.guaranteed_m);
-  for (auto member :
-       {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n, &Metrics::cycle_hz,
-        &Metrics::settle_s, &Metrics::swing_third_voxels, &Metrics::swing_last_voxels,
-        &Metrics::approach_mps, &Metrics::progress, &Metrics::place_error_voxels,
-        &Metrics::stuck_share, &Metrics::lag_m, &Metrics::force_steps_n}) {
+  for (auto member : {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n,
+                      &Metrics::settle_s, &Metrics::swing_third_voxels, &Metrics::swing_last_voxels,
+                      &Metrics::progress, &Metrics::stuck_share}) {
     const auto& from = other.*member;
     (this->*member).insert((this->*member).end(), from.begin(), from.end());
   }
@@ -315,7 +288,6 @@ Metrics run(const Trial& trial, Model model) {
   StepInput input;
   input.valid = 1;
   StepResult last{};
-  double lag_m = 0;
   const auto frames = static_cast<std::uint64_t>(std::llround(trial.duration_s * trial.rate_hz));
   for (std::uint64_t frame = 0; frame < frames; ++frame) {
     const double t_s = static_cast<double>(frame) * dt_s;
@@ -341,31 +313,13 @@ Metrics run(const Trial& trial, Model model) {
     }
     const Pose target = simulation->world_from_center(input.world_from_handle);
     handle.feel(result, seen, dt_s);
-    if (frame > 0 && result.report.surface + result.report.interior > 0 &&
-        last.report.surface + last.report.interior == 0) {
-      metrics.approach_mps.push_back(travel_m(before, part, radius_m) / dt_s);
-    }
     if (hold) hold->see(t_s, part, result.wrench);
     if (slide) slide->see(t_s, part, target);
-    if (frame > 0 && voxel_of(before, s) != voxel_of(part, s) && slide && result.report.contacts) {
-      metrics.force_steps_n.push_back(glm::length(result.wrench.force_n - last.wrench.force_n));
-    }
-    if (result.report.surface + result.report.interior + result.report.proximity == 0) {
-      lag_m = std::max(lag_m, glm::length(target.position_m - part.position_m));
-    }
     last = result;
   }
   metrics.generated_j = metrics.worst_generated_j = handle.generated_j();
   metrics.penetrating_trials = metrics.penetration_frames > 0 ? 1 : 0;
-  metrics.lag_m.push_back(lag_m);
   if (hold) hold->report(metrics);
-  if (trial.rest_place && model == Model::kDefault) {
-    const Pose& part = last.report.world_from_center;
-    const RestPlace place =
-        nearest_rest_place(*simulation, coupling::grip_target(state, input), part);
-    metrics.place_error_voxels.push_back(
-        glm::length(part.position_m - place.world_from_center.position_m) / s);
-  }
   if (slide) slide->report(metrics);
   if (distance) {
     metrics.smallest_distance_m = distance->smallest_m();

@@ -43,8 +43,6 @@ struct Trial {
   // The handle slides from here on along `slide_direction`.
   std::optional<double> slide_from_s;
   glm::dvec3 slide_direction{1, 0, 0};
-  // At the end, looks for the place where the held part should be (default model alone).
-  bool rest_place = false;
   bool exact_distance = true;
   double distance_below_m = 1e300;  // exact distances above this are of no interest
   bool braking = true;
@@ -55,13 +53,10 @@ struct Metrics {
   std::uint64_t starts_inside = 0;  // trials; their distances and PR are not counted
   std::uint64_t force_layer_frames = 0, penetration_frames = 0;
   std::uint64_t penetrating_trials = 0;  // with a penetration frame
-  std::uint64_t guard_cuts = 0, saturated_frames = 0;
-  std::uint64_t non_finite = 0;  // frames with a value that is not finite
-  std::uint64_t overflows = 0;   // frames whose motion overflowed, so that the part was stopped
-  std::uint64_t over_limit = 0;  // frames with a wrench above the limits
-  double peak_force_n = 0, peak_torque_nm = 0;
-  double generated_j = 0;        // sum over trials
-  double worst_generated_j = 0;  // of one trial
+  std::uint64_t non_finite = 0;          // frames with a value that is not finite
+  std::uint64_t over_limit = 0;          // frames with a wrench above the limits
+  double generated_j = 0;                // sum over trials
+  double worst_generated_j = 0;          // of one trial
   double smallest_distance_m = 1e300;
   double guaranteed_m = 1e300;  // smallest of the trials' guarantees, swept poses
   std::uint64_t distances_visited = 0, distances_measured = 0;
@@ -70,17 +65,11 @@ struct Metrics {
   std::vector<double> rest_force_n;        // at the end of a hold
   std::vector<double> cycle_voxels;        // peak to peak of any shell point while held
   std::vector<double> cycle_force_n;       // peak to peak of the force while held
-  std::vector<double> cycle_hz;            // 0 where nothing moves
   std::vector<double> settle_s;            // from the start of the hold to the last motion
-  std::vector<double> place_error_voxels;  // of the centroid, from nearest_rest_place()
   std::vector<double> swing_third_voxels;  // peak to peak in the third quarter of the hold
   std::vector<double> swing_last_voxels;   // the same in the last
-  std::vector<double> approach_mps;        // speed of the part when it enters the force layer
   std::vector<double> progress;            // tangential, of the handle's
   std::vector<double> stuck_share;         // of the sliding frames: below 5% of the handle's speed
-  std::vector<double> lag_m;               // largest distance to the handle in free space
-
-  std::vector<double> force_steps_n;  // at frames in which the centroid changes its voxel
 
   double penetration_ratio() const {
     return force_layer_frames == 0

@@ -1,5 +1,5 @@
 // A block that a hand presses on a plane, held by a grip anywhere: how much the handle swings, and
-// what closed loops give the hand. For the tests and for the whole map of stability_bench.
+// what closed loops give the hand. For the tests and for `stability_bench grips`.
 #pragma once
 
 #include "tests/support/held_part.h"
