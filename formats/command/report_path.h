@@ -1,5 +1,4 @@
-// Where a report goes before the outputs have been checked. Inline: each command has one that is
-// not called twice.
+// Where a report goes before the outputs have been checked.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +9,7 @@
 namespace forcelayer::command {
 
 // The file that the command line names behind `option`, before it is parsed; empty where none.
-static inline std::string_view file_named_by(std::string_view option, int argc, char** argv) {
+inline std::string_view file_named_by(std::string_view option, int argc, char** argv) {
   std::string_view named;
   for (int n = 1; n < argc; ++n) {
     std::string_view argument = argv[n];
@@ -24,7 +23,7 @@ static inline std::string_view file_named_by(std::string_view option, int argc, 
 
 // Whether nothing is lost where `path` is written to but a file that begins so, with 80 letters at
 // most.
-static inline bool may_replace(const std::string& path, std::string_view beginning) {
+inline bool may_replace(const std::string& path, std::string_view beginning) {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure)) {
     return !std::filesystem::is_directory(path, failure);

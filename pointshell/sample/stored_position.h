@@ -7,9 +7,6 @@ namespace forcelayer::sample {
 
 // `position`, relative to the shell's center, with its coordinates rounded to floats. Everything
 // that is proven of a shell is proven of such positions.
-inline part::Vec3 as_stored(const part::Vec3& position) {
-  return {static_cast<float>(position.x), static_cast<float>(position.y),
-          static_cast<float>(position.z)};
-}
+part::Vec3 as_stored(const part::Vec3& position);
 
 }  // namespace forcelayer::sample
