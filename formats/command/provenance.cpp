@@ -86,6 +86,13 @@ std::string part_hash_in(std::string_view provenance) {
   return text_in(Json::parse(provenance, nullptr, false), "part_xxh3");
 }
 
+std::optional<double> mesh_deviation_in(std::string_view provenance) {
+  const Json json = Json::parse(provenance, nullptr, false);
+  if (!json.is_object() || !json.contains("mesh_deviation_m")) return std::nullopt;
+  const Json& deviation = json["mesh_deviation_m"];
+  return deviation.is_number() ? std::optional(deviation.get<double>()) : std::nullopt;
+}
+
 std::string missing_faces_text(std::string_view provenance) {
   const std::uint64_t count = missing_faces_in(provenance);
   if (count == 0) return "";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,5 +24,8 @@ std::string missing_faces_text(std::string_view provenance);
 // where the text does not have all of them.
 std::vector<std::string> object_hashes_in(std::string_view provenance);
 std::string part_hash_in(std::string_view provenance);
+
+// The deviation of all meshes that the user declared, m; none where the text does not say.
+std::optional<double> mesh_deviation_in(std::string_view provenance);
 
 }  // namespace forcelayer::command

@@ -43,8 +43,8 @@ struct ExactRequest {
   std::vector<ProvenMoment> moments;          // to hold the meshes against
   std::vector<std::array<double, 2>> seated;  // from, to: when the part is in its seat, s
   std::array<double, 7> seat_pose{};          // world_from_part: m, then w, x, y, z
-  // How much deeper than installed the part may go into an object of its seat; without: as deep as
-  // the guard of a run lets a shell point.
+  // How much deeper than installed the part may go into an object of its seat, beside deviations
+  // and rounding.
   std::optional<double> seat_depth_m;
   bool quiet = false;  // no line of progress on the terminal
 };

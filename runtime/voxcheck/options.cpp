@@ -36,7 +36,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_option(
       "--seat-depth", seat_depth_,
       "with --exact: how much deeper than installed the part may go into the objects that "
-      "it is seated on; default: a quarter of a voxel and a step of the stored distances");
+      "it is seated on, beside the deviations of the meshes; default: 0");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")

@@ -61,13 +61,16 @@ std::string pushed_text(const Report& report, const Violation& v) {
            place_text(v.worst);
   }
   const ExactSeat* seat = exact_seat(report, v.worst.object);
-  // Between what was found and what is proven, what is allowed may lie.
-  const double most_m = exact_of(report, v)->depth_at_most_m;
-  const std::string most =
-      v.depth_m > seat->allowed_m ? "" : text("and at most %.3f mm ", ceil_mm(most_m));
-  return text("pushed %.3f mm %sdeep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
-              1e3 * v.depth_m, most.c_str(), object.c_str(), 1e3 * seat->installed_m,
-              1e3 * seat->allowed_m) +
+  if (const ExactViolation& exact = *exact_of(report, v); exact.graze) {
+    return text(
+               "too close to call: in its seat at least %.6f and at most %.6f mm deep in %s, and "
+               "%.6f mm are allowed, ",
+               1e3 * v.depth_m, ceil_nm_in_mm(exact.depth_at_most_m), object.c_str(),
+               1e3 * seat->allowed_m) +
+           place_text(v.worst);
+  }
+  return text("pushed %.3f mm deep into %s, %.3f mm where it is installed and %.3f mm allowed, ",
+              1e3 * v.depth_m, object.c_str(), 1e3 * seat->installed_m, 1e3 * seat->allowed_m) +
          place_text(v.worst);
 }
 
@@ -75,7 +78,7 @@ std::string unsettled_text(const Report& report, const Violation& v) {
   const std::string object = escaped(object_name(report.scene, v.worst.object));
   if (report.exact) {
     return "not settled: in its seat it meets " + object +
-           ", and one of the two meshes is open and has no inside; accept with --felt-seat";
+           ", and both meshes are open and have no inside; accept with --felt-seat";
   }
   return text(
       "not settled: in its seat, features of %s narrower than %.2f mm are not felt; settle "
@@ -130,6 +133,19 @@ bool is_seat_settled(const Report& report) {
                                      [](const ExactSeat& seat) { return seat.settled; });
 }
 
+// The objects that the part overlaps where it is installed, by more than deviations and rounding.
+std::vector<std::string> overlap_texts(const Report& report) {
+  std::vector<std::string> texts;
+  if (!report.exact) return texts;
+  for (const ExactSeat& seat : report.exact->seat) {
+    if (seat.installed_m <= report.exact->margin_m) continue;
+    texts.push_back(text("where it is installed the part overlaps %s by %.3f mm",
+                         escaped(object_name(report.scene, seat.object)).c_str(),
+                         1e3 * seat.installed_m));
+  }
+  return texts;
+}
+
 // How deep the part goes into the objects of its seat, as far as that is told.
 std::string seat_depth_text(const Report& report) {
   if (report.result.seated.empty()) return "";
@@ -140,15 +156,19 @@ std::string seat_depth_text(const Report& report) {
   }
   const auto& seats = report.exact->seat;
   const auto deeper = [](const ExactSeat& seat) { return seat.deepest_m - seat.installed_m; };
+  std::string overlaps;
+  for (const std::string& overlap : overlap_texts(report)) overlaps += "  " + overlap + "\n";
   const auto deepest = std::max_element(
       seats.begin(), seats.end(),
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
-  return text(
-      "  in its seat %.3f mm deeper than installed are allowed; deepest found %.3f mm deeper, into "
-      "%s\n",
-      1e3 * (deepest->allowed_m - deepest->installed_m), 1e3 * std::max(0.0, deeper(*deepest)),
-      escaped(object_name(report.scene, deepest->object)).c_str());
+  return overlaps + text(
+                        "  in its seat %.3f mm deeper than installed are allowed; deepest found "
+                        "%.3f mm deeper, into "
+                        "%s\n",
+                        1e3 * (deepest->allowed_m - deepest->installed_m),
+                        1e3 * std::max(0.0, deeper(*deepest)),
+                        escaped(object_name(report.scene, deepest->object)).c_str());
 }
 
 // The meshes see all objects.
@@ -238,7 +258,10 @@ std::string gist_of(const Report& report, const Violation& v) {
   if (v.unsettled_seat) return "its seat is not settled";
   if (v.object_inside) return inside_text(report, v);
   if (v.pushed_into_seat) {
-    return "pushed too deep into " + escaped(object_name(report.scene, v.worst.object));
+    const ExactViolation* measured = exact_of(report, v);
+    const bool is_close = measured != nullptr && measured->graze;
+    return (is_close ? "too close to call in " : "pushed too deep into ") +
+           escaped(object_name(report.scene, v.worst.object));
   }
   if (v.worst.beyond_side) return "beside a cropped side of the scene";
   const ExactViolation* exact = exact_of(report, v);
@@ -421,6 +444,9 @@ std::string github_lines(const Report& report) {
                         required_text(report) + "; " + violation_text(report, v));
   }
   if (is_refused_as_far(report)) lines += annotation(report.options, "error", "clearance", kFar);
+  for (const std::string& overlap : overlap_texts(report)) {
+    lines += annotation(report.options, "warning", "overlap", overlap);
+  }
   return lines;
 }
 
@@ -431,6 +457,9 @@ Json code_quality_json(const Report& report) {
                          required_text(report) + "; " + violation_text(report, v)));
   }
   if (is_refused_as_far(report)) list.push_back(issue(report.options, "clearance", "major", kFar));
+  for (const std::string& overlap : overlap_texts(report)) {
+    list.push_back(issue(report.options, "overlap", "minor", overlap));
+  }
   return list;
 }
 

@@ -300,7 +300,7 @@ assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["least_cl
 assert stretch["exact_m"] < 1e-5 and stretch["at_most_m"] < 1e-4 and 0.001 < stretch["way_m"] < 0.005, stretch
 [seat] = seated["seat_depths"]
 assert seated["seat_settled"] and seat["object"] == "Gearbox/Housing", seated
-assert seat["deepest_m"] <= seat["allowed_m"] < 0.0003, seat
+assert seat["deepest_m"] <= seat["allowed_m"] < 1e-7, seat
 PYTHON
   # Pushed into its seat: as deep as it goes.
   check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json deep.json
@@ -316,31 +316,17 @@ PYTHON
     says '^NOT clear: its seat is not settled; .* else clear: '
     check 0 "${held[@]}" --felt-seat
     check 6 "${held[@]}" "${meshes[@]}" --json through_bolt.json --junit through_bolt.xml
-    says 'pushed 1\.[0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.555 mm allowed'
+    says 'pushed 1\.[45][0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.000 mm allowed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
     says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm deeper, into Gearbox/Lid/Bolt$'
-    # Where what is allowed lies between what is found and what is proven, both are said.
-    check 6 "${held[@]}" "${meshes[@]}" --seat-depth 1.505mm --json barely.json
-    says 'pushed [0-9.]+ mm and at most [0-9.]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and [0-9.]+ mm allowed, at '
-    python3 - <<'PYTHON'
-import json, re
-report = json.load(open("barely.json"))
-[v] = report["violations"]
-seat = max(report["seat_depths"], key=lambda seat: seat["deepest_m"])
-assert v["depth_m"] < seat["allowed_m"] < v["depth_at_most_m"], (v, seat)
-assert abs(v["depth_m"] - seat["deepest_m"]) < 1e-12, (v, seat)
-said = open("out.txt").read()
-pushed, deepest = (re.search(words + " ([0-9.]+) mm", said)[1] for words in ("pushed", "deepest found"))
-assert pushed == deepest, said  # it is installed 0 mm deep
-PYTHON
     python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("through_bolt.json"))
 [v] = report["violations"]
 assert report["seat_settled"] and v["pushed_into_seat"] and v["object"] == "Gearbox/Lid/Bolt", report
 # The head begins where the cover ends; it has gone through when it is 3 mm higher: so thick it is.
-assert 0.0010 < v["depth_m"] < 0.0016 and abs(0.06 * (v["from_s"] - 0.2) - 0.000555) < 1e-4, v
+assert 0.0014 < v["depth_m"] < 0.0016 and v["from_s"] < 0.21, v
 apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 0.5
 assert abs(apart - v["depth_m"]) < 1e-6, (apart, v)
 assert "deep into Gearbox/Lid/Bolt" in tree.parse("through_bolt.xml").getroot().find("testcase/failure").get("message")

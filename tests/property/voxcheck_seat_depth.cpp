@@ -8,7 +8,11 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <tuple>
+#include <utility>
 
+#include "workbench/exact/motion_proof.h"
+#include "workbench/exact/push_out.h"
 #include "workbench/exact/seat_walk.h"
 
 namespace forcelayer::exact {
@@ -269,8 +273,10 @@ TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
     const auto truth = static_cast<double>(sampled_both(pin, bore, pose, 8));
     const Depth depth = walk.at_pose(pose, kAllowed);
     EXPECT_LE(truth, depth.at_most_m + 1e-9);
-    EXPECT_LE(depth.at_most_m, depth.found_m + std::max({kFine, kAllowed - depth.at_most_m,
-                                                         (depth.found_m - kAllowed) / 2}));
+    EXPECT_LE(depth.at_most_m,
+              depth.found_m +
+                  std::max({kFine, kAllowed - depth.at_most_m, (depth.found_m - kAllowed) / 2}) +
+                  1e-12);
     most = std::max(most, depth.looked_at);
     pressed += truth > kAllowed;
     leaning += truth > 0 && truth <= kAllowed;
@@ -315,6 +321,137 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
   }
   EXPECT_GT(pushed, 4);
   EXPECT_GT(free, 1);
+}
+
+// What a shift proves holds at places sampled densely, at every moment of a motion.
+TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
+  std::mt19937 random(43);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int free = 0, deep = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface surface = trial % 2 == 0 ? tube(12, 0.5, 1, 0.4) : random_body(random);
+    const Bodies bodies = bodies_of(surface, kWithin);
+    const auto triangles = placed(surface, {}, 0);
+    const double size = std::pow(0.5, trial % 5), most = 0.3 * size;
+    // About a place of the surface, where most pieces come free by a little or do not.
+    const Corners& near = triangles[static_cast<std::size_t>(trial) % triangles.size()];
+    const glm::dvec3 center = glm::dvec3((near[0] + near[1] + near[2]) / 3.0L) +
+                              0.3 * size * glm::dvec3(unit(random), unit(random), unit(random));
+    std::array<part::Piece, 2> ends;
+    for (part::Piece& end : ends) {
+      for (part::Vec3& p : end) {
+        p = vec3_of(center + 0.4 * size * glm::dvec3(unit(random), unit(random), unit(random)));
+      }
+    }
+    long double deepest = -1e30L;
+    for (int moment = 0; moment <= 4; ++moment) {
+      const double share = moment / 4.0;
+      Corners corners;
+      for (std::size_t n = 0; n < 3; ++n) {
+        corners[n] = Wide(dvec3_of((1 - share) * ends[0][n] + share * ends[1][n]));
+      }
+      deepest = std::max(deepest, sampled_depth({corners}, triangles, 6));
+    }
+    deep += deepest > most;
+    if (!comes_free(*bodies[0], Hull(ends[0], ends[1]), most, 0)) continue;
+    ++free;
+    EXPECT_LE(deepest, most);
+  }
+  EXPECT_GT(free, 100);
+  EXPECT_GT(deep, 60);
+}
+
+// On both sides of what is allowed, by the least that doubles tell of these lengths: a block on a
+// floor of many triangles, in a corner, and in a slot as wide as it is.
+TEST(PushOut, SettlesWhatTouchesAndNotWhatIsDeeper) {
+  constexpr double kDepth = 1e-9, kTold = 1e-12;
+  const Surface solid = tube(16, 1, 2, 0.5);  // its upper end is a ring of slivers
+  const Bodies bodies = bodies_of(solid, kWithin);
+  for (const double off : {-kTold, kTold}) {
+    const double z = 0.5 - kDepth - off;
+    const part::Piece on_ring{vec3_of({1.2, 0, z}), vec3_of({-1.3, 0.2, z}), vec3_of({0, 1.4, z})};
+    part::Piece moved = on_ring;
+    for (part::Vec3& p : moved) p += {0.1, -0.2, 0};
+    EXPECT_EQ(comes_free(*bodies[0], Hull(on_ring, moved), kDepth, 0), off < 0);
+  }
+}
+
+// A block that slides on a floor, and in a slot as wide as it is, however far: one proof is enough.
+TEST(MotionProof, OfABlockThatSlidesInItsSlotTakesFewCells) {
+  constexpr double kAllowed = 1e-9;
+  Surface slot =
+      united(united(box({5, 2, 0.5}), box({5, 0.5, 1}), {0, 1, 1}), box({5, 0.5, 1}), {0, -1, 1});
+  const Surface block = box({0.5, 0.5, 0.5});
+  const Bodies of_slot = bodies_of(slot, kWithin), of_block = bodies_of(block, kWithin);
+  const MeshPair distance(slot, block);
+  const auto walk_to = [&](const glm::dvec3& to, double turn, double allowed) {
+    const clearance::CenterPath path({{row_of(0, {{-3, 0, 1}, {1, 0, 0, 0}}),
+                                       row_of(1, {to, glm::angleAxis(turn, glm::dvec3(0, 0, 1))})}},
+                                     {0, 0, 0}, 1);
+    return SeatWalk(path, of_block, of_slot, distance, allowed / 8)
+        .deeper_than({0, 0}, {1, 0}, allowed, 0.05);
+  };
+  EXPECT_TRUE(walk_to({3, 0, 1}, 0, kAllowed).empty());   // along
+  EXPECT_TRUE(walk_to({-3, 0, 4}, 0, kAllowed).empty());  // up
+  for (const double off : {-1e-12, 1e-12}) {
+    const auto found = walk_to({3, 0, 1 - kAllowed - off}, 0, kAllowed);
+    ASSERT_EQ(found.size(), off < 0 ? 0u : 1u);
+    if (off > 0) {
+      EXPECT_NEAR(found[0].worst.found_m, kAllowed, 1e-11);
+    }
+  }
+  const auto turned = walk_to({3, 0, 1}, 0.1, kAllowed);
+  ASSERT_EQ(turned.size(), 1u);
+  EXPECT_TRUE(turned[0].is_deeper);
+  EXPECT_NEAR(turned[0].worst.found_m, 0.5 * (std::cos(0.1) + std::sin(0.1)) - 0.5, 1e-3);
+}
+
+// Walls that are both thinner than twice what is allowed elsewhere: in their middle they are as
+// deep as half of one, which is found however short the moment is.
+TEST(SeatWalk, FindsThinWallsThatPassThroughEachOther) {
+  const Surface wall = box({0.01, 0.2, 0.2}), other = box({0.01, 0.1, 0.1});
+  const Bodies of_wall = bodies_of(wall, 1e-6), of_other = bodies_of(other, 1e-6);
+  const MeshPair distance(wall, other);
+  const glm::dquat leaning = glm::angleAxis(0.3, glm::dvec3(0, 1, 0));
+  const clearance::CenterPath path(
+      {{row_of(0, {{-1, 0, 0}, leaning}), row_of(1, {{1, 0, 0.02}, leaning})}}, {0, 0, 0}, 1);
+  for (const double allowed : {1e-6, 0.009}) {
+    SeatWalk walk(path, of_other, of_wall, distance, allowed / 8);
+    const auto found = walk.deeper_than({0, 0}, {1, 0}, allowed, 0.05);
+    ASSERT_FALSE(found.empty()) << allowed;
+    EXPECT_TRUE(found[0].is_deeper);
+    EXPECT_GT(found[0].worst.found_m, 0.0098);
+  }
+}
+
+// A part that has no inside is settled by that of the object: a sheet that passes through it.
+TEST(SeatWalk, ASheetThatPassesThroughASolidIsDeepInIt) {
+  Surface sheet;
+  sheet.vertices_m = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0}};
+  sheet.triangles = {{0, 1, 2}};
+  sheet.object = {1};
+  const Surface solid = box({1, 1, 0.1});
+  const Bodies of_sheet = bodies_of(sheet, 1e-6), of_solid = bodies_of(solid, 1e-6);
+  const auto walk_past = [&](const Surface& a, const Bodies& of_a, const Surface& b,
+                             const Bodies& of_b, double z) {
+    const MeshPair distance(b, a);
+    const clearance::CenterPath path(
+        {{row_of(0, {{0, 0, 2}, {1, 0, 0, 0}}), row_of(1, {{0, 0, z}, {1, 0, 0, 0}}),
+          row_of(2, {{0, 0, 2}, {1, 0, 0, 0}})}},
+        {0, 0, 0}, 1);
+    SeatWalk walk(path, of_a, of_b, distance, 1e-10);
+    EXPECT_TRUE(walk.is_settled());
+    return walk.deeper_than({0, 0}, {2, 0}, 1e-9, 0.05);
+  };
+  for (const auto& [part, object, of_part, of_object] :
+       {std::tuple(&std::as_const(sheet), &solid, &of_sheet, &of_solid),
+        std::tuple(&solid, &std::as_const(sheet), &of_solid, &of_sheet)}) {
+    EXPECT_TRUE(walk_past(*part, *of_part, *object, *of_object, 0.1).empty());
+    const auto found = walk_past(*part, *of_part, *object, *of_object, -1);
+    ASSERT_FALSE(found.empty());
+    EXPECT_NEAR(found[0].worst.found_m, 0.1, 1e-3);
+  }
 }
 
 TEST(Body, HoldsThePlacesThatItsTrianglesWindAround) {

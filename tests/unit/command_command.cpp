@@ -38,6 +38,14 @@ TEST(ErrorLine, IsOneLineWithFilePlaceReasonAndMend) {
             "a\\x0ab\\x1b[31m\\x7f: c\\x09d");
 }
 
+TEST(Provenance, HasTheDeclaredDeviation) {
+  using command::mesh_deviation_in;
+  EXPECT_EQ(mesh_deviation_in(R"({"mesh_deviation_m": 0.25})"), 0.25);
+  for (const char* none : {"", "[]", "{}", R"({"mesh_deviation_m": "1"})"}) {
+    EXPECT_EQ(mesh_deviation_in(none), std::nullopt) << none;
+  }
+}
+
 TEST(Provenance, HasTheHashesOfTheMeshes) {
   using command::object_hashes_in, command::part_hash_in;
   using Hashes = std::vector<std::string>;

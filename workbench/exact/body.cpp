@@ -18,7 +18,8 @@ using part::Vec3;
 
 // Places around an open edge at which the winding number is looked at.
 constexpr int kDirections = 6, kLeastSamples = 3, kMostSamples = 16;
-constexpr double kSampleSpacing = 16;  // widths of a crack
+constexpr double kSampleSpacing = 16;   // widths of a crack
+constexpr double kNarrowest = 0x1p-10;  // of the widest cracks: those looked for first
 // A winding number that is farther from a whole number tells a hole. Beside a crack as wide as the
 // way to the place it is off by 0.16, and the numbers are in error by 0.01.
 constexpr double kWhole = 0.2;
@@ -128,17 +129,24 @@ Body::Body(part::Part part, double crack_m)
       tree_(part_),
       winding_(std::make_unique<certificate::WindingNumber>(tree_)) {
   is_solid_ = part::is_closed(part_.triangles) || close_cracks(crack_m);
-  if (is_solid_) return;
-  // Faces may have been turned to different sides.
-  normals::orient_outwards(part_, crack_m);
-  winding_ = std::make_unique<certificate::WindingNumber>(tree_);
-  is_solid_ = close_cracks(crack_m);
+  if (!is_solid_) {
+    // Faces may have been turned to different sides.
+    normals::orient_outwards(part_, crack_m);
+    winding_ = std::make_unique<certificate::WindingNumber>(tree_);
+    is_solid_ = close_cracks(crack_m);
+  }
+  double volume = 0;
+  const Vec3 origin = part_.vertices.front();
+  for (std::size_t t = 0; t < part_.triangles.size(); ++t) {
+    const part::Piece piece = part::triangle_piece(part_, t);
+    volume += part::dot(piece[0] - origin, part::cross(piece[1] - origin, piece[2] - origin));
+  }
+  outward_ = volume < 0 ? -1 : 1;
 }
 
 // Finds how wide its cracks may be: the narrower, the closer a depth is known.
 bool Body::close_cracks(double most_m) {
-  for (const double share : {0.25, 0.5, 1.0}) {
-    crack_m_ = share * most_m;
+  for (crack_m_ = kNarrowest * most_m; crack_m_ <= most_m; crack_m_ *= 2) {
     if (has_only_cracks(crack_m_)) return true;
   }
   return false;

@@ -33,6 +33,9 @@ class Body {
   // How wide the cracks may be, m; 0 where each edge is closed.
   double crack_m() const { return crack_m_; }
 
+  // 1 where the triangles' normals point outwards, -1 where they point inwards.
+  double outward() const { return outward_; }
+
   // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
   bool holds(const part::Vec3& place_m) const;
 
@@ -52,7 +55,7 @@ class Body {
   part::TriangleTree tree_;
   std::unique_ptr<certificate::WindingNumber> winding_;
   bool is_solid_ = false;
-  double crack_m_ = 0;
+  double crack_m_ = 0, outward_ = 1;
 };
 
 using Bodies = std::vector<std::unique_ptr<Body>>;

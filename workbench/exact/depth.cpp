@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pointshell/part/pieces.h"
+#include "workbench/exact/push_out.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -110,8 +111,12 @@ void cut_at_zero(const Piece& piece, const std::array<double, 3>& off, std::vect
 
 class Search {
  public:
-  Search(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m, double within_m)
-      : pairs_(pairs), allowed_m_(allowed_m), within_m_(within_m) {
+  Search(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m, double within_m,
+         double within_fraction)
+      : pairs_(pairs),
+        allowed_m_(allowed_m),
+        within_m_(within_m),
+        within_fraction_(within_fraction) {
     for (const SurfaceInSolid& pair : pairs) {
       solid_from_surface_.push_back(inverse(pair.world_from_solid) * pair.world_from_surface);
     }
@@ -135,14 +140,18 @@ class Search {
   }
 
  private:
-  // Depths far from the one that matters need not be known closely.
-  bool is_settled(double at_most_m) const {
-    double near_m = within_m_;
+  // What the depth may be at most where no more need be known: one far from the depth that matters
+  // need not be known closely.
+  double enough_m() const {
+    const double found_m = found_.found_m;
+    double enough_m = found_m + std::max(within_m_, within_fraction_ * found_m);
     if (allowed_m_) {
-      near_m = std::max({near_m, *allowed_m_ - at_most_m, (found_.found_m - *allowed_m_) / 2});
+      enough_m =
+          std::max({enough_m, (found_m + *allowed_m_) / 2, found_m + (found_m - *allowed_m_) / 2});
     }
-    return at_most_m <= found_.found_m + near_m;
+    return enough_m;
   }
+  bool is_settled(double at_most_m) const { return at_most_m <= enough_m(); }
 
   Vec3 placed(std::size_t pair, const Vec3& p) const {
     const Pose& pose = solid_from_surface_[pair];
@@ -235,6 +244,11 @@ class Search {
         take(pair, corner, there, of_corner);
       }
     }
+    const double enough = enough_m();
+    if (enough > 0 && distance_m < reach_m + enough && comes_free(solid, Hull(piece), enough, 0)) {
+      settled_m_ = std::max(settled_m_, std::min(at_most_m, enough));
+      return;
+    }
     if (reach_m <= within_m_ / 4) {
       settled_m_ = std::max(settled_m_, at_most_m);
     } else {
@@ -276,7 +290,7 @@ class Search {
 
   std::span<const SurfaceInSolid> pairs_;
   std::optional<double> allowed_m_;
-  double within_m_;
+  double within_m_, within_fraction_;
   std::vector<Pose> solid_from_surface_;
   std::priority_queue<Open> open_;
   std::vector<Piece> pieces_;                                    // of cut()
@@ -288,8 +302,8 @@ class Search {
 }  // namespace
 
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
-              double within_m) {
-  return Search(pairs, allowed_m, within_m).run();
+              double within_m, double within_fraction) {
+  return Search(pairs, allowed_m, within_m, within_fraction).run();
 }
 
 }  // namespace forcelayer::exact

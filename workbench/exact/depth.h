@@ -10,8 +10,9 @@
 // which settles a piece that lies on T. And a piece that meets no triangle of a closed solid lies
 // on one side of it:
 //   s(p) <= 0                (outside)
-// which settles a piece before a wall, however near. A piece that these do not settle is cut: along
-// an edge of T, where that settles the one half; else in two.
+// which settles a piece before a wall, however near. A piece that touches the surface from outside,
+// or overlaps it by little, is settled by a shift (push_out.h). A piece that these do not settle is
+// cut: along an edge of T, where that settles the one half; else in two.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +43,8 @@ struct SurfaceInSolid {
 
 // The deepest place of all pairs. `found_m` and `at_most_m` differ by `within_m` and the width of
 // cracks at most; with `allowed_m` also by as much as they are both below it, or half as much as
-// above.
+// above, and else by `within_fraction` of the depth.
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
-              double within_m);
+              double within_m, double within_fraction = 0);
 
 }  // namespace forcelayer::exact

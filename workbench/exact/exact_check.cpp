@@ -29,12 +29,11 @@ using voxcheck::ExactViolation;
 
 // In voxels: how closely the least distance is told, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
-// The same of a depth in a seat, and how wide cracks of a mesh may be that do not open it.
+// How closely a depth elsewhere than in a seat is told, and how wide cracks of a mesh may be that
+// do not open it.
 constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
-constexpr double kLeastSeatDepthVoxels = 2 * kDepthVoxels;
-// How much deeper than installed the part may go: as the guard of a run lets a shell point
-// (PoseGuard::find_seat), beside a step of the stored distances.
-constexpr double kSeatGiveVoxels = 0.25;
+// The same of a depth in a seat, as a fraction of deviations and rounding.
+constexpr double kSeatWithin = 1.0 / 8;
 constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 
 class ExactCheck {
@@ -48,13 +47,11 @@ class ExactCheck {
         rows_(rows),
         part_(part),
         voxel_m_(voxmap.voxel_size_m()),
-        seat_depth_m_(request.seat_depth_m.value_or(kSeatGiveVoxels * voxel_m_ +
-                                                    voxmap.header().distance_quantum_m)),
         center_m_(shell.header().center_m[0], shell.header().center_m[1],
                   shell.header().center_m[2]),
         rounding_m_(kRounding * largest_m(scene, part)),
-        margin_m_(rounding_m_ + voxmap.header().static_deviation_m +
-                  shell.header().part_deviation_m),
+        margin_m_(rounding_m_ + scene.deviation_m + part.deviation_m),
+        baked_margin_m_(rounding_m_ + voxmap.header().static_deviation_m + part.deviation_m),
         all_(without(scene, request.allowed)),
         other_(without(all_, request.seat)),
         everything_(all_, part),
@@ -65,12 +62,6 @@ class ExactCheck {
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
-    if (!(seat_depth_m_ >= kLeastSeatDepthVoxels * voxel_m_)) {
-      return Error{ErrorCode::kUsage, "", "--seat-depth",
-                   command::text("is below %.3g mm, as closely as depths are told in this scene",
-                                 1e3 * kLeastSeatDepthVoxels * voxel_m_),
-                   "give that or more, or bake with smaller voxels"};
-    }
     if (Status sound = hold_against_files(); !sound) return sound.error();
     add_violations(answer);
     add_seat(answer);
@@ -115,7 +106,7 @@ class ExactCheck {
   bool lies_inside(const Moment& moment, double distance_m, bool seated) {
     const bool all_count = request_.allowed.empty() && !seated;
     return side_of_part_.is_inside(
-        path_.world_from_center(moment), distance_m, margin_m_,
+        path_.world_from_center(moment), distance_m, baked_margin_m_,
         [&](const glm::dvec3& place_m) { return all_count || is_held(place_m, seated); });
   }
 
@@ -328,11 +319,21 @@ class ExactCheck {
     }
   }
 
+  // How much deeper than installed the part may go: by what deviations, rounding and cracks leave
+  // open, and by what the user allows.
+  double seat_margin_m(const Other& object) {
+    double crack_m = 0;
+    for (const Bodies* bodies : {&part_bodies(), &object.bodies}) {
+      for (const auto& body : *bodies) crack_m = std::max(crack_m, body->crack_m());
+    }
+    return margin_m_ + 2 * crack_m;
+  }
+
   void settle(std::uint32_t number, const Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const bool both = are_solid(part_bodies()) && are_solid(object.bodies);
-    seat.settled = both || !meet(object.distance);
-    SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kDepthVoxels * voxel_m_);
+    const double margin_m = seat_margin_m(object);
+    SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kSeatWithin * margin_m);
+    seat.settled = walk.is_settled() || !meet(object.distance);
     walk.tell(shown("measuring the depth in the seat", answer.seat.size(), request_.seat.size()));
     const auto& p = request_.seat_pose;
     const Pose installed =
@@ -341,7 +342,7 @@ class ExactCheck {
     if (seat.installed_m == 0) {
       seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
     }
-    seat.allowed_m = seat.installed_m + seat_depth_m_;
+    seat.allowed_m = seat.installed_m + margin_m + request_.seat_depth_m.value_or(0);
     for (const auto& [from_s, to_s] : request_.seated) {
       const auto deeper = walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m,
                                            kResolutionVoxels * voxel_m_);
@@ -370,6 +371,7 @@ class ExactCheck {
     violation.from_s = path_.time_s(stretch.from);
     violation.to_s = path_.time_s(stretch.to);
     violation.pushed_into_seat = true;
+    violation.graze = !stretch.is_deeper;
     const Depth& worst = stretch.worst;
     violation.depth_m = worst.found_m;
     violation.depth_at_most_m = worst.at_most_m;
@@ -405,9 +407,10 @@ class ExactCheck {
   command::ProgressLine& line_;
   const std::vector<PathRow>& rows_;
   const Surface& part_;
-  double voxel_m_, seat_depth_m_;
-  glm::dvec3 center_m_;  // PshellHeader::center_m
-  double rounding_m_, margin_m_;
+  double voxel_m_;
+  glm::dvec3 center_m_;           // PshellHeader::center_m
+  double rounding_m_, margin_m_;  // rounding; with the deviations of the meshes
+  double baked_margin_m_;         // with those of the baked files
   Surface all_, other_;
   MeshPair everything_, seated_;
   clearance::CenterPath path_;

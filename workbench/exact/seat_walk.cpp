@@ -1,11 +1,19 @@
 #include "workbench/exact/seat_walk.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <utility>
 
+#include "workbench/exact/motion_proof.h"
+
 namespace forcelayer::exact {
 namespace {
+
+// How closely depths are told that decide nothing.
+constexpr double kWithinFraction = 1.0 / 64;
 
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
@@ -20,12 +28,17 @@ bool begins_inside(const SurfaceInSolid& pair) {
 SeatWalk::SeatWalk(const clearance::CenterPath& path, const Bodies& part, const Bodies& object,
                    const MeshPair& distance, double within_m)
     : path_(path), part_(part), object_(object), distance_(distance), within_m_(within_m) {
-  for (const Bodies* bodies : {&part, &object}) {
-    for (const auto& body : *bodies) crack_m_ = std::max(crack_m_, body->crack_m());
+  for (const auto& body : part) {
+    for (const part::Vec3& v : body->tree().part().vertices) {
+      radius_m_ = std::max(radius_m_, part::length(v));
+    }
   }
 }
 
-Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> allowed_m) const {
+bool SeatWalk::is_settled() const { return are_solid(part_) || are_solid(object_); }
+
+Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> allowed_m,
+                        double within_fraction) const {
   const Pose world{glm::dvec3(0), {1, 0, 0, 0}};
   std::vector<SurfaceInSolid> pairs;
   for (const auto& part : part_) {
@@ -43,15 +56,16 @@ Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> all
   if (apart.distance_m > 0 && std::none_of(pairs.begin(), pairs.end(), begins_inside)) {
     return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0, 0};
   }
-  Depth depth = deepest(pairs, allowed_m, within_m_);
+  Depth depth = deepest(pairs, allowed_m, within_m_, within_fraction);
   if (depth.pair >= of_part) std::swap(depth.place_m, depth.foot_m);
   return depth;
 }
 
-const Depth& SeatWalk::at(const Moment& moment, double allowed_m) {
-  const auto [place, is_new] = depths_.try_emplace({moment.pose, moment.share});
+const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m) {
+  const auto [place, is_new] =
+      depths_.try_emplace({moment.pose, moment.share, allowed_m.has_value()});
   if (is_new) {
-    place->second = at_pose(path_.world_from_center(moment), allowed_m);
+    place->second = at_pose(path_.world_from_center(moment), allowed_m, kWithinFraction);
     if (!deepest_ || place->second.found_m > deepest_->second.found_m) {
       deepest_ = {moment, place->second};
     }
@@ -59,40 +73,107 @@ const Depth& SeatWalk::at(const Moment& moment, double allowed_m) {
   return place->second;
 }
 
-// The depth from which a part that moves goes deeper.
-double SeatWalk::from_m(const Depth& depth) const {
-  if (depth.at_most_m < 0) return depth.at_most_m + crack_m_;
-  return std::max(depth.at_most_m, crack_m_);
+// In the part's frame a place of the object moves by p' = R^T (p - c): it turns about the centroid,
+// which goes away from it. Its acceleration over the motion is turn^2 |p'| + 2 turn way at most,
+// that of a place of the part in the world is turn^2 |p|, and a way with the acceleration a leaves
+// its chord by a / 8 at most. A place that comes into the part is within its radius then.
+bool SeatWalk::is_proven(const Moment& begin, const Moment& end, double allowed_m) const {
+  if (clearance::CenterPath::between(begin, end).count() > 0) return false;
+  const Pose from = path_.world_from_center(begin), to = path_.world_from_center(end);
+  const Pose middle = path_.world_from_center(path_.middle(begin, end));
+  const glm::dquat turned = glm::conjugate(from.orientation) * to.orientation;
+  const double turn =
+      2 * std::atan2(glm::length(glm::dvec3(turned.x, turned.y, turned.z)), std::abs(turned.w));
+  const double way_m = glm::length(to.position_m - from.position_m);
+  const double farthest_m = radius_m_ + way_m;
+  const Motion of_part{from, middle, to, turn * turn * radius_m_ / 8,
+                       (way_m + turn * radius_m_) / 2};
+  const Motion of_object{inverse(from), inverse(middle), inverse(to),
+                         (turn * turn * farthest_m + 2 * turn * way_m) / 8,
+                         (way_m + turn * farthest_m) / 2};
+  std::uint64_t cells = 0;
+  for (const auto& part : part_) {
+    for (const auto& object : object_) {
+      if (object->is_solid() && !is_never_deeper(*part, *object, of_part, allowed_m, cells)) {
+        return false;
+      }
+      if (part->is_solid() && !is_never_deeper(*object, *part, of_object, allowed_m, cells)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Looks at moments all over a stretch, its poses among them, for the deepest, and then closer and
+// closer about that.
+void SeatWalk::find_worst(Stretch& stretch) {
+  constexpr std::size_t kMoments = 12, kHalvings = 6;
+  const double from_s = path_.time_s(stretch.from), to_s = path_.time_s(stretch.to);
+  const auto look_at = [&](const Moment& moment) {
+    const Depth& depth = at(moment, std::nullopt);
+    if (depth.found_m > stretch.worst.found_m) stretch.worst_at = moment, stretch.worst = depth;
+  };
+  for (const Moment& moment : {stretch.from, stretch.to, stretch.worst_at}) look_at(moment);
+  double step_s = (to_s - from_s) / kMoments;
+  for (std::size_t n = 1; n < kMoments; ++n) look_at(path_.at(from_s + n * step_s));
+  const auto poses = clearance::CenterPath::between(stretch.from, stretch.to);
+  const std::size_t count = std::min(kMoments, poses.count());
+  for (std::size_t n = 0; n < count; ++n) look_at({poses.first + n * poses.count() / count, 0});
+  for (std::size_t n = 0; n < kHalvings; ++n) {
+    step_s /= 2;
+    const double worst_s = path_.time_s(stretch.worst_at);
+    for (const double time_s : {worst_s - step_s, worst_s + step_s}) {
+      if (time_s > from_s && time_s < to_s) look_at(path_.at(time_s));
+    }
+  }
 }
 
 std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const Moment& to,
                                                      double allowed_m, double resolution_m) {
   // Where both ends are too deep, what is between is looked at only this closely.
   const double coarse_m = 64 * resolution_m;
+  bool is_any_close = false;  // one is enough to be found as closely as can be
   std::vector<Stretch> found;
   const double whole_m =
       std::max(path_.travel_m(to) - path_.travel_m(from), std::numeric_limits<double>::min());
   std::vector<std::pair<Moment, Moment>> open{{from, to}};
+  at(from, std::nullopt), at(to, std::nullopt);  // how deep it is, be it proven or not
   while (!open.empty()) {
     const auto [begin, end] = open.back();
     open.pop_back();
-    const Depth &a = at(begin, allowed_m), &b = at(end, allowed_m);
-    const double way_m = path_.travel_m(end) - path_.travel_m(begin);
     progress_((path_.travel_m(begin) - path_.travel_m(from)) / whole_m);
-    if ((from_m(a) + from_m(b) + way_m) / 2 <= allowed_m) continue;
-    const bool both = std::min(a.found_m, b.found_m) > allowed_m;
-    if (way_m > resolution_m && !(both && way_m <= coarse_m)) {
+    if (is_proven(begin, end, allowed_m)) continue;
+    const double way_m = path_.travel_m(end) - path_.travel_m(begin);
+    bool is_end = false, is_deeper = false;
+    Depth a, b;
+    if (way_m <= coarse_m) {
+      a = at(begin, allowed_m), b = at(end, allowed_m);
+      is_deeper = std::max(a.found_m, b.found_m) > allowed_m;
+      is_end = std::min(a.found_m, b.found_m) > allowed_m;
+      const bool is_one_motion = clearance::CenterPath::between(begin, end).count() == 0;
+      if (way_m <= resolution_m && is_one_motion) {
+        is_end = is_deeper || is_any_close || way_m <= within_m_;
+      }
+    }
+    if (!is_end) {
       const Moment half = path_.middle(begin, end);
       open.push_back({half, end});
       open.push_back({begin, half});
       continue;
     }
+    is_any_close |= !is_deeper;
     const bool follows = !found.empty() && path_.time_s(found.back().to) == path_.time_s(begin);
     if (!follows) found.push_back({begin, end, begin, a});
     Stretch& stretch = found.back();
     stretch.to = end;
+    stretch.is_deeper |= is_deeper;
     if (a.found_m > stretch.worst.found_m) stretch.worst_at = begin, stretch.worst = a;
     if (b.found_m > stretch.worst.found_m) stretch.worst_at = end, stretch.worst = b;
+  }
+  for (Stretch& stretch : found) {
+    find_worst(stretch);
+    stretch.is_deeper |= stretch.worst.found_m > allowed_m;
   }
   return found;
 }

@@ -1,15 +1,13 @@
 // How deep a part goes into an object of its seat along its path, between its poses as at them. The
 // depth (depth.h) is found at moments; where the surfaces are apart it is minus their distance.
-// Between two moments whose points travel S at most, where no place is deeper than a and b, none is
-// deeper than
-//   (a + b + S) / 2
-// where a place that is outside may come in through a crack as wide as e: a is no less than e, or
-// e more where the surfaces are apart.
+// That it is nowhere more than allowed between two moments is proven by motion_proof.h. What is
+// allowed may be as little as the rounding of the files: no proof needs more.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,9 +26,14 @@ class SeatWalk {
   SeatWalk(const clearance::CenterPath& path, const Bodies& part, const Bodies& object,
            const MeshPair& distance, double within_m);
 
-  // The depth at a pose; less closely where it is far from `allowed_m`, if that is given.
-  // Depth::place_m is of the part, Depth::foot_m of the object.
-  Depth at_pose(const Pose& world_from_center, std::optional<double> allowed_m) const;
+  // The depth at a pose; less closely where it is far from `allowed_m`, if that is given, and else
+  // by this fraction of it. Depth::place_m is of the part, Depth::foot_m of the object.
+  Depth at_pose(const Pose& world_from_center, std::optional<double> allowed_m,
+                double within_fraction = 0) const;
+
+  // Whether each of the part's bodies has an inside or each of the object's has: then one surface
+  // that passes through the other is deep in it.
+  bool is_settled() const;
 
   // From here on tells how far deeper_than() is, as a share of it.
   void tell(std::function<void(double)> progress) { progress_ = std::move(progress); }
@@ -38,10 +41,11 @@ class SeatWalk {
   // A stretch of which it is not proven that no place is deeper than allowed.
   struct Stretch {
     Moment from, to, worst_at;
-    Depth worst;  // of all that was found
+    Depth worst;             // the deepest of all that was found
+    bool is_deeper = false;  // than allowed; else it is too close to call
   };
   // Those between two moments, in the order of time. They are told to `resolution_m` of travel
-  // where they begin and end.
+  // where they begin and end; one that is too close to call is found to `within_m`.
   std::vector<Stretch> deeper_than(const Moment& from, const Moment& to, double allowed_m,
                                    double resolution_m);
 
@@ -50,15 +54,16 @@ class SeatWalk {
   std::uint64_t measured() const { return depths_.size(); }
 
  private:
-  const Depth& at(const Moment& moment, double allowed_m);
-  double from_m(const Depth& depth) const;
+  const Depth& at(const Moment& moment, std::optional<double> allowed_m);
+  bool is_proven(const Moment& begin, const Moment& end, double allowed_m) const;
+  void find_worst(Stretch& stretch);
 
   const clearance::CenterPath& path_;
   const Bodies& part_;
   const Bodies& object_;
   const MeshPair& distance_;
-  double within_m_, crack_m_ = 0;
-  std::map<std::pair<std::size_t, double>, Depth> depths_;
+  double within_m_, radius_m_ = 0;  // radius of the part about its centroid
+  std::map<std::tuple<std::size_t, double, bool>, Depth> depths_;
   std::optional<std::pair<Moment, Depth>> deepest_;
   std::function<void(double)> progress_ = [](double) {};
 };

@@ -45,6 +45,7 @@ Surface surface_of(const mesh::Scene& scene) {
   for (std::size_t n = 0; n < scene.objects.size(); ++n) {
     const mesh::MeshObject& object = scene.objects[n];
     const mesh::Mesh& mesh = scene.mesh_of(object);
+    surface.deviation_m = std::max(surface.deviation_m, object.deviation_m);
     const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
     for (const mesh::Vec3d& vertex : mesh.vertices) {
       const mesh::Vec3d p = apply(object.world_from_mesh, vertex);
@@ -109,7 +110,7 @@ Status check_content(const std::string& file, const mesh::Scene& scene, const Vo
 // The triangles of some objects.
 template <typename IsChosen>
 Surface those_of(const Surface& surface, const IsChosen& is_chosen) {
-  Surface chosen{surface.vertices_m, {}, {}, surface.largest_m};
+  Surface chosen{surface.vertices_m, {}, {}, surface.largest_m, surface.deviation_m};
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (!is_chosen(surface.object[t])) continue;
     chosen.triangles.push_back(surface.triangles[t]);
@@ -129,6 +130,10 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
   if (!scene) return scene.error();
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   Surface surface = surface_of(*scene);
+  // The file's deviation has that of corners on the voxel lattice in it, which no mesh has.
+  const auto declared = command::mesh_deviation_in(voxmap.provenance());
+  const double baked_m = voxmap.header().static_deviation_m;
+  surface.deviation_m = declared ? std::min(surface.deviation_m + *declared, baked_m) : baked_m;
   if (Status same =
           check_triangles(request.scene, surface.triangles.size(), voxmap.header().triangles);
       !same) {
@@ -164,7 +169,9 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
     return other_meshes(request.part, "the part has another shape, size or place");
   }
   const auto& c = header.center_m;
-  return surface_of(part, {c[0], c[1], c[2]});
+  Surface surface = surface_of(part, {c[0], c[1], c[2]});
+  surface.deviation_m = header.part_deviation_m;
+  return surface;
 }
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {

@@ -21,6 +21,7 @@ struct Surface {
   std::vector<mesh::Triangle> triangles;
   std::vector<std::uint32_t> object;  // [triangles] number in the voxmap; 0: it names none
   double largest_m = 0;               // of all coordinates
+  double deviation_m = 0;             // of the true surface, as files and user state it
 };
 
 // The scene in the world.

@@ -72,8 +72,8 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--seat", options_.seat,
                    "where the part is installed, world_from_part, or none; default 0,0,0m");
   study.add_option("--seat-depth", options_.seat_depth,
-                   "how much deeper than installed the part may go into the objects of its seat; "
-                   "default: a quarter of a voxel and a step of the stored distances");
+                   "how much deeper than installed the part may go into the objects of its seat, "
+                   "beside the deviations of the meshes; default: 0");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study

@@ -1,0 +1,39 @@
+// Whether a little shift takes a piece of surface out of a solid. It is how a depth is bounded
+// where surfaces touch, slide along each other or overlap:
+//
+//   Let C be a convex set of places, and u a shift no longer than D. If C + u meets no triangle of
+//   a closed solid, and one place of it is outside, then no place of C is deeper than D.
+//
+// For a place p of C that is deeper than D, all that is within D of p is inside of the solid, p + u
+// too. But C + u is connected and meets no surface, so all of it is outside.
+//
+// The set may be the hull of a piece at two moments: then this holds for the whole motion between
+// them. A flat face on a flat floor, a block in a corner and a plate that lifts off are settled as
+// a whole by a shift along the floor's normal, however many triangles they have.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "workbench/exact/body.h"
+
+namespace forcelayer::exact {
+
+// The convex hull of a piece of surface at one moment or at two.
+struct Hull {
+  explicit Hull(const part::Piece& piece);
+  Hull(const part::Piece& from, const part::Piece& to);
+
+  std::array<part::Vec3, 6> points;
+  std::size_t count;                // of points
+  std::array<part::Vec3, 4> edges;  // directions: of the piece's edges, and of its motion
+  std::size_t edge_count;
+  part::Vec3 center;
+  double reach = 0;  // from the center to the farthest point
+};
+
+// Whether a shift is found that is no longer than `most_m`, and that takes all places within
+// `off_m` of the hull out of the solid. No says nothing.
+bool comes_free(const Body& solid, const Hull& hull, double most_m, double off_m);
+
+}  // namespace forcelayer::exact
