@@ -40,7 +40,9 @@ bool is_shown(std::uint32_t code) {
   const bool unseen = code == 0xad || code == 0x200b || (code >= 0x2060 && code <= 0x2064) ||
                       code == 0xfeff || (code >= 0xfff9 && code <= 0xfffb) ||
                       (code >= 0xe0000 && code <= 0xe0fff);
-  return !control && !line_end && !direction && !unseen;
+  // No characters at all: no XML may hold the first of these.
+  const bool nothing = (code & 0xfffe) == 0xfffe || (code >= 0xfdd0 && code <= 0xfdef);
+  return !control && !line_end && !direction && !unseen && !nothing;
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 #include "pointshell/verify.h"
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pointshell/certificate/hidden_surface.h"
 #include "pointshell/normals/orientation.h"
+#include "pointshell/part/copies.h"
 
 namespace forcelayer::pointshell {
 namespace {
@@ -24,9 +26,21 @@ std::vector<part::Vec3> stored_points(const PshellView& view) {
   return points;
 }
 
-part::Part centered_part(const Pshell& shell, const part::Part& part) {
+part::Part centered_part(const Pshell& shell, part::Part part) {
   const auto& center_m = shell.header().center_m;
-  return part::relative_to(part, {center_m[0], center_m[1], center_m[2]});
+  return part::relative_to(std::move(part), {center_m[0], center_m[1], center_m[2]});
+}
+
+// The part as the bake had it. The losses of a piece depend on where it is bisected, and that on
+// the order of its corners.
+part::Part oriented_part(const Pshell& shell, part::Part part) {
+  const PshellHeader& header = shell.header();
+  std::vector<part::CopiedGroup> groups;
+  if (header.method != static_cast<std::uint32_t>(ShellMethod::kVoxelCenters)) {
+    groups = part::find_copies(part, header.covering_radius_m);
+  }
+  normals::orient_outwards(part, header.covering_radius_m, groups);
+  return centered_part(shell, std::move(part));
 }
 
 }  // namespace
@@ -48,12 +62,9 @@ certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& p
 certificate::LossProof verify_losses(const Pshell& shell, const part::Part& part) {
   const std::vector<part::Vec3> points = stored_points(shell.view());
   const PshellHeader& header = shell.header();
-  part::Part centered = centered_part(shell, part);
+  const part::Part centered = oriented_part(shell, part);
   std::optional<certificate::HiddenSurface> hidden;
-  if (centered.body_names.size() > 1) {
-    normals::orient_outwards(centered, header.covering_radius_m);
-    hidden.emplace(centered);
-  }
+  if (centered.body_names.size() > 1) hidden.emplace(centered);
   return certificate::prove_losses({centered, points, header.covering_radius_m, header.voxel_size_m,
                                     hidden ? &*hidden : nullptr},
                                    shell.surface_distance_terms());

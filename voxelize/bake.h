@@ -70,6 +70,9 @@ VoxmapHeader header_lengths(const BakeOptions& options);
 // of range.
 Result<Bake> bake(std::span<const SceneObject> objects, const BakeOptions& options);
 
+// The errors of bake() that come before it takes memory for voxels.
+Status check_size(std::span<const SceneObject> objects, const BakeOptions& options);
+
 // A shard of a bake: bakes the objects into the cache of the options and stops there. The result
 // has reports and seconds alone. No objects, or none with triangles, is no error.
 Result<Bake> bake_shard(std::span<const SceneObject> objects, const BakeOptions& options);

@@ -64,19 +64,22 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
                      const BakeOptions& options) {
   Forecast forecast;
   forecast.box_m = mesh::empty_box();
-  double area_m2 = 0, triangles = 0;
+  double area_m2 = 0, least_area_m2 = 0, triangles = 0;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const mesh::MeshObject& object = scene.objects[i];
     mesh::extend(forecast.box_m, object.box_m);
     const double stretch_m = mesh::largest_stretch(object.world_from_mesh);
     forecast.largest_unit_m = std::max(forecast.largest_unit_m, stretch_m);
     if (!touches(object.box_m, options.roi_m)) continue;
-    area_m2 += meshes[i].area * stretch_m * stretch_m;
+    const mesh::AreaFactors factors = mesh::area_factors(object.world_from_mesh);
+    area_m2 += meshes[i].area * factors.mean;
+    least_area_m2 += meshes[i].area * factors.least;
     triangles += static_cast<double>(meshes[i].triangle_count);
   }
   forecast.surface_voxels = area_m2 / (options.voxel_size_m * options.voxel_size_m);
   const Cost cost = cost_of(options);
-  forecast.least_memory_bytes = cost.least_bytes * forecast.surface_voxels;
+  forecast.least_memory_bytes =
+      cost.least_bytes * least_area_m2 / (options.voxel_size_m * options.voxel_size_m);
   forecast.memory_bytes = cost.bytes * forecast.surface_voxels + kBytesPerTriangle * triangles;
   forecast.bake_s =
       (cost.thread_s * forecast.surface_voxels + kThreadSecondsPerTriangle * triangles) /

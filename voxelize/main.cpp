@@ -304,8 +304,9 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
     const cache::MeshOutline& outline = meshes.outline(part);
     object.mesh_digest = outline.digest();
     object.triangle_count = outline.triangle_count;
-    const double voxels = mesh::largest_stretch(part.world_from_mesh) / voxel_size_m;
-    object.work = outline.area * voxels * voxels + static_cast<double>(outline.triangle_count);
+    const double faces = outline.area * mesh::area_factors(part.world_from_mesh).mean;
+    object.work =
+        faces / (voxel_size_m * voxel_size_m) + static_cast<double>(outline.triangle_count);
   }
   return objects;
 }

@@ -120,19 +120,26 @@ std::vector<fill::Cavity> cavities_of(const masks::MaskTree& interior,
 
 // Sets Cavity::opens_at_half_size: floods the object again at half the voxel size. A piece of the
 // interior touches no surface, so the flood reaches all of it or none.
-void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
-                          const mesh::Mesh& mesh, std::vector<fill::Cavity>& cavities) {
-  if (cavities.empty()) return;
+Status find_narrow_passages(const SceneObject& object, const BakeOptions& options,
+                            const mesh::Mesh& mesh, std::vector<fill::Cavity>& cavities) {
+  if (cavities.empty()) return {};
   BakeOptions halved = options;
   halved.voxel_size_m /= 2;
   const auto snapped =
       scan::snap_object(mesh, object.world_from_mesh, halved.voxel_size_m, object.name);
-  if (!snapped) return;
+  if (!snapped) return snapped.error();
   const auto directory = limits::fit_directory(snapped->box, halved.voxel_size_m);
-  if (!directory) return;
+  Status fits = directory ? limits::fit_memory(*snapped, object.name, halved.voxel_size_m,
+                                               limits::available_bytes())
+                          : directory.error();
+  if (!fits) {
+    Error error = fits.error();
+    error.mend = "leave out --narrow-passages, which bakes at half the voxel size";
+    return error;
+  }
   const auto geometry = scan::scan_convert(*snapped, directory->origin);
   const auto seeds = seed_voxels(object, halved, snapped->box, *geometry, directory->origin);
-  if (!seeds) return;
+  if (!seeds) return {};
   const auto interior = fill::flood_interior(*geometry, *seeds);
   for (fill::Cavity& cavity : cavities) {
     masks::Coord voxel;  // at the middle of the cavity's seed voxel
@@ -142,6 +149,7 @@ void find_narrow_passages(const SceneObject& object, const BakeOptions& options,
     }
     cavity.opens_at_half_size = !interior->isValueOn(voxel) && !geometry->isValueOn(voxel);
   }
+  return {};
 }
 
 }  // namespace
@@ -187,9 +195,6 @@ Result<cache::ObjectVoxels> object_voxels(const SceneObject& object, const BakeO
 Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOptions& options,
                                         const lattice::VoxelIndex& scene_origin, MeshAccess& meshes,
                                         ObjectBake& bake) {
-  const Status fits = limits::fit_memory(bake.snapped, object.name, options.voxel_size_m,
-                                         limits::available_bytes());
-  if (!fits) return fits.error();
   Stopwatch watch;
   cache::ObjectVoxels voxels;
   voxels.geometry = scan::scan_convert(bake.snapped, scene_origin);
@@ -214,7 +219,8 @@ Result<cache::ObjectVoxels> bake_voxels(const SceneObject& object, const BakeOpt
   if (options.find_narrow_passages) {
     const auto mesh = mesh_of(object, meshes);
     if (!mesh) return mesh.error();
-    find_narrow_passages(object, options, **mesh, bake.cavities);
+    const Status found = find_narrow_passages(object, options, **mesh, bake.cavities);
+    if (!found) return found.error();
     bake.facts.knows |= cache::ObjectFacts::kNarrowPassages;
   }
   bake.seconds.cavities = watch.lap_s();

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/guard.h"
-#include "voxelize/limits/directory_limit.h"
 #include "voxelize/stopwatch.h"
 
 namespace forcelayer::voxelize {
@@ -24,7 +23,6 @@ constexpr double kShellPointsPerVoxelFace = 0.59;
 
 struct Probe {
   double voxel_size_m = 0, file_bytes = 0, bake_s = 0;
-  masks::VoxelBox box;  // of the voxels that are not free
 };
 
 double longest_side_m(std::span<const SceneObject> objects) {
@@ -73,11 +71,6 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
     if (!baked) return baked.error();
     result.file_bytes = static_cast<double>(voxmap_bytes(baked->content({})).size());
     result.bake_s = std::min(result.bake_s, watch.total_s());
-    const VoxmapHeader& h = baked->header;
-    result.box.low = h.origin_voxel;
-    for (std::size_t d = 0; d < 3; ++d) {
-      result.box.high[d] = h.origin_voxel[d] + static_cast<std::int64_t>(h.dims_voxels[d]) - 1;
-    }
   }
   return result;
 }
@@ -95,17 +88,6 @@ struct Curve {
     return a * std::pow(x, p) + b * std::pow(x, q);
   }
 };
-
-// Whether the format's directory could hold the probe's box at another voxel size.
-bool fits(const Probe& coarse, double voxel_size_m) {
-  const double ratio = coarse.voxel_size_m / voxel_size_m;
-  masks::VoxelBox box;
-  for (std::size_t d = 0; d < 3; ++d) {
-    box.low[d] = std::llround(std::floor(static_cast<double>(coarse.box.low[d]) * ratio));
-    box.high[d] = std::llround(std::ceil(static_cast<double>(coarse.box.high[d] + 1) * ratio));
-  }
-  return static_cast<bool>(limits::fit_directory(box, voxel_size_m));
-}
 
 // Where the force begins; with Chebyshev layers along an axis, where it begins lowest.
 double standoff_voxels(const BakeOptions& options) {
@@ -167,7 +149,10 @@ Result<Plan> plan_bakes(std::span<const SceneObject> objects, const BakeOptions&
     size.shell_points_per_m2 = kShellPointsPerVoxelFace / (s * s);
     size.file_bytes = bytes.at(1 / s);
     size.bake_s = seconds.at(1 / s);
-    size.fits = fits(*finer, s);
+    if (Status fits = check_size(objects, sized); !fits && size.possible) {
+      size.fits = false;
+      if (plan.too_large.empty()) plan.too_large = to_line(fits.error());
+    }
   }
   return plan;
 }
@@ -186,11 +171,12 @@ std::string table_of(const Plan& plan) {
                   size.possible ? proven.c_str() : "-", size.shell_points_per_m2 * 1e-2,
                   size.file_bytes * 1e-6, size.bake_s,
                   size.possible ? "" : "  the standoff is beyond 30 voxels",
-                  size.fits ? "" : "  too large for a .vox file");
+                  size.fits ? "" : "  too large");
     table += line;
   }
   std::snprintf(line, sizeof line, "file and bake: extrapolated from bakes at %.4g and %.4g mm\n",
                 plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
+  if (!plan.too_large.empty()) table += "too large: " + plan.too_large + "\n";
   return table +
          "standoff: of a resting contact, per side; gap: what a thin part passes without contact, "
          "add "

@@ -36,12 +36,13 @@ struct PlannedSize {
   double shell_points_per_m2 = 0;  // of the moving part's surface, at pointshell's default radius
   double file_bytes = 0;           // estimated
   double bake_s = 0;               // estimated: without reading, on as many threads as the bake has
-  bool fits = true;                // whether the format's directory could hold it
+  bool fits = true;                // whether the file format and this machine can hold it
 };
 
 struct Plan {
   std::array<PlannedSize, 3> sizes;     // at the voxel size, its half and its quarter
   std::array<double, 2> probe_sizes_m;  // voxel sizes of the coarse bakes
+  std::string too_large;                // why the largest size that does not fit does not
 };
 
 // Errors are those of bake().

@@ -22,20 +22,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostBeginning = 80;  // bytes
+
 struct Kind {
   const char* name;         // "a voxmap"
   std::string_view ending;  // in lower case; empty: any, which says what it is
-  std::string_view magic;   // the first bytes; empty for text
+  // How the files begin that commands write. Only such a file is replaced.
+  std::array<std::string_view, 5> beginnings;
 };
 
+// The beginnings are those of report.cpp, of the viewer's frame times and of code quality; of
+// traces, paths and curves of clearance; of voxinfo export and of JUnit.
 const Kind& kind_of(FileKind kind) {
-  static constexpr Kind kKinds[] = {{"a voxmap", ".vox", "\211FLV"},
-                                    {"a point shell", ".pshell", "\211FLP"},
-                                    {"a report", ".json", ""},
-                                    {"a table", ".csv", ""},
-                                    {"a recording", ".flr", "\211FLR"},
-                                    {"a picture", ".png", "\211PNG"},
-                                    {"an export", "", ""}};
+  static constexpr Kind kKinds[] = {
+      {"a voxmap", ".vox", {"\211FLV"}},
+      {"a point shell", ".pshell", {"\211FLP"}},
+      {"a report",
+       ".json",
+       {"{\n  \"schema_version\"", "{\n  \"width\"", "[]\n", "[\n  {\n    \"description\""}},
+      {"a table",
+       ".csv",
+       {"t_s,handle_x_m,", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n", "from_s,to_s,clearance_m\n"}},
+      {"a recording", ".flr", {"\211FLR"}},
+      {"a picture", ".png", {"\211PNG"}},
+      {"an export",
+       "",
+       {"i,j,k,value\n",
+        "ply\nformat binary_little_endian 1.0\ncomment voxel faces of the force layer",
+        "ply\nformat binary_little_endian 1.0\ncomment shell points with inward",
+        {" BDV\0\0\0\0", 8},
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\""}}};
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
@@ -46,9 +62,6 @@ constexpr std::string_view kKnownEndings[] = {
     ".om", ".drc", ".gltf", ".glb", ".bin", ".stp", ".step", ".igs", ".iges", ".mtl",
     // Pictures and pages of other kinds, which no command writes.
     ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp", ".svg", ".pdf", ".html"};
-
-// The beginnings of files that no text may replace.
-constexpr std::string_view kBinaryBeginnings[] = {"\211FL", "\211PNG", "glTF", "DRACO"};
 
 std::string ending_of(const std::string& path) {
   std::string ending = fs::path(path).extension().string();
@@ -75,7 +88,7 @@ bool same_file(const std::string& a, const std::string& b) {
 
 // The first bytes of a file that is there.
 std::string beginning_of(const std::string& path) {
-  std::string bytes(8, '\0');
+  std::string bytes(kMostBeginning, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
@@ -96,12 +109,13 @@ Status check_replaced(const OutputFile& output) {
   const Kind& kind = kind_of(output.kind);
   const std::string there = beginning_of(*output.path);
   if (there.empty()) return {};
-  const bool fits = kind.magic.empty()
-                        ? std::none_of(std::begin(kBinaryBeginnings), std::end(kBinaryBeginnings),
-                                       [&](std::string_view b) { return there.starts_with(b); })
-                        : there.starts_with(kind.magic);
+  const bool fits =
+      std::any_of(kind.beginnings.begin(), kind.beginnings.end(), [&](std::string_view beginning) {
+        return !beginning.empty() && there.starts_with(beginning);
+      });
   if (fits) return {};
-  return refuse(output, std::string("is there already, and is not ") + kind.name,
+  return refuse(output,
+                std::string("is there already, and is not ") + kind.name + " that Forcelayer wrote",
                 "choose another name, or remove the file first");
 }
 

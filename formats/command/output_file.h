@@ -23,8 +23,8 @@ struct OutputFile {
 // - is an input: the same file by any name, link or "FILE#NODE";
 // - is another output;
 // - has an ending that belongs to another kind of file ("scene.stl" for a voxmap);
-// - replaces a baked file, or is a baked file or a picture that replaces something else. An empty
-//   file, a device and a pipe can be written to;
+// - replaces a file that does not begin as those of its kind do that commands write. An empty file,
+//   a device and a pipe can be written to;
 // - lies in a folder that is not there, or where the user may not write: kWriteFailed.
 // "-" becomes a path that writes to standard output, and what else the command prints goes to
 // standard error. What --json names becomes the command's report (report.h). Other errors: kUsage.

@@ -121,6 +121,27 @@ Assembly read_as(const Format& format, const SourceFile& file) {
   }
 }
 
+// Vertices that no triangle uses are no part of a surface: they would make boxes larger.
+void drop_unused_vertices(Mesh& mesh) {
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) is_used[corner] = true;
+  }
+  if (std::find(is_used.begin(), is_used.end(), false) == is_used.end()) return;
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < is_used.size(); ++i) {
+    if (!is_used[i]) continue;
+    mesh.vertices[kept] = mesh.vertices[i];
+    number[i] = kept++;
+  }
+  mesh.vertices.resize(kept);
+  mesh.vertices.shrink_to_fit();
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) corner = number[corner];
+  }
+}
+
 Result<Assembly> read_source(const SourceFile& file) {
   try {
     const std::vector<std::string>& nodes = file.options.nodes;
@@ -138,6 +159,7 @@ Result<Assembly> read_source(const SourceFile& file) {
       assembly.up = file.options.up;
       if (file.options.up == Up::kZ) turn_z_up(assembly);
     }
+    for (Mesh& mesh : assembly.meshes) drop_unused_vertices(mesh);
     measure_instances(assembly);
     return assembly;
   } catch (const ReadFailure& failure) {

@@ -75,6 +75,24 @@ double largest_stretch(const Affine& a_from_b) {
   return scale * std::sqrt(largest) * (1 + 1e-12);  // above the rounding of these steps
 }
 
+// The columns of the cofactor matrix are the images of unit areas across the axes. The least factor
+// of any area is the product of the two smaller singular values.
+AreaFactors area_factors(const Affine& a_from_b) {
+  const double stretch = largest_stretch(a_from_b);
+  if (stretch == 0) return {};
+  std::array<double, 9> m = a_from_b.linear;
+  for (double& x : m) x /= stretch;  // so that products neither overflow nor vanish
+  const auto across = [&](std::size_t i, std::size_t j) {
+    return Vec3d{m[3 + i] * m[6 + j] - m[6 + i] * m[3 + j], m[6 + i] * m[j] - m[i] * m[6 + j],
+                 m[i] * m[3 + j] - m[3 + i] * m[j]};
+  };
+  const Vec3d x = across(1, 2), y = across(2, 0), z = across(0, 1);
+  const auto length = [](const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); };
+  const double determinant = m[0] * x[0] + m[3] * x[1] + m[6] * x[2];
+  const double square = stretch * stretch;
+  return {square * std::abs(determinant), square * (length(x) + length(y) + length(z)) / 3};
+}
+
 double float_coordinate(const Mesh& mesh) {
   if (!mesh.single_precision) return 0;
   double largest = 0;

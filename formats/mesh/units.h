@@ -22,6 +22,13 @@ double float_spacing(double coordinate);
 // The greatest length in a of a unit vector of b: the largest singular value, rounded up.
 double largest_stretch(const Affine& a_from_b);
 
+// By how much it makes areas larger: no surface less than `least`, a cube's `mean`. Both are the
+// square of the scale where that is even.
+struct AreaFactors {
+  double least = 0, mean = 0;
+};
+AreaFactors area_factors(const Affine& a_from_b);
+
 // The largest |coordinate| of a mesh whose vertices are stored as 32-bit floats, else 0.
 double float_coordinate(const Mesh& mesh);
 

@@ -31,7 +31,8 @@ int main(int argc, char** argv) {
                 newest->force_n[2], static_cast<unsigned long long>(receiver->lost()),
                 known[newest->clearance_kind]);
     if (newest->clearance_kind > 0) std::printf(" %.3f mm", 1e3 * newest->clearance_m);
-    const std::string name(object_name_of(*newest));
+    // Whoever made the scene chose the name: it must not command the terminal.
+    const std::string name = forcelayer::escaped(object_name_of(*newest));
     std::printf("%s%s\n", name.empty() ? "" : " to ", name.c_str());
     std::fflush(stdout);
   }

@@ -150,6 +150,17 @@ stray_vertex() {
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1e10\nf 1 2 3\nf 2 4 3\n' >stray.obj
   # Twenty gigabytes: the same on machines that have more.
   (ulimit -v 20000000; expect 3 'triangle 1 of stray: passes through at least 5e+08 voxels' timeout 5 "$voxelize" stray.obj --units mm --voxel-size 20mm --quiet -o out.vox)
+  # Twenty million voxels: each triangle would fit, and what it reaches would not. The plan knows it, too.
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 4e8\nf 1 2 3\nf 2 4 3\n' >stray.obj
+  local more
+  for more in "" --lean "--metric chebyshev" "--cache kept" "--cache kept --shard 1/1" --plan; do
+    local out="-o out.vox" status=3 text='correct its stray vertex at (0.000[0-9]*, 0.000[0-9]*, 400000) m'
+    [[ $more = *--shard* || $more = --plan ]] && out=
+    [ "$more" = --plan ] && status=0
+    # shellcheck disable=SC2086
+    (ulimit -v 3000000; timeout 20 "$voxelize" stray.obj --units mm --voxel-size 20mm $out $more >all.txt 2>&1
+     [ $? = $status ] && grep -q "$text" all.txt || fail "$more: $(cat all.txt)")
+  done
   [ ! -e out.vox ] || fail "a file was written"
 }
 

@@ -261,11 +261,11 @@ expect_refused 2 "is a .vox" "$voxinfo" path "$golden/v2.vox"
 expect_refused 2 "is JSON" "$voxinfo" path pivot.json
 
 # A file that could not be written is not there, and an old file stays.
-echo old >old.csv
+echo i,j,k,value >old.csv
 expect_refused 4 "cut off" "$voxinfo" export cut.vox old.csv
-expect_equal "old file" "$(cat old.csv)" old
+expect_equal "old file" "$(cat old.csv)" i,j,k,value
 (ulimit -f 100; expect_refused 1 "cannot be written" "$voxinfo" export "$golden/v2.vox" old.csv; exit $failed) || failed=1
-expect_equal "old file" "$(cat old.csv)" old
+expect_equal "old file" "$(cat old.csv)" i,j,k,value
 expect_equal "temporaries" "$(find . -name '*.tmp')" ""
 
 # A signal in the middle of an export.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -211,6 +212,46 @@ TEST(PolygonSplitter, ClipsByTheRule) {
     ++clipped;
   }
   EXPECT_GT(clipped, 500);
+}
+
+// A comb of thin teeth that lean to the right: ears in the box of all other corners.
+std::vector<Flat> leaning_comb(int teeth) {
+  std::vector<Flat> outline{{0, -1}, {static_cast<double>(teeth), -1}};
+  for (int i = teeth; i-- > 0;) {
+    outline.push_back({i + 1.0, 0});
+    outline.push_back({i + 0.5 + teeth, static_cast<double>(teeth)});
+    outline.push_back({i + 0.2, 0});
+  }
+  return outline;
+}
+
+// Three corners again and again, a winding spiral, leaning teeth, a jagged star and a tangle, of so
+// many corners that the square of their number is the work of many minutes.
+TEST(PolygonSplitter, TakesNoSquareOfTheCorners) {
+  constexpr int kCorners = 60'000;
+  std::mt19937_64 random(1);
+  std::vector<Flat> repeated, tangle;
+  for (int n = 0; n < kCorners; ++n) {
+    repeated.push_back(
+        std::array{Flat{0, 0}, Flat{1, 0}, Flat{0, 1}}[static_cast<std::size_t>(n % 3)]);
+    tangle.push_back({static_cast<double>(random() % 4096), static_cast<double>(random() % 4096)});
+  }
+  std::vector<Flat> outlines[] = {repeated, tangle, spiral(kCorners), leaning_comb(kCorners / 3),
+                                  random_star(random, kCorners)};
+  for (std::vector<Flat>& outline : outlines) {
+    if (doubled_area(outline) < 0) std::reverse(outline.begin(), outline.end());
+    mesh::Mesh mesh = lift(outline, {1, 0, 0}, {0, 1, 0});
+    std::vector<std::uint32_t> corners(outline.size());
+    std::iota(corners.begin(), corners.end(), 0u);
+    mesh::PolygonSplitter().split(corners, mesh);
+    ASSERT_EQ(mesh.triangles.size(), outline.size() - 2);
+    const double total = doubled_area(outline);
+    double sum = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      sum += doubled_area(outline[a], outline[b], outline[c]);
+    }
+    EXPECT_NEAR(sum, total, 1e-6 * total);
+  }
 }
 
 std::vector<std::string> warnings_of(const mesh::Mesh& outline) {

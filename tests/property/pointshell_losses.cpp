@@ -2,6 +2,7 @@
 // claims beyond that is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -257,6 +258,48 @@ TEST(Losses, VerifyProvesWhatIsStoredAndRefusesMore) {
     claims_more.header.convex_radius_m *= 0.5;
     claims_more.header.convex_gap_m *= 0.5;
     EXPECT_FALSE(verified(c.part, claims_more));
+  }
+}
+
+// Whatever way the triangles of the file face, and whatever the radius: what a bake writes is
+// verified from the same file.
+TEST(Losses, VerifyProvesEveryShellThatABakeWrites) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const auto plate = [&] {  // with corners on a grid, as plates of sheet metal
+      mesh::Mesh mesh = box_mesh(1 + random() % 12, 1 + random() % 12, 1 + random() % 3);
+      for (mesh::Triangle& triangle : mesh.triangles) {
+        if (random() % 3 == 0) std::swap(triangle[0], triangle[1]);
+        std::rotate(triangle.begin(), triangle.begin() + random() % 3, triangle.end());
+      }
+      if (random() % 2 == 0) mesh.vertices[random() % 8][random() % 3] += 5 * unit(random);
+      return mesh;
+    };
+    mesh::Mesh united = plate();
+    for (std::uint64_t more = random() % 4; more > 0; --more) {
+      const mesh::Mesh other = plate();
+      const auto first = static_cast<std::uint32_t>(united.vertices.size());
+      united.vertices.insert(united.vertices.end(), other.vertices.begin(), other.vertices.end());
+      for (const auto& [a, b, c] : other.triangles) {
+        united.triangles.push_back({a + first, b + first, c + first});
+      }
+    }
+    std::vector<mesh::Mesh> bodies{std::move(united)};
+    if (seed % 3 == 0) bodies.push_back(plate());
+    const part::Part part = part_of(std::move(bodies), 0.01);
+    pointshell::ShellOptions options;
+    options.voxel_size_m = 0.01 * (1 + 2 * unit(random));
+    options.covering_radius_m = options.voxel_size_m * (0.15 + unit(random));
+    options.effort = sample::Effort::kFast;
+    const auto shell = pointshell::bake_shell(part, options, {}, 0);
+    ASSERT_TRUE(shell) << to_line(shell.error());
+    EXPECT_TRUE(pointshell::verify_shell(stored(*shell), part).proven);
+    EXPECT_TRUE(verified(part, *shell));
+    pointshell::BakedShell claims_more = *shell;
+    for (DistanceLoss& entry : claims_more.losses) entry.loss_m *= 0.7;
+    EXPECT_FALSE(verified(part, claims_more));
   }
 }
 

@@ -227,5 +227,42 @@ TEST(EuclideanBake, RefusesStandoffsThatItCannotHold) {
   EXPECT_FALSE(refused(2.4, covered));
 }
 
+// Specification, section 10: n, where the depth of a compliance is a whole number of voxels and the
+// quotient of the two lengths lies above it, is it, and is one more a billionth of a voxel deeper.
+TEST(EuclideanBake, ForceLayersAreThoseOfTheSpecification) {
+  constexpr double kVoxel = 0.005, kDepth = 0.035;
+  ASSERT_GT(kDepth / kVoxel, 7);
+  mesh::Mesh mesh;
+  reference::add_box(mesh, {0, 0, 0}, {0.015, 0.01, 0.01});
+  const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
+  for (const auto& [depth_m, n] : {std::pair{kDepth, 7}, std::pair{kDepth * (1 + 1e-8), 8}}) {
+    voxelize::BakeOptions options = reference::options_with(1, kVoxel, Metric::kEuclidean);
+    options.compliance = {{depth_m, 1}};
+    const BakedScene baked(objects, options);
+    const VoxmapHeader& h = baked.map().header();
+    reference::DenseGrid grid({-14, -14, -14}, {16, 16, 16});
+    const auto value_at = [&](const lattice::VoxelIndex& v) {
+      return baked.map().value(v[0], v[1], v[2]);
+    };
+    std::vector<lattice::VoxelIndex> interior;
+    grid.for_each([&](const lattice::VoxelIndex& v) {
+      if (value_at(v) == VoxelValue::kInterior) interior.push_back(v);
+    });
+    ASSERT_EQ(interior.size(), h.interior_voxels);
+    grid.for_each([&](const lattice::VoxelIndex& v) {
+      std::int64_t steps = INT64_MAX;
+      for (const lattice::VoxelIndex& i : interior) {
+        steps = std::min(
+            steps, std::max({std::abs(v[0] - i[0]), std::abs(v[1] - i[1]), std::abs(v[2] - i[2])}));
+      }
+      const VoxelValue expected = steps == 0       ? VoxelValue::kInterior
+                                  : steps <= n     ? VoxelValue::kSurface
+                                  : steps == n + 1 ? VoxelValue::kProximity
+                                                   : VoxelValue::kFree;
+      ASSERT_EQ(value_at(v), expected) << v[0] << ' ' << v[1] << ' ' << v[2];
+    });
+  }
+}
+
 }  // namespace
 }  // namespace forcelayer

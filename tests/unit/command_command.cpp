@@ -139,6 +139,8 @@ TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
       {"\xe0\x82\x85", "\\xe0\\x82\\x85"},           // the same of C1
       {"\xed\xa0\x80", "\\xed\\xa0\\x80"},           // a surrogate
       {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},  // beyond the last character
+      {"a\xef\xbf\xbe\xef\xbf\xbf\xf0\x9f\xbf\xbe\xef\xb7\x90",
+       "a\\xef\\xbf\\xbe\\xef\\xbf\\xbf\\xf0\\x9f\\xbf\\xbe\\xef\\xb7\\x90"},  // none at all
   };
   for (const auto& [text, shown] : cases) EXPECT_EQ(escaped(text), shown);
   EXPECT_EQ(escaped(std::string_view("a\0b", 3)), "a\\x00b");

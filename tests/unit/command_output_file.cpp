@@ -91,14 +91,42 @@ TEST_F(OutputFiles, AFileOfAnotherKindIsNotReplaced) {
   const std::string voxmap = "\211FLV\r\n\032\n...", shell = "\211FLP\r\n\032\n...";
   EXPECT_EQ(refusal(file("old.vox", voxmap), FileKind::kVoxmap), "");
   EXPECT_EQ(refusal(file("empty.vox", ""), FileKind::kVoxmap), "");
-  EXPECT_EQ(refusal(file("old.txt", "{}"), FileKind::kReport), "");
+  EXPECT_EQ(refusal(file("old.txt", "{\n  \"schema_version\": 1,\n"), FileKind::kReport), "");
   const std::string wrong[][2] = {{"magica.vox", "VOX \226"}, {"shell.vox", shell}};
   for (const auto& [name, bytes] : wrong) {
     const std::string text = refusal(file(name, bytes), FileKind::kVoxmap);
-    EXPECT_TRUE(holds(text, "is there already, and is not a voxmap; choose another name")) << text;
+    EXPECT_TRUE(holds(text, "is there already, and is not a voxmap that Forcelayer wrote; choose"))
+        << text;
   }
   EXPECT_TRUE(holds(refusal(file("map", voxmap), FileKind::kReport), "is not a report"));
   EXPECT_TRUE(holds(refusal(file("cube", "glTF"), FileKind::kTable), "is not a table"));
+}
+
+// Text is known by its beginning, too: the work of a day may have the same ending.
+TEST_F(OutputFiles, OnlyAFileThatACommandWroteIsReplaced) {
+  const std::pair<FileKind, std::string> written[] = {
+      {FileKind::kReport, "[]\n"},
+      {FileKind::kReport, "[\n  {\n    \"description\": \"\""},
+      {FileKind::kTable, "t_s,handle_x_m,handle_y_m\n"},
+      {FileKind::kTable, "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n"},
+      {FileKind::kTable, "from_s,to_s,clearance_m\n"},
+      {FileKind::kExport, "i,j,k,value\n"},
+      {FileKind::kExport, std::string(" BDV\0\0\0\0\xe0", 9)},
+      {FileKind::kExport,
+       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\" tests=\"1\""}};
+  for (const auto& [kind, bytes] : written) {
+    EXPECT_EQ(refusal(file("ours", bytes), kind), "") << bytes;
+    const std::string first_byte_off = "#" + bytes;
+    EXPECT_TRUE(holds(refusal(file("ours", first_byte_off), kind), "that Forcelayer wrote"));
+  }
+  for (const FileKind kind : {FileKind::kVoxmap, FileKind::kPshell, FileKind::kReport,
+                              FileKind::kTable, FileKind::kRecording, FileKind::kExport}) {
+    for (const char* bytes : {"# my path, a day of work\nt_s,x_m,y_m,z_m\n", "v 0 0 0\n", "{}\n",
+                              "ply\nformat ascii 1.0\n", "<?xml version=\"1.0\"?>", "glTF", " "}) {
+      EXPECT_TRUE(holds(refusal(file("mine", bytes), kind), "is there already")) << bytes;
+    }
+    EXPECT_EQ(refusal(file("mine", ""), kind), "");
+  }
 }
 
 TEST_F(OutputFiles, TwoOutputsNeedTwoNames) {

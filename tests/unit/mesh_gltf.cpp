@@ -377,10 +377,62 @@ TEST(GltfReader, NamesTheNodesThatAScaleMakesFlat) {
   EXPECT_TRUE(read_nodes(R"([{"name":"lid","mesh":0,"scale":[1,-1e-6,1]}])").warnings.empty());
 }
 
-TEST(GltfReader, NamesTheNodesWithASkin) {
-  const mesh::Assembly skinned = read_nodes(R"([{"name":"arm","mesh":0,"skin":0}])");
+// glTF has it that the transform of a skinned node does not count.
+TEST(GltfReader, JointsPlaceASkinnedNode) {
+  const std::string nodes =
+      R"([{"name":"man","children":[1,2]},{"name":"arm","mesh":0,"skin":0,"translation":[100,0,0]},
+          {"name":"hip","translation":[0,7,0],"children":[3]},{"name":"knee"}])";
+  const mesh::Assembly skinned = read_nodes(nodes, "", R"(,"skins":[{"joints":[2,3]}])");
+  ASSERT_EQ(skinned.instances.size(), 1u);
+  EXPECT_EQ(origin_of(skinned, 0), (mesh::Vec3d{0, 7, 0}));
   ASSERT_EQ(skinned.warnings.size(), 1u);
-  EXPECT_EQ(skinned.warnings[0].find("arm: skinned, read in its bind pose"), 0u);
+  EXPECT_EQ(skinned.warnings[0].find("man/arm: skinned, read in its bind pose where its joints"),
+            0u);
+  const auto refused = [](const std::string& more) {
+    const mesh::Mesh mesh = cube();
+    const std::string json = gltf_json(
+        mesh, R"([{"mesh":0,"skin":0,"children":[1]},{"children":[2]},{"translation":[0,0,0.1]}])",
+        more);
+    const auto read = read_bytes(as_glb(json, gltf_binary(mesh)), ".glb");
+    return read ? std::string() : to_line(read.error());
+  };
+  EXPECT_NE(refused(R"(,"skins":[{"joints":[1,2]}])").find("skins[0]: is posed"),
+            std::string::npos);
+  EXPECT_NE(refused(R"(,"skins":[{"joints":[]}])").find("no joints"), std::string::npos);
+  EXPECT_NE(refused("").find("skins[0]"), std::string::npos);
+  EXPECT_EQ(refused(R"(,"skins":[{"joints":[2]}])"), "");
+}
+
+// The inverse of a joint's place, as exporters write it, leaves the mesh where it was bound.
+TEST(GltfReader, InverseBindMatricesTakeTheMeshToItsJoints) {
+  Handmade made = five_points(R"({"attributes":{"POSITION":0},"mode":5})");
+  for (const float z : {-3.f, -4.f}) {
+    for (int n = 0; n < 16; ++n) put(made.binary, n % 5 == 0 ? 1.f : n == 14 ? z : 0.f);
+  }
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0,"skin":0,"translation":[9,9,9]},
+          {"translation":[0,0,3],"children":[2]},{"translation":[0,0,1]}],
+          "skins":[{"joints":[1,2],"inverseBindMatrices":1}],"meshes":[{"primitives":[)" +
+      made.primitive + R"(]}],"accessors":[)" + made.accessors +
+      R"(,{"bufferView":1,"componentType":5126,"type":"MAT4","count":2}],"bufferViews":[)" +
+      made.views + R"(,{"buffer":0,"byteOffset":60,"byteLength":128}],"buffers":[{"byteLength":)" +
+      std::to_string(made.binary.size()) + "}]}";
+  const auto assembly = read_bytes(as_glb(json, made.binary), ".glb");
+  ASSERT_TRUE(assembly) << to_line(assembly.error());
+  EXPECT_EQ(origin_of(*assembly, 0), (mesh::Vec3d{0, 0, 0}));
+}
+
+// Attributes that move nothing say how many instances there are; without any nothing does.
+TEST(GltfReader, CountsInstancesThatNothingMoves) {
+  const std::string node = R"([{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":)";
+  EXPECT_EQ(read_nodes(node + R"({"_ID":0}}}}])").instances.size(), 8u);  // the cube's vertices
+  const mesh::Mesh mesh = cube();
+  for (const std::string attributes : {R"({})", R"({"TRANSLATION":0,"_ID":1})"}) {
+    const auto read =
+        read_bytes(as_glb(gltf_json(mesh, node + attributes + "}}}]"), gltf_binary(mesh)), ".glb");
+    ASSERT_FALSE(read) << attributes;
+    EXPECT_EQ(read.error().where, "EXT_mesh_gpu_instancing");
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "formats/mesh/units.h"
 #include "tests/support/mesh_files.h"
 #include "voxelize/forecast.h"
 #include "voxelize/warnings.h"
@@ -82,6 +83,27 @@ TEST(Forecast, AsksAboutMetersOnlyWhereTheyMayBeMillimeters) {
   EXPECT_FALSE(asks(std::nextafter(50, 0), 1));
   EXPECT_FALSE(asks(743, std::nextafter(0.9, 0)));
   EXPECT_FALSE(voxelize::unit_question("it", mesh::empty_box(), 1));
+}
+
+// A rod of 1200 x 1 x 1 that a manifest makes a cube of 120 mm.
+TEST(Forecast, KnowsTheAreaUnderAnUnevenScale) {
+  CubeScene rod(1, 1);
+  mesh::MeshObject& object = rod.scene.objects[0];
+  object.world_from_mesh.linear = {1e-4, 0, 0, 0, 0.12, 0, 0, 0, 0.12};
+  object.box_m = {{0, 0, 0}, {0.12, 0.12, 0.12}};
+  rod.outlines[0].area = 2 + 4 * 1200;
+  const auto options = options_for(1e-3);
+  const Forecast forecast = voxelize::forecast_of(rod.scene, rod.outlines, options);
+  const double bytes = 6 * 0.12 * 0.12 / 1e-6 * 6;  // 6 for each face of a voxel
+  EXPECT_LE(forecast.least_memory_bytes, bytes);
+  EXPECT_GT(forecast.least_memory_bytes, 0);
+  EXPECT_TRUE(voxelize::check_forecast(forecast, options, bytes));
+  // Evenly scaled and turned, both factors are the square of the scale.
+  mesh::Affine turned;
+  turned.linear = {1.8, -2.4, 0, 2.4, 1.8, 0, 0, 0, 3};
+  EXPECT_NEAR(mesh::area_factors(turned).least, 9, 1e-9);
+  EXPECT_NEAR(mesh::area_factors(turned).mean, 9, 1e-9);
+  EXPECT_EQ(mesh::area_factors({{}, {0, 0, 0}}).mean, 0);
 }
 
 TEST(Forecast, WarnsOfAMinuteOrAGigabyte) {

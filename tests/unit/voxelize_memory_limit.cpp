@@ -1,7 +1,10 @@
 // A triangle that no machine can hold is refused before memory is taken, with the numbers.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
+#include <set>
 
 #include "voxelize/bake.h"
 #include "voxelize/limits/memory_limit.h"
@@ -91,6 +94,76 @@ TEST(MemoryLimit, NamesAVoxelSizeThatFits) {
     EXPECT_TRUE(limits::fit_memory(snapped(mesh, size_m), "plate", size_m, 1e6)) << mend;
     EXPECT_FALSE(limits::fit_memory(snapped(mesh, 0.9 * size_m), "plate", 0.9 * size_m, 1e6))
         << mend;
+  }
+}
+
+// A needle along x in the middle of nodes, and one along an edge of four of them.
+TEST(MemoryLimit, CountsTheNodesThatALineTouchesAndReaches) {
+  constexpr int kNodes = 1000, kReach = 5;
+  for (const auto& [offset, reached] : {std::pair{32.5, 1.0}, std::pair{0.5, 4.0}}) {
+    mesh::Mesh mesh;
+    mesh.vertices = {
+        {0.5, offset, offset}, {64.0 * kNodes - 0.5, offset, offset}, {0.5, offset + 0.25, offset}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 1}};  // counted once
+    const scan::SnappedObject object = snapped(mesh, 1);
+    const limits::NamedObject named{&object, "needle"};
+    const limits::NodeBytes bytes{1e4, 1e3};
+    const double least = kNodes * (bytes.touched + reached * bytes.reached);
+    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, 1.02 * least)) << offset;
+    const Status refused = limits::fit_nodes({&named, 1}, kReach, bytes, 1, 0.999 * least);
+    ASSERT_FALSE(refused) << offset;
+    EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
+    EXPECT_EQ(refused.error().where, "needle");
+  }
+}
+
+TEST(MemoryLimit, NamesTheObjectAndItsStrayVertex) {
+  const mesh::Mesh small = plate(2), stray = stray_vertex(1e6);
+  const scan::SnappedObject objects[] = {snapped(small, 0.1), snapped(stray, 0.1)};
+  const limits::NamedObject named[] = {{&objects[0], "plate"}, {&objects[1], "bracket"}};
+  const Status refused = limits::fit_nodes(named, 5, {17e3, 11e3}, 0.1, 1e9);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().where, "bracket");
+  EXPECT_TRUE(refused.error().mend.starts_with(
+      "correct its stray vertex at (0.00498047, 0.00498047, -1e+06) m, 1e+06 m from the middle"))
+      << refused.error().mend;
+}
+
+// Never more nodes than there are: each node that holds a voxel of the surface, and each within
+// reach of one, by brute force.
+TEST(MemoryLimit, CountsNoNodeThatABakeDoesNotMake) {
+  std::mt19937_64 random(20);
+  std::uniform_real_distribution<double> anywhere(-400, 400), within(-30, 30);
+  for (int soup = 0; soup < 20; ++soup) {
+    mesh::Mesh mesh;
+    for (std::uint32_t t = 0; t < 6; ++t) {
+      const mesh::Vec3d at{anywhere(random), anywhere(random), anywhere(random)};
+      for (int k = 0; k < 3; ++k) {
+        const bool is_near = t % 2 == 0 || k > 0;
+        mesh.vertices.push_back(is_near ? mesh::Vec3d{at[0] + within(random), at[1], at[2]} : at);
+        if (t % 3 == 0 && k == 2) mesh.vertices.back()[1] = anywhere(random);
+      }
+      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    const scan::SnappedObject object = snapped(mesh, 1);
+    constexpr int kReach = 5;
+    std::set<lattice::VoxelIndex> touched, reached;
+    for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+      for (const lattice::VoxelIndex& at : lattice::overlapped_voxels(object.triangle(t))) {
+        touched.insert({at[0] >> 6, at[1] >> 6, at[2] >> 6});
+        for (int n = 0; n < 27; ++n) {
+          reached.insert({(at[0] + kReach * (n / 9 - 1)) >> 6,
+                          (at[1] + kReach * (n / 3 % 3 - 1)) >> 6,
+                          (at[2] + kReach * (n % 3 - 1)) >> 6});
+        }
+      }
+    }
+    const limits::NamedObject named{&object, "soup"};
+    const limits::NodeBytes bytes{1, 1};
+    const auto most = static_cast<double>(touched.size() + reached.size());
+    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, most)) << "soup " << soup;
+    // And not so few that the count were of no use: the triangles are needles.
+    EXPECT_FALSE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, most / 3)) << "soup " << soup;
   }
 }
 

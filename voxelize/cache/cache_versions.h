@@ -12,7 +12,9 @@ namespace forcelayer::cache {
 // 2: STEP and IGES files of which faces are lost are refused.
 // 3: the record holds missing faces and the nodes left out.
 // 4: the record holds the tree of nodes; siblings of a name are called "name[2]".
-inline constexpr std::uint32_t kAssemblyCacheVersion = 5;
+// 5: glTF is turned, so that z is up.
+// 6: vertices that no triangle uses are dropped.
+inline constexpr std::uint32_t kAssemblyCacheVersion = 6;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 2;

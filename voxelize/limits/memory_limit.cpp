@@ -4,8 +4,11 @@
 #include <sys/sysinfo.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <unordered_set>
 
 #include "voxelize/masks/mask_tree.h"
 
@@ -60,13 +63,184 @@ Extent largest_extent(const masks::VoxelBox& box) {
   return {edges[1] * edges[2] / 2, edges[2]};
 }
 
+// The text "KEY:   1234 kB" of /proc/meminfo as bytes; 0 where there is none.
+double meminfo_bytes(std::string_view key) {
+  std::ifstream file("/proc/meminfo");
+  for (std::string word; file >> word;) {
+    double kilobytes = 0;
+    if (word == key && file >> kilobytes) return 1024 * kilobytes;
+  }
+  return 0;
+}
+
+// A vertex so many times as far away as half of the others is taken for a mistake.
+constexpr double kFarAway = 100;
+
+// "correct its stray vertex at (0, 4.3e+06, 0) m, ..., or ": where one corner of the object's
+// triangles lies far away from half of them; else what may be wrong.
+std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
+  const double unit_m = voxel_size_m / static_cast<double>(lattice::kSnapUnits);
+  std::vector<lattice::LatticePoint> corners;
+  for (std::size_t i = 0; i < object.triangles.size(); ++i) {
+    for (const lattice::LatticePoint& corner : object.triangle(i)) corners.push_back(corner);
+  }
+  lattice::LatticePoint middle{};
+  std::vector<std::int64_t> along(corners.size());
+  const auto median = [](auto& list) {
+    const auto half = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), half, list.end());
+    return *half;
+  };
+  for (std::size_t d = 0; d < 3; ++d) {
+    for (std::size_t i = 0; i < corners.size(); ++i) along[i] = corners[i][d];
+    middle[d] = median(along);
+  }
+  const auto away_m = [&](const lattice::LatticePoint& corner) {
+    double square = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double side = static_cast<double>(corner[d] - middle[d]) * unit_m;
+      square += side * side;
+    }
+    return std::sqrt(square);
+  };
+  std::vector<double> distances_m;
+  for (const lattice::LatticePoint& corner : corners) distances_m.push_back(away_m(corner));
+  const auto farthest = std::max_element(distances_m.begin(), distances_m.end());
+  const auto& at = corners[static_cast<std::size_t>(farthest - distances_m.begin())];
+  const double most_m = *farthest, half_m = median(distances_m);
+  if (!(most_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "correct its stray vertex at (%.6g, %.6g, %.6g) m, %.4g m from the middle of the "
+                "others, half of which lie within %.4g m, or ",
+                static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
+                static_cast<double>(at[2]) * unit_m, most_m, half_m);
+  return text;
+}
+
+// "use --voxel-size 0.13m or more"
+std::string larger_voxels(double voxel_size_m) {
+  char text[60];
+  std::snprintf(text, sizeof text, "use --voxel-size %.3gm or more", voxel_size_m);
+  return text;
+}
+
+// The nodes that surfaces touch and reach, each once.
+class NodeCount {
+ public:
+  NodeCount(int reach, const NodeBytes& bytes, double available)
+      : reach_(reach),
+        bytes_(bytes),
+        available_(available),
+        steps_left_(2 * available / (bytes.touched + bytes.reached)) {}
+
+  double bytes() const {
+    return bytes_.touched * static_cast<double>(touched_.size()) +
+           bytes_.reached * static_cast<double>(reached_.size());
+  }
+  bool is_too_much() const { return bytes() > available_; }
+
+  // The nodes along a triangle's edges. Of an edge that is shorter than two nodes, and of each once
+  // counting takes seconds, the node of one end alone.
+  void add(const lattice::LatticeTriangle& triangle) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const lattice::LatticePoint &from = triangle[k], &to = triangle[(k + 1) % 3];
+      double extent = 0;
+      for (std::size_t d = 0; d < 3; ++d) {
+        extent = std::max(extent, std::abs(static_cast<double>(to[d] - from[d])));
+      }
+      const double steps = std::ceil(extent / kNodeUnits);
+      const bool is_long = steps > 2;
+      if (is_long && !edges_.insert(masks::IndexHash()(from) + masks::IndexHash()(to)).second) {
+        continue;  // another triangle's, counted already
+      }
+      const double counted = is_long ? std::clamp(steps_left_, 1.0, steps) : 1;
+      if (is_long) steps_left_ -= counted;
+      for (double step = 0; step < counted && !is_too_much(); ++step) {
+        lattice::LatticePoint point;
+        for (std::size_t d = 0; d < 3; ++d) {
+          point[d] = from[d] + std::llround(static_cast<double>(to[d] - from[d]) * (step / steps));
+        }
+        add_nodes_around(point);
+      }
+    }
+  }
+
+ private:
+  using Nodes = std::unordered_set<lattice::VoxelIndex, masks::IndexHash>;
+  static constexpr int kLog2NodeUnits = lattice::kSnapBits + 6;
+  static constexpr double kNodeUnits = 1 << kLog2NodeUnits;
+
+  void add_nodes_around(const lattice::LatticePoint& point) {
+    lattice::VoxelIndex at, low, high;
+    for (std::size_t d = 0; d < 3; ++d) {
+      at[d] = point[d] >> kLog2NodeUnits;
+      low[d] = (point[d] - reach_ * lattice::kSnapUnits) >> kLog2NodeUnits;
+      high[d] = (point[d] + reach_ * lattice::kSnapUnits) >> kLog2NodeUnits;
+    }
+    if (at == last_ && low == last_low_ && high == last_high_) return;
+    last_ = at, last_low_ = low, last_high_ = high;
+    touched_.insert(at);
+    for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+      for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+        for (std::int64_t z = low[2]; z <= high[2]; ++z) reached_.insert({x, y, z});
+      }
+    }
+  }
+
+  const int reach_;
+  const NodeBytes bytes_;
+  const double available_;
+  Nodes touched_, reached_;
+  lattice::VoxelIndex last_{INT64_MAX, 0, 0}, last_low_{}, last_high_{};
+  std::unordered_set<std::size_t> edges_;  // those of more than one node, by a hash
+  double steps_left_;                      // along them
+};
+
+// The object that most nodes are of, where they are too many; else null.
+const NamedObject* too_large(std::span<const NamedObject> objects, int reach,
+                             const NodeBytes& bytes, double available) {
+  NodeCount count(reach, bytes, available);
+  const NamedObject* largest = nullptr;
+  double most = -1;
+  for (const NamedObject& named : objects) {
+    const double before = count.bytes();
+    for (std::size_t i = 0; i < named.object->triangles.size() && !count.is_too_much(); ++i) {
+      count.add(named.object->triangle(i));
+    }
+    if (count.bytes() - before > most) most = count.bytes() - before, largest = &named;
+    if (count.is_too_much()) return largest;
+  }
+  return nullptr;
+}
+
+// Nodes of the box of the objects, with what is in reach.
+double nodes_of_box(std::span<const NamedObject> objects, int reach) {
+  masks::VoxelBox box;
+  for (const NamedObject& named : objects) box.include(named.object->box);
+  if (box.empty()) return 0;
+  double nodes = 1;
+  for (std::size_t d = 0; d < 3; ++d) {
+    nodes *= static_cast<double>(((box.high[d] + reach) >> 6) - ((box.low[d] - reach) >> 6) + 1);
+  }
+  return nodes;
+}
+
 }  // namespace
 
 double available_bytes() {
-  struct sysinfo machine {};
-  ::sysinfo(&machine);
-  double bytes = (static_cast<double>(machine.totalram) + static_cast<double>(machine.totalswap)) *
-                 machine.mem_unit;
+  double bytes = meminfo_bytes("MemAvailable:") + meminfo_bytes("SwapFree:");
+  if (bytes == 0) {
+    struct sysinfo machine {};
+    ::sysinfo(&machine);
+    bytes = (static_cast<double>(machine.totalram) + static_cast<double>(machine.totalswap)) *
+            machine.mem_unit;
+  }
+  for (const char* const path :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    double most = 0;
+    if (std::ifstream(path) >> most && most > 0) bytes = std::min(bytes, most);
+  }
   rlimit own{};
   if (::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
     bytes = std::min(bytes, static_cast<double>(own.rlim_cur));
@@ -86,16 +260,29 @@ Status fit_memory(const scan::SnappedObject& object, const std::string& name, do
     largest = i;
   }
   if (most.bytes() <= available) return {};
-  char what[200], mend[120];
+  char what[200];
   std::snprintf(what, sizeof what,
                 "passes through at least %.3g voxels, which take %.3g GB; this process can have "
                 "%.3g GB",
                 most.voxels(), most.bytes() * 1e-9, available * 1e-9);
-  std::snprintf(mend, sizeof mend,
-                "look for a stray vertex, check the units, or use --voxel-size %.3gm or more",
-                voxel_size_m * most.excess(available) * 1.01);
   return Error{ErrorCode::kBakeTooLarge, "", "triangle " + std::to_string(largest) + " of " + name,
-               what, mend};
+               what,
+               culprit_of(object, voxel_size_m) +
+                   larger_voxels(voxel_size_m * most.excess(available) * 1.01)};
+}
+
+Status fit_nodes(std::span<const NamedObject> objects, int reach, const NodeBytes& bytes,
+                 double voxel_size_m, double available) {
+  if (nodes_of_box(objects, reach) * (bytes.touched + bytes.reached) <= available) return {};
+  const NamedObject* const largest = too_large(objects, reach, bytes, available);
+  if (largest == nullptr) return {};
+  char what[200];
+  std::snprintf(what, sizeof what,
+                "at %.4g mm the scene takes more than the %.3g GB of memory that this process can "
+                "have, most of it for this object",
+                voxel_size_m * 1e3, available * 1e-9);
+  return Error{ErrorCode::kBakeTooLarge, "", largest->name, what,
+               culprit_of(*largest->object, voxel_size_m) + "use larger voxels"};
 }
 
 }  // namespace forcelayer::limits

@@ -38,7 +38,8 @@ std::uint64_t components_of(const std::string& type) {
   if (type == "VEC2") return 2;
   if (type == "VEC3") return 3;
   if (type == "VEC4") return 4;
-  return 0;  // matrices are of no use to a mesh
+  if (type == "MAT4") return 16;
+  return 0;  // smaller matrices are of no use to a mesh
 }
 
 template <typename T>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "formats/mesh/grouped_warnings.h"
@@ -41,6 +43,21 @@ Affine from_parts(const Vec3d& translation, const std::array<double, 4>& rotatio
                 translation};
   for (std::size_t i = 0; i < 9; ++i) affine.linear[i] *= scale[i % 3];
   return affine;
+}
+
+// Whether both are equal but for the rounding of matrices of 32-bit floats; `largest` is that of
+// the sums in the translations.
+bool is_near(const Affine& a, const Affine& b, double largest) {
+  constexpr double kRounding = 4e-6;
+  double longest = 0, off = 0, moved = 0;
+  for (std::size_t i = 0; i < 9; ++i) {
+    longest = std::max(longest, std::abs(a.linear[i]));
+    off = std::max(off, std::abs(a.linear[i] - b.linear[i]));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    moved = std::max(moved, std::abs(a.translation[i] - b.translation[i]));
+  }
+  return off <= kRounding * longest && moved <= kRounding * largest;
 }
 
 bool is_finite(const Affine& affine) {
@@ -195,12 +212,29 @@ std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
     if (!attributes.contains(key)) return std::vector<double>{};
     return document_.read_numbers(document_.index(attributes, key), components);
   };
+  // Attributes of any name count the instances, also where none of them moves one.
+  std::optional<std::uint64_t> count;
+  for (const auto& [key, accessor] : attributes.items()) {
+    const std::uint64_t own = document_.index(
+        document_.element("accessors", document_.whole_number(accessor, kExtension)), "count");
+    if (count.value_or(own) != own) {
+      document_.fail(ErrorCode::kMeshUnreadable, kExtension,
+                     "has attributes of different numbers of instances");
+    }
+    count = own;
+  }
+  if (!count) {
+    document_.fail(ErrorCode::kMeshUnreadable, kExtension,
+                   "has no attributes, so nothing says how many instances there are");
+  }
+  if (*count > document_.most_unfolded()) {
+    document_.fail(ErrorCode::kMeshUnsupported, kExtension,
+                   "has more than " + std::to_string(document_.most_unfolded()) + " instances");
+  }
   const auto translations = read("TRANSLATION", 3), rotations = read("ROTATION", 4),
              scales = read("SCALE", 3);
-  const std::size_t count =
-      std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
   std::vector<Affine> instances;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < *count; ++i) {
     Vec3d translation{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> rotation{0, 0, 0, 1};
     if (!translations.empty()) std::copy_n(&translations.at(3 * i), 3, translation.begin());
@@ -224,8 +258,47 @@ std::vector<double> GltfNodes::weights_of(const nlohmann::json& node) const {
   return {};
 }
 
+// Where the joints of a skin put its mesh: the node's own transform counts for nothing (glTF 2.0,
+// 3.7.3.3). At rest, as the mesh was bound, all joints put it to the same place. Another pose is
+// refused.
+Affine GltfNodes::placing_of_skin(std::uint64_t index,
+                                  const std::map<std::uint64_t, std::size_t>& node_of) const {
+  const std::string where = "skins[" + std::to_string(index) + "]";
+  const nlohmann::json& skin = document_.element("skins", index);
+  const std::vector<std::uint64_t> joints = indices(skin, "joints");
+  std::vector<double> inverses;
+  if (skin.contains("inverseBindMatrices")) {
+    inverses = document_.read_numbers(document_.index(skin, "inverseBindMatrices"), 16);
+  }
+  if (joints.empty() || (!inverses.empty() && inverses.size() < 16 * joints.size())) {
+    document_.fail(ErrorCode::kMeshUnreadable, where, "has no joints, or a matrix too few");
+  }
+  Affine placing;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto found = node_of.find(joints[j]);
+    if (found == node_of.end()) {
+      document_.fail(ErrorCode::kMeshUnsupported, where,
+                     "has a joint that the default scene does not hold");
+    }
+    std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (!inverses.empty()) std::copy_n(&inverses[16 * j], 16, matrix.begin());
+    const Affine& joint = nodes_[found->second].assembly_from_node;
+    const Affine from_mesh = compose(joint, from_matrix(matrix));
+    if (j == 0) placing = from_mesh;
+    if (!is_near(placing, from_mesh, largest_sum(joint, from_matrix(matrix).translation))) {
+      document_.fail(ErrorCode::kMeshUnsupported, where,
+                     "is posed: its joints do not stand where its mesh was bound to them",
+                     "apply the pose to the mesh, and export it without the skin");
+    }
+  }
+  return placing;
+}
+
 std::vector<GltfPlacing> GltfNodes::placings() const {
   std::vector<GltfPlacing> placings;
+  std::map<std::uint64_t, std::size_t> node_of;  // by glTF's index
+  for (std::size_t n = 0; n < nodes_.size(); ++n) node_of[nodes_[n].index] = n;
+  std::map<std::uint64_t, Affine> of_skin;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     if (!is_read_[n]) continue;
     const Node& node = nodes_[n];
@@ -239,10 +312,19 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
           ErrorCode::kMeshUnsupported, in_nodes(node.index),
           "brings the file's instances to over " + std::to_string(document_.most_unfolded()));
     }
+    Affine from_mesh = node.assembly_from_node;
+    if (json.contains("skin")) {
+      const std::uint64_t skin = document_.index(json, "skin");
+      auto known = of_skin.find(skin);
+      if (known == of_skin.end()) {
+        known = of_skin.emplace(skin, placing_of_skin(skin, node_of)).first;
+      }
+      from_mesh = known->second;
+    }
     for (std::size_t i = 0; i < instances.size(); ++i) {
       const std::string path =
           instances.size() == 1 ? node.name.path : node.name.path + "/" + std::to_string(i);
-      const Affine placing = compose(node.assembly_from_node, instances[i]);
+      const Affine placing = compose(from_mesh, instances[i]);
       placings.push_back({mesh, path, n, checked(document_, node.index, placing), weights});
     }
   }
@@ -277,7 +359,8 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     if (!json.contains("mesh")) continue;
     if (json.contains("skin")) {
       odd.add(nodes_[n].name.path,
-              "skinned, read in its bind pose where the node stands: joints move nothing");
+              "skinned, read in its bind pose where its joints put it; the node's own transform "
+              "does not count");
     }
     const std::vector<Affine> instances = instancing_of(json);
     if (is_flat(nodes_[n].assembly_from_node) ||

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ class GltfNodes {
   std::uint64_t count_hidden() const;
   std::vector<Affine> instancing_of(const nlohmann::json& node) const;
   std::vector<double> weights_of(const nlohmann::json& node) const;
+  Affine placing_of_skin(std::uint64_t index,
+                         const std::map<std::uint64_t, std::size_t>& node_of) const;
 
   const GltfDocument& document_;
   std::vector<Node> nodes_;    // each before its children

@@ -105,10 +105,8 @@ void PolygonSplitter::project(std::span<const std::uint32_t> corners, const Mesh
   }
 }
 
-// Twice the signed area of the corners a, b, c: positive for a turn to the left.
 double PolygonSplitter::turn(std::size_t a, std::size_t b, std::size_t c) const {
-  const Point &p = points_[a], &q = points_[b], &r = points_[c];
-  return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+  return PlanePoints::turn(points_[a], points_[b], points_[c]);
 }
 
 bool PolygonSplitter::is_convex() const {
@@ -123,31 +121,29 @@ bool PolygonSplitter::is_convex() const {
   return x_steps.around() <= 2 && y_steps.around() <= 2;  // else it winds more than once
 }
 
+// A corner that two parts of the outline share (a bridge to a hole) does not block.
 bool PolygonSplitter::is_ear(std::size_t tip) {
   const std::size_t a = previous_[tip], c = next_[tip];
-  Blocker& known = blockers_[tip];
-  if (known.previous == a && known.next == c && previous_[known.corner] != kClipped) return false;
   const double area = turn(a, tip, c);
   if (area <= 0) return area == 0;  // a straight corner covers nothing and can go
-  const auto same = [&](std::size_t i, std::size_t j) {
-    return points_[i].x == points_[j].x && points_[i].y == points_[j].y;
-  };
-  for (std::size_t p = next_[c]; p != a; p = next_[p]) {
-    // A corner that two parts of the outline share (a bridge to a hole) does not block.
-    if (same(p, a) || same(p, tip) || same(p, c)) continue;
-    if (turn(a, tip, p) >= 0 && turn(tip, c, p) >= 0 && turn(c, a, p) >= 0) {
-      known = {a, c, p};
-      return false;
-    }
-  }
-  return true;
+  const std::size_t blocker = in_ring_.find_in(a, tip, c);
+  if (blocker != PlanePoints::kNone) blocked_by_[blocker].push_back(tip);
+  return blocker == PlanePoints::kNone;
 }
 
 // The next ear from `from` on; where there is none (the outline crosses itself), the widest corner.
+// A tangle of very many corners is clipped as it comes.
 std::size_t PolygonSplitter::find_ear(std::size_t from, std::size_t left) {
+  while (!open_.empty()) {
+    auto tip = open_.lower_bound(from);
+    if (tip == open_.end()) tip = open_.begin();
+    if (is_ear(*tip)) return *tip;
+    open_.erase(tip);  // until a neighbor goes, or what blocks it
+  }
+  if (looks_left_ < left) return from;
+  looks_left_ -= left;
   std::size_t widest = from;
   for (std::size_t i = 0, tip = from; i < left; ++i, tip = next_[tip]) {
-    if (is_ear(tip)) return tip;
     if (turn(previous_[tip], tip, next_[tip]) > turn(previous_[widest], widest, next_[widest])) {
       widest = tip;
     }
@@ -155,15 +151,37 @@ std::size_t PolygonSplitter::find_ear(std::size_t from, std::size_t left) {
   return widest;
 }
 
+void PolygonSplitter::clip(std::size_t tip) {
+  const std::size_t a = previous_[tip], c = next_[tip];
+  next_[a] = c;
+  previous_[c] = a;
+  next_[tip] = tip;  // no corner of the ring
+  open_.erase(tip);
+  open_.insert({a, c});
+  if (!in_ring_.remove(tip)) return;
+  // In an outline that does not cross itself these are no ears now either.
+  std::vector<std::size_t>& blocked = blocked_by_[in_ring_.place_of(tip)];
+  for (const std::size_t corner : blocked) {
+    if (next_[corner] == corner || looks_left_ == 0) continue;
+    --looks_left_;
+    open_.insert(corner);
+  }
+  blocked.clear();
+}
+
 void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& mesh) {
   const std::size_t count = corners.size();
   next_.resize(count);
   previous_.resize(count);
-  blockers_.assign(count, {});
+  open_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     next_[i] = (i + 1) % count;
     previous_[i] = (i + count - 1) % count;
+    open_.insert(open_.end(), i);
   }
+  in_ring_.assign(points_);
+  blocked_by_.assign(in_ring_.places(), {});
+  looks_left_ = 1'000'000 + 64 * count;
   double area = 0, area_without_sign = 0;
   for (std::size_t left = count, tip = 1; left >= 3; --left) {
     tip = find_ear(tip, left);
@@ -171,9 +189,7 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
     mesh.triangles.push_back({corners[a], corners[tip], corners[c]});
     area += turn(a, tip, c);
     area_without_sign += std::abs(turn(a, tip, c));
-    next_[a] = c;
-    previous_[c] = a;
-    previous_[tip] = kClipped;
+    clip(tip);
     tip = next_[c];  // not its neighbor: cutting alternate ears makes fewer slivers
   }
   // The triangles' signed areas always sum to the polygon's; they cover it once only where none

@@ -2,17 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "formats/mesh/mesh.h"
+#include "formats/mesh/readers/plane_points.h"
 
 namespace forcelayer::mesh {
 
 // Splits polygons into triangles that cover the polygon's own area: a convex polygon as a fan from
-// its first corner, any other by clipping ears in its best plane (Newell's normal). Counts the
-// polygons that are not planar or cross themselves, for the file's warnings.
+// its first corner, any other by clipping ears in its best plane (Newell's normal). Takes n log n
+// steps for n corners, about, whatever the outline. Counts the polygons that are not planar or
+// cross themselves, for the file's warnings.
 class PolygonSplitter {
  public:
   // Appends corners.size() - 2 triangles to `mesh`, oriented as the polygon is. At least three
@@ -23,17 +26,7 @@ class PolygonSplitter {
   void add_warnings(std::vector<std::string>& warnings) const;
 
  private:
-  struct Point {
-    double x, y;
-  };
-
-  static constexpr std::size_t kClipped = ~std::size_t{0};
-
-  // A corner in the triangle of another one between these neighbors, as it was found last: while
-  // all three are there, the other one is no ear. Without it a polygon of n corners takes n^3.
-  struct Blocker {
-    std::size_t previous = kClipped, next = kClipped, corner = 0;
-  };
+  using Point = PlanePoints::Point;
 
   void project(std::span<const std::uint32_t> corners, const Mesh& mesh, const Vec3d& normal);
   void note_planarity(std::span<const std::uint32_t> corners, const Mesh& mesh,
@@ -43,11 +36,16 @@ class PolygonSplitter {
   void clip_ears(std::span<const std::uint32_t> corners, Mesh& mesh);
   bool is_ear(std::size_t tip);
   std::size_t find_ear(std::size_t from, std::size_t left);
+  void clip(std::size_t tip);
 
-  std::vector<Point> points_;           // the corners in the plane, counter-clockwise
-  std::vector<std::size_t> next_;       // ring of the corners that are not yet clipped
-  std::vector<std::size_t> previous_;   // the same, backwards; kClipped of the others
-  std::vector<Blocker> blockers_;       // of each corner
+  std::vector<Point> points_;          // the corners in the plane, counter-clockwise
+  std::vector<std::size_t> next_;      // ring of the corners that are not yet clipped
+  std::vector<std::size_t> previous_;  // the same, backwards
+  std::set<std::size_t> open_;         // of the ring: corners that are not known to be no ears
+  PlanePoints in_ring_;                // where corners of the ring stand
+  // Of each place: corners that are no ears while a corner stands there.
+  std::vector<std::vector<std::size_t>> blocked_by_;
+  std::size_t looks_left_ = 0;          // at corners again, before any corner is clipped
   std::uint64_t not_planar_ = 0;        // polygons
   double largest_deviation_units_ = 0;  // from the best plane, file units
   std::uint64_t crossing_ = 0;          // polygons

@@ -57,7 +57,8 @@ class ObjReader {
 
  private:
   void read_line() {
-    const std::string_view keyword = cursor_.word();
+    std::string_view keyword = cursor_.word();
+    while (keyword.starts_with(kByteOrderMark)) keyword.remove_prefix(kByteOrderMark.size());
     if (keyword == "v") return read_vertex();
     if (keyword == "f" || keyword == "fo") return read_face();
     if (keyword == "vn" || keyword == "vt") return;

@@ -96,7 +96,7 @@ class BinaryValues {
 class TextValues {
  public:
   TextValues(const SourceFile& file, const PlyHeader& header) : cursor_(file) {
-    cursor_.advance(header.bytes);
+    cursor_.advance(header.bytes - cursor_.offset());
   }
 
   void begin_item(const PlyElement& element, std::uint64_t item) {

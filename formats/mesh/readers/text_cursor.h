@@ -63,15 +63,21 @@ inline const char* parse_number(const char* at, const char* end, double& number)
   return p;
 }
 
+// Of UTF-8. Editors and scripts put it at a file's beginning; joined files have it in the middle.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
 class TextCursor {
  public:
-  // `backslash_joins_lines`: a backslash at a line's end is white space, together with the end.
+  // Begins after a byte order mark, where there is one. `backslash_joins_lines`: a backslash at a
+  // line's end is white space, together with the end.
   explicit TextCursor(const SourceFile& file, bool backslash_joins_lines = false)
       : file_(file),
         begin_(file.bytes.data()),
         at_(begin_),
         end_(begin_ + file.bytes.size()),
-        backslash_joins_lines_(backslash_joins_lines) {}
+        backslash_joins_lines_(backslash_joins_lines) {
+    if (file.bytes.starts_with(kByteOrderMark)) at_ += kByteOrderMark.size();
+  }
 
   bool at_end() const { return at_ == end_; }
   bool at_line_end() const { return at_ == end_ || *at_ == '\n' || *at_ == '\r'; }
