@@ -119,10 +119,24 @@ Status check_replaced(const OutputFile& output) {
                 "choose another name, or remove the file first");
 }
 
+// Whether the path ends, by links, at an open descriptor of this process, as /dev/stdout does: it
+// is written through, and nothing is replaced.
+bool is_descriptor(fs::path path) {
+  constexpr int kMaxLinks = 40;  // as the kernel
+  std::error_code error;
+  for (int i = 0; i < kMaxLinks; ++i) {
+    const fs::path folder = path.parent_path();
+    if (folder == "/proc/self/fd" || folder == "/dev/fd") return true;
+    if (!fs::is_symlink(path, error)) return false;
+    path = folder / fs::read_symlink(path, error);
+  }
+  return false;
+}
+
 // The file that is already there under an output's name; false for a device, a pipe, or nothing.
 bool replaces_file(const OutputFile& output) {
   std::error_code error;
-  return fs::is_regular_file(*output.path, error);
+  return fs::is_regular_file(*output.path, error) && !is_descriptor(*output.path);
 }
 
 Status check(const OutputFile& output, std::span<const OutputFile> before,
@@ -157,6 +171,13 @@ Result<std::string> take_standard_output() {
 }
 
 }  // namespace
+
+Status check_outputs(std::span<const OutputFile> outputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (Status one = check(outputs[i], outputs.first(i), {}); !one) return one;
+  }
+  return {};
+}
 
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs) {
   expect_no_report();

@@ -30,4 +30,7 @@ struct OutputFile {
 // standard error. What --json names becomes the command's report (report.h). Other errors: kUsage.
 Status prepare_outputs(std::span<const OutputFile> outputs, std::span<const std::string> inputs);
 
+// The same checks alone, for files that a command names itself, and without inputs.
+Status check_outputs(std::span<const OutputFile> outputs);
+
 }  // namespace forcelayer::command

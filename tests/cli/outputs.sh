@@ -71,6 +71,8 @@ done
 [ -L link.json ] && grep -q schema_version real.json || fail "a link was replaced"
 "$bin/voxinfo" new.vox --json /dev/stdout --quiet | grep -q schema_version || fail "a pipe"
 "$bin/voxinfo" new.vox --json /dev/null --quiet || fail "a device"
+echo "a log" >log
+"$bin/voxinfo" new.vox --json /dev/stdout --quiet >>log && grep -q "a log" log && grep -q schema_version log || fail "a log"
 mkdir folder
 "$bin/voxinfo" new.vox --json folder --quiet 2>err
 [ $? = 1 ] && grep -q "directory" err || fail "a folder: $(cat err)"

@@ -168,7 +168,7 @@ TEST_F(OutputFiles, AnOutputThatCannotBeWrittenIsRefused) {
 
   const std::string pipe = at("pipe");  // that nobody reads yet: opening it would wait
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const std::string read_only = file("old.json", "{}"), dangling = at("link.json");
+  const std::string read_only = file("old.json", ""), dangling = at("link.json");
   fs::permissions(read_only, fs::perms::owner_read);
   fs::create_symlink(at("target.json"), dangling);
   for (const std::string& path : {std::string("/dev/null"), std::string("/dev/full"),

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/arguments.h"
@@ -58,6 +59,27 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
     listed["installed"] = !command::program_path(command.name).empty();
   }
   return command::write_report(json, report);
+}
+
+// What the folder holds already under a name that a study writes is a study's.
+forcelayer::Status check_folder(const forcelayer::study::Options& options) {
+  using forcelayer::command::FileKind;
+  constexpr std::pair<const char*, FileKind> kWritten[] = {
+      {"scene.vox", FileKind::kVoxmap},      {"part.pshell", FileKind::kPshell},
+      {"scene.json", FileKind::kReport},     {"part.json", FileKind::kReport},
+      {"run.json", FileKind::kReport},       {"plan.json", FileKind::kReport},
+      {"path.csv", FileKind::kTable},        {"straight.csv", FileKind::kTable},
+      {"trace.csv", FileKind::kTable},       {"curve.csv", FileKind::kTable},
+      {"installed.png", FileKind::kPicture}, {"worst.png", FileKind::kPicture}};
+  for (const auto& [name, kind] : kWritten) {
+    std::string path = (std::filesystem::path(options.folder) / name).string();
+    std::error_code failure;
+    if (!std::filesystem::exists(path, failure)) continue;
+    if (std::filesystem::equivalent(path, options.path, failure)) continue;  // it is only read
+    const forcelayer::command::OutputFile output[] = {{"--output", &path, kind}};
+    if (auto s = forcelayer::command::check_outputs(output); !s) return s;
+  }
+  return {};
 }
 
 std::string left_line;  // what a signal leaves of a study
@@ -122,6 +144,7 @@ int main(int argc, char** argv) {
     const std::string inputs[] = {options->assembly, options->path};
     const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
+    if (Status s = check_folder(*options); !s) return s;
     say_on_signals_that_it_goes_on(options->folder);
     return study::make_study(*options);
   });
