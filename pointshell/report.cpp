@@ -80,7 +80,7 @@ std::string cost_warning(const BakeCost& cost, const ShellOptions& options,
       "%.2g points for %s: this takes about %s and %.2g GB; a larger voxel size%s%s takes less",
       cost.points, mesh::counted(part.triangles.size(), "triangle").c_str(),
       duration_text(cost.seconds).c_str(), cost.bytes / kGigabyte,
-      options.effort == sample::Effort::kFast ? "" : ", --effort fast", " or a coarser mesh");
+      options.effort == sample::Effort::kFast ? "" : ", --method fast", " or a coarser mesh");
   return text;
 }
 
@@ -104,7 +104,8 @@ std::string sheet_warning(const BakedShell& shell) {
   }
   if (sheets.size() > kListed) text += "; ...";
   return text +
-         ". Their points act on both sides, which needs a scene with distances (not --lean) and "
+         ". Their points act on both sides, which needs a scene with distances (not --kind lean) "
+         "and "
          "not "
          "--model paper; mass is taken from the area";
 }

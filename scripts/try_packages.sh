@@ -90,7 +90,7 @@ voxrun bay.vox part.pshell --duration 0.1s --quiet --expect "$(sha256sum bay.vox
   --expect "$(sha256sum part.pshell | cut -c 1-64)"
 voxrun bay.vox part.pshell --duration 0.1s --quiet --expect "$(sha256sum bay.json | cut -c 1-64)" 2>said.txt && exit 1
 cat said.txt
-voxelize bay.json --voxel-size 5mm --lean -o lean.vox --quiet
+voxelize bay.json --voxel-size 5mm --kind lean -o lean.vox --quiet
 cp bay.vox lean.vox part.pshell rest.vox pin.pshell opened.vox cover.pshell run.csv run.flr path.csv /tmp/project/baked
 SCRIPT
 }

@@ -18,7 +18,7 @@ Error wrong(const char* what, std::string why, const char* mend) {
 Status check_compliance_depth(const BakeOptions& options) {
   if (options.compliance.empty()) return {};
   if (!stores_distances(options)) {
-    return wrong("compliance", "needs stored distances", "leave out --lean and --metric chebyshev");
+    return wrong("compliance", "needs stored distances", "leave out --kind");
   }
   if (Status checked = check_compliance(options.compliance); !checked) return checked;
   const double layer = force_layer_voxels(options);
@@ -38,7 +38,7 @@ Status check_standoff(const BakeOptions& options) {
   if (options.standoff_m == 0) return {};
   if (!stores_distances(options)) {
     return wrong("standoff", "needs stored distances, which tell the guard where a part may be",
-                 "leave out --lean and --metric chebyshev, or use --layers");
+                 "leave out --kind, or use --layers");
   }
   if (options.layers != 0) {
     return wrong("standoff", "says where the force begins, and so do layers",
@@ -68,7 +68,7 @@ Status check_kind(const BakeOptions& options) {
   if (Status standoff = check_standoff(options); !standoff) return standoff;
   if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
     return wrong("layers", "are none: there is nothing for the metric to measure",
-                 "use --layers 1 or more, or --metric chebyshev");
+                 "use --layers 1 or more, or --kind paper");
   }
   if (Status depth = check_compliance_depth(options); !depth) return depth;
   if (options.range_m == 0) return {};

@@ -48,8 +48,7 @@ struct Arguments {
   std::string voxel_size, units, mesh_deviation, roi;
   std::string cache, shard;
   std::optional<std::uint32_t> layers;
-  std::string metric, standoff, range, compliance;
-  bool lean = false;
+  std::string kind = "full", standoff, range, compliance;
   mesh::TrustOptions trust;
   mesh::Up up = mesh::Up::kZ;
   std::vector<std::string> free_seeds, without;
@@ -81,13 +80,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       "how far from the meshes the force begins, in place of --layers: 0.97 voxels (with "
       "a compliance its depth and 0.87 voxels) to 30 voxels, such as 11mm; narrower gaps "
       "are passed, by stored distances");
-  app.add_option("--metric", arguments.metric,
-                 "how the offset is measured: euclidean, or chebyshev for the paper's model, which "
-                 "stores no distances (default euclidean)")
-      ->check(CLI::IsMember({"chebyshev", "euclidean"}));
-  app.add_flag("--lean", arguments.lean,
-               "store the four values alone: a smaller file without distances, exact forces and "
-               "proven clearance");
+  app.add_option("--kind", arguments.kind,
+                 "full (default): Euclidean layers and stored distances; lean: without distances, "
+                 "a smaller file without exact forces and proven clearance; paper: the Chebyshev "
+                 "layers of the paper's model, without distances")
+      ->check(CLI::IsMember({"full", "lean", "paper"}));
   app.add_option("--range", arguments.range,
                  "how deep below the beginning of the force distances are kept, 2 to 32 voxels "
                  "(default 4 voxels)");
@@ -137,10 +134,10 @@ void arrange(CLI::App& app) {
       {{"Output", {"-o", "--list", "--plan", "--narrow-passages"}},
        {"What is read", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The map",
-        {"--voxel-size", "--layers", "--standoff", "--metric", "--lean", "--range", "--compliance",
+        {"--voxel-size", "--layers", "--standoff", "--kind", "--range", "--compliance",
          "--free-seed", "--roi"}},
        {"Many bakes", {"--cache", "--shard", "--threads"}},
-       {"Files of others", {"--sandbox", "--sandbox-memory", "--sandbox-time", "--allow-outside"}}},
+       {"Files of others", {"--sandbox", "--allow-outside"}}},
       "  voxelize bay.json --voxel-size 5mm --plan                 what a voxel size gives\n"
       "  voxelize bay.json --voxel-size 5mm -o bay.vox             a scene of many files\n"
       "  voxelize --list gearbox.glb                               the parts of an assembly\n"
@@ -177,10 +174,10 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
       return Error{ErrorCode::kUsage, "", "--standoff",
                    "says where the force begins, and so does --layers", "leave one of them out"};
     }
-    if (arguments.lean || arguments.metric == "chebyshev") {
+    if (arguments.kind != "full") {
       return Error{ErrorCode::kUsage, "", "--standoff",
                    "needs stored distances, which tell the guard where a part may be",
-                   "leave out --lean and --metric chebyshev, or use --layers"};
+                   "leave out --kind, or use --layers"};
     }
     if (!(*standoff > 0)) {
       return Error{ErrorCode::kUsage, "", "--standoff", "is not a length above zero",
@@ -189,18 +186,18 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
     options.standoff_m = *standoff;
     options.layers = 0;  // in place of the manifest's, too
   }
-  if (arguments.metric == "chebyshev") options.metric = Metric::kChebyshev;
-  options.distances = !arguments.lean;
+  if (arguments.kind == "paper") options.metric = Metric::kChebyshev;
+  options.distances = arguments.kind == "full";
   if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
     return Error{ErrorCode::kUsage, "", "--layers", "0 leaves the metric nothing to measure",
-                 "use --layers 1 or more, or --metric chebyshev"};
+                 "use --layers 1 or more, or --kind paper"};
   }
   if (!arguments.range.empty()) {
     const auto range = command::parse_length(arguments.range);
     if (!range) return usage("--range", range.error());
     if (!stores_distances(options)) {
       return Error{ErrorCode::kUsage, "", "--range", "has no meaning without stored distances",
-                   "leave it out, or --lean and --metric chebyshev"};
+                   "leave it out, or --kind"};
     }
     options.range_m = *range;
   }
@@ -209,7 +206,7 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
     if (!compliance) return compliance.error();
     if (!stores_distances(options)) {
       return Error{ErrorCode::kUsage, "", "--compliance", "needs stored distances",
-                   "leave out --lean and --metric chebyshev"};
+                   "leave out --kind"};
     }
     options.compliance = *compliance;
   }

@@ -117,11 +117,19 @@ CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const c
   return app.add_option(name, count, help)->check(CLI::Range(least, most));
 }
 
-CLI::Option* add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help,
-                       std::uint64_t least, std::uint64_t most) {
-  return app.add_option(name, bytes, help)
-      ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::Range(least, most));
+Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t least, std::uint64_t most) {
+  const std::string typed = text;
+  std::uint64_t bytes = 0;
+  try {
+    const std::string wrong = CLI::AsSizeValue(false)(text);  // makes it a number
+    const bool is_number = wrong.empty() && CLI::detail::lexical_cast(text, bytes);
+    if (is_number && bytes >= least && bytes <= most) return bytes;
+  } catch (const CLI::ValidationError&) {
+  }
+  return Error{ErrorCode::kUsage, "", "",
+               "'" + typed + "' is not a size from " + std::to_string(least) + " to " +
+                   std::to_string(most) + " bytes",
+               "write it like 2GiB"};
 }
 
 CLI::Option* add_text(CLI::App& app, const char* name, std::string& text, const char* help) {
@@ -145,6 +153,10 @@ CLI::Option* add_choice(CLI::App& app, const char* name, std::string& word,
 
 CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* help) {
   return app.add_flag(name, given, help);
+}
+
+CLI::Option* add_flag(CLI::App& app, const char* name, std::string& text, const char* help) {
+  return app.add_flag(name, text, help);
 }
 
 void group(CLI::Option* option, const char* title) { option->group(title); }

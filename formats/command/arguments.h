@@ -49,9 +49,8 @@ CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& 
 CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const char* help,
                        int least, int most);
 
-// Declares an option that takes a size in bytes, such as 2GiB, from `least` to `most`.
-CLI::Option* add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help,
-                       std::uint64_t least, std::uint64_t most);
+// A size in bytes, such as 2GiB, from `least` to `most`. Errors: kUsage.
+Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t least, std::uint64_t most);
 
 // Declares an option that takes a text as it is typed.
 CLI::Option* add_text(CLI::App& app, const char* name, std::string& text, const char* help);
@@ -69,6 +68,9 @@ CLI::Option* add_choice(CLI::App& app, const char* name, std::string& word,
 
 // Declares an option without a value.
 CLI::Option* add_flag(CLI::App& app, const char* name, bool& given, const char* help);
+
+// The same that may have a value behind a "=": `text` is "true" where it has none.
+CLI::Option* add_flag(CLI::App& app, const char* name, std::string& text, const char* help);
 
 // Puts an option under a heading of the help.
 void group(CLI::Option* option, const char* title);

@@ -40,7 +40,28 @@ constexpr std::string_view kOldOptions =
     "voxrun --clutch-button --buttons clutch=N\n"
     "voxrun --scene-button --buttons scene=N\n"
     "voxrun --guide-button --buttons guide=N\n"
-    "voxrun --udp-rate --udp [HOST:]PORT@RATE\n";
+    "voxrun --udp-rate --udp [HOST:]PORT@RATE\n"
+    "voxcheck --csv --report csv:FILE\n"
+    "voxcheck --junit --report junit:FILE\n"
+    "voxcheck --code-quality --report gitlab:FILE\n"
+    "voxcheck --github --report github\n"
+    "voxelize --sandbox-memory --sandbox=memory=SIZE\n"
+    "pointshell --sandbox-memory --sandbox=memory=SIZE\n"
+    "voxcheck --sandbox-memory --sandbox=memory=SIZE\n"
+    "voxelize --sandbox-time --sandbox=time=LIMIT\n"
+    "pointshell --sandbox-time --sandbox=time=LIMIT\n"
+    "voxcheck --sandbox-time --sandbox=time=LIMIT\n"
+    "voxplan --out-of-scene nothing: it is the default\n"
+    "voxelize --lean --kind lean\n"
+    "voxelize --metric --kind full|paper\n"
+    "pointshell --effort --method surface|fast\n"
+    "voxview --frame-times voxview draw ... --frame-times\n"
+    "voxview --plain voxview draw ... --plain\n"
+    "voxview --pixels-per-voxel voxview draw ... --pixels-per-voxel\n"
+    "voxview --measure voxview draw ... --measure\n"
+    "voxview --measure-object voxview draw ... --measure-object\n"
+    "voxview --measure-words voxview draw ... --measure-words\n"
+    "voxview --title voxview draw ... --title\n";
 
 }  // namespace
 

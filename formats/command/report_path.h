@@ -9,14 +9,18 @@
 namespace forcelayer::command {
 
 // The file that the command line names behind `option`, before it is parsed; empty where none.
-inline std::string_view file_named_by(std::string_view option, int argc, char** argv) {
+// `kind`: only values that begin so count, and the file is behind it ("junit:").
+inline std::string_view file_named_by(std::string_view option, int argc, char** argv,
+                                      std::string_view kind = {}) {
   std::string_view named;
   for (int n = 1; n < argc; ++n) {
     std::string_view argument = argv[n];
     if (!argument.starts_with(option)) continue;
     argument.remove_prefix(option.size());
-    if (argument.empty() && n + 1 < argc) named = argv[n + 1];
-    if (argument.starts_with('=')) named = argument.substr(1);
+    std::string_view value;
+    if (argument.empty() && n + 1 < argc) value = argv[n + 1];
+    if (argument.starts_with('=')) value = argument.substr(1);
+    if (!value.empty() && value.starts_with(kind)) named = value.substr(kind.size());
   }
   return named == "-" ? "/dev/stdout" : named;
 }

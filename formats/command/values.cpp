@@ -78,4 +78,34 @@ Status read_values(const char* option, std::string_view text, std::span<const Va
   return outcome;
 }
 
+Status read_reports(std::string_view texts, std::span<const ValueName> kinds) {
+  const auto wrong = [](const std::string& text, const char* what, const std::string& mend) {
+    return Error{ErrorCode::kUsage, "", "--report", "'" + text + what, mend};
+  };
+  while (!texts.empty()) {
+    const std::string text(texts.substr(0, texts.find('\n')));
+    texts.remove_prefix(std::min(text.size() + 1, texts.size()));
+    const std::string name = text.substr(0, text.find(':'));
+    const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                   [&](const ValueName& one) { return one.name == name; });
+    if (kind == kinds.end()) {
+      std::string known;
+      for (const ValueName& one : kinds) (known += known.empty() ? "" : ", ") += one.name;
+      return wrong(name, "' is not a kind of report", "known kinds: " + known);
+    }
+    const bool has_file = text.size() > name.size() + 1;
+    if (kind->is_given != nullptr) {
+      if (text != name)
+        return wrong(name, "' takes no file: it is printed", "write " + name + " alone");
+      *kind->is_given = true;
+    } else if (!has_file || !kind->text->empty()) {
+      return wrong(name, has_file ? "' is given more than once" : "' needs a file",
+                   "write " + name + ":FILE once");
+    } else {
+      *kind->text = text.substr(name.size() + 1);
+    }
+  }
+  return {};
+}
+
 }  // namespace forcelayer::command

@@ -24,4 +24,8 @@ struct ValueName {
 // whose value is missing or out of its bounds, or that takes none.
 Status read_values(const char* option, std::string_view text, std::span<const ValueName> names);
 
+// Reads the values of --report, KIND:FILE, a line each, in the same way; a kind that stands alone
+// has no file. Errors: kUsage.
+Status read_reports(std::string_view texts, std::span<const ValueName> kinds);
+
 }  // namespace forcelayer::command

@@ -381,7 +381,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   if (voxmap.distances() == nullptr) {
     return Error{ErrorCode::kUsage, "", "",
                  "the scene stores no distances, so no clearance is known",
-                 "bake it without --lean and --metric chebyshev"};
+                 "bake it without --kind lean or paper"};
   }
   const Check check(voxmap, shell, path, request);
   if (Status sound = check_request(voxmap, check, path, request); !sound) return sound.error();

@@ -134,7 +134,7 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) noexc
 [[gnu::cold]] std::optional<Error> DistanceField::unreadable(const Voxmap& voxmap) {
   if (voxmap.distances() != nullptr) return std::nullopt;
   return Error{ErrorCode::kUsage, "", "distance field", "the scene stores no distances",
-               "bake the scene without --lean and --metric chebyshev, or use --force level"};
+               "bake the scene without --kind lean or paper, or use --force level"};
 }
 
 // A code stands for the middle of its step.

@@ -33,7 +33,7 @@ Error no_distances(bool stored) {
   return {ErrorCode::kUsage, "", "start",
           "the part starts inside the scene, and a scene without stored distances cannot tell a "
           "seat from a penetration",
-          "bake the scene without --lean and --metric chebyshev, or start elsewhere (--start)"};
+          "bake the scene without --kind lean or paper, or start elsewhere (--start)"};
 }
 
 }  // namespace

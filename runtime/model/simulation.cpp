@@ -32,7 +32,7 @@ Status check_sides(const PshellView& shell, const field::ForceField& field) {
                    " points are of open sheets and have no inside, which only stored distances do "
                    "without",
                "use --model default and --force distance with a scene that was baked without "
-               "--lean, or close the surface"};
+               "--kind lean, or close the surface"};
 }
 
 // The part where it was, at rest, and nothing for the hand.

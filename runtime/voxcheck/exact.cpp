@@ -49,8 +49,6 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.part_unit_m = options.part_unit_m ? options.part_unit_m : options.unit_m;
   request.allow_outside = options.allow_outside;
   request.sandbox = options.sandbox;
-  request.sandbox_memory_bytes = options.sandbox_memory_bytes;
-  request.sandbox_time = options.sandbox_time;
   request.required_m = options.clearance_m;
   request.least_s = result.least.time_s;
   if (std::isfinite(result.least.most_m) && !result.at_least) {

@@ -70,9 +70,7 @@ std::string text_of(const ExactRequest& r) {
               {"unit_m", or_null(r.unit_m)},
               {"part_unit_m", or_null(r.part_unit_m)},
               {"allow_outside", r.allow_outside},
-              {"sandbox", r.sandbox},
-              {"sandbox_memory_bytes", r.sandbox_memory_bytes},
-              {"sandbox_time", bytes_of(r.sandbox_time)},
+              {"sandbox", bytes_of(r.sandbox)},
               {"required_m", r.required_m},
               {"least_s", r.least_s},
               {"most_m", or_null(r.most_m)},
@@ -100,9 +98,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         r.unit_m = unless_null(json.at("unit_m"));
         r.part_unit_m = unless_null(json.at("part_unit_m"));
         json.at("allow_outside").get_to(r.allow_outside);
-        json.at("sandbox").get_to(r.sandbox);
-        json.at("sandbox_memory_bytes").get_to(r.sandbox_memory_bytes);
-        r.sandbox_time = text_from(json.at("sandbox_time"));
+        r.sandbox = text_from(json.at("sandbox"));
         json.at("required_m").get_to(r.required_m);
         json.at("least_s").get_to(r.least_s);
         r.most_m = unless_null(json.at("most_m"));

@@ -32,9 +32,8 @@ struct ExactRequest {
   std::string scene, part, path;  // baked files and path, as given
   std::vector<std::string> meshes, part_meshes, without;
   std::optional<double> unit_m, part_unit_m;  // meters per file unit
-  bool allow_outside = false, sandbox = false;
-  std::uint64_t sandbox_memory_bytes = 0;  // 0: as usual
-  std::string sandbox_time;                // as typed; empty: as usual
+  bool allow_outside = false;
+  std::string sandbox;  // as typed behind --sandbox=; empty: not given
   double required_m = 0;
   double least_s = 0;            // when the least clearance is proven,
   std::optional<double> most_m;  // and what the exact one is no more than then, where known

@@ -34,14 +34,14 @@ void tell(const Error& error) {
 void tell_failures_in(std::vector<FailureFile> files, int argc, char** argv) {
   told = std::move(files);
   for (FailureFile& file : told) {
-    if (file.path.empty()) file.path = command::file_named_by(file.option, argc, argv);
+    if (file.path.empty()) file.path = command::file_named_by("--report", argc, argv, file.kind);
   }
   command::also_tell_failures(tell);
 }
 
-void check_failure_file(std::string_view option, const std::string& path) {
+void check_failure_file(std::string_view kind, const std::string& path) {
   for (FailureFile& file : told) {
-    if (file.option != option) continue;
+    if (file.kind != kind) continue;
     file.path = path;
     file.checked = true;
   }

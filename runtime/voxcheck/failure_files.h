@@ -13,7 +13,7 @@
 namespace forcelayer::voxcheck {
 
 struct FailureFile {
-  const char* option;                                // that names it
+  const char* kind;                                  // of --report, with its colon
   std::vector<std::string_view> beginnings;          // how files of its kind begin
   std::function<std::string(const Error&)> text_of;  // all of it; empty: nothing is told there
   std::string path = {};                             // empty: what the command line names
@@ -25,7 +25,7 @@ struct FailureFile {
 // parse_arguments().
 void tell_failures_in(std::vector<FailureFile> files, int argc, char** argv);
 
-// The file of `option` is `path`, and is checked: prepare_outputs() has passed it.
-void check_failure_file(std::string_view option, const std::string& path);
+// The file of that kind is `path`, and is checked: prepare_outputs() has passed it.
+void check_failure_file(std::string_view kind, const std::string& path);
 
 }  // namespace forcelayer::voxcheck

@@ -141,11 +141,13 @@ std::vector<FailureFile> failure_files(const Options& options, int argc, char** 
     if (is_verdict(error)) return "";
     return annotation(options, "error", kName, to_line(error));
   };
-  std::vector<FailureFile> files{{"--junit", {kJunitBeginning}, junit},
-                                 {"--code-quality", {"[]", "[\n  {\n    \"description\""}, issues}};
+  std::vector<FailureFile> files{{"junit:", {kJunitBeginning}, junit},
+                                 {"gitlab:", {"[]", "[\n  {\n    \"description\""}, issues}};
   for (int n = 1; n < argc; ++n) {
-    if (argv[n] == std::string_view("--github")) {
-      files.push_back({"--github", {}, lines, "/dev/stdout", true});
+    const std::string_view argument = argv[n];
+    const bool behind = argument == "--report" && n + 1 < argc;
+    if (argument == "--report=github" || (behind && argv[n + 1] == std::string_view("github"))) {
+      files.push_back({"github", {}, lines, "/dev/stdout", true});
       break;
     }
   }

@@ -46,13 +46,13 @@ Status prepare_outputs(Options& options) {
   inputs.insert(inputs.end(), options.part_meshes.begin(), options.part_meshes.end());
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
-      {"--csv", &options.csv, FileKind::kTable},
+      {"--report csv", &options.csv, FileKind::kTable},
       {"--picture", &options.picture, FileKind::kPicture},
-      {"--junit", &options.junit, FileKind::kExport},
-      {"--code-quality", &options.code_quality, FileKind::kReport}};
+      {"--report junit", &options.junit, FileKind::kExport},
+      {"--report gitlab", &options.code_quality, FileKind::kReport}};
   if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
-  check_failure_file("--junit", options.junit);
-  check_failure_file("--code-quality", options.code_quality);
+  check_failure_file("junit:", options.junit);
+  check_failure_file("gitlab:", options.code_quality);
   return {};
 }
 
@@ -194,10 +194,10 @@ int run(int argc, char** argv) {
          "--threads"}},
        {"The meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
-         "--sandbox", "--sandbox-memory", "--sandbox-time"}},
-       {"Output", {"--picture", "--csv", "--junit", "--code-quality", "--github"}}},
+         "--sandbox"}},
+       {"Output", {"--picture", "--report"}}},
       "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
-      "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --junit verdict.xml\n"
+      "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --report junit:verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
   tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);
   int status = 0;

@@ -7,6 +7,7 @@
 
 #include "formats/command/arguments.h"
 #include "formats/command/quantity.h"
+#include "formats/command/values.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -60,30 +61,32 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   app.add_flag("--allow-outside", options_.allow_outside,
                "a manifest may name meshes outside its own folder");
   command::add_flag(app, "--sandbox", options_.sandbox,
-                    "read each mesh file in a process of its own, as voxelize does");
-  command::add_bytes(app, "--sandbox-memory", options_.sandbox_memory_bytes,
-                     "memory of that process, such as 2GiB (default 8GiB); implies --sandbox",
-                     std::uint64_t{256} << 20, std::uint64_t{1} << 46);
-  command::add_text(app, "--sandbox-time", options_.sandbox_time,
-                    "time for one file, such as 30s (default 5min); implies --sandbox");
+                    "read each mesh file in a process of its own, as voxelize does; "
+                    "--sandbox=memory=2GiB,time=30s sets its limits for a file");
   app.add_option("--threads", options_.threads,
                  "that share the work, default all; no answer depends on it")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--picture", options_.picture,
                  "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
   app.add_option("--json", options_.json, "write a report");
-  app.add_option("--csv", options_.csv, "write the clearance that is proven, over time");
-  app.add_option("--junit", options_.junit, "write the verdict as a test result, JUnit XML");
-  app.add_option("--code-quality", options_.code_quality,
-                 "write violations and warnings as GitLab shows them at a change, JSON");
-  app.add_flag("--github", options_.github,
-               "print violations and warnings as GitHub shows them at a change, a line each");
+  command::name_value(
+      command::add_texts(app, "--report", reports_, '\n',
+                         "write a report for another program, repeatable: csv:FILE (the proven "
+                         "clearance over time), junit:FILE (the verdict as a test result, XML), "
+                         "gitlab:FILE (violations and warnings as GitLab shows them at a change, "
+                         "JSON), or github (the same as GitHub shows them, a printed line each)"),
+      "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
 
 Result<Options> OptionParser::finish() const {
   Options options = options_;
   using command::about;
+  const command::ValueName reports[] = {{.name = "csv", .text = &options.csv},
+                                        {.name = "junit", .text = &options.junit},
+                                        {.name = "gitlab", .text = &options.code_quality},
+                                        {.name = "github", .is_given = &options.github}};
+  if (Status read = command::read_reports(reports_, reports); !read) return read.error();
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
   if (!(*clearance >= 0)) {
@@ -115,8 +118,7 @@ Result<Options> OptionParser::finish() const {
     for (const auto& [option, is_given] :
          {std::pair("--without", !options.without.empty()),
           std::pair("--seat-depth", options.seat_depth_m.has_value()),
-          std::pair("--sandbox", options.sandbox || options.sandbox_memory_bytes != 0 ||
-                                     !options.sandbox_time.empty())}) {
+          std::pair("--sandbox", !options.sandbox.empty())}) {
       if (is_given)
         return Error{ErrorCode::kUsage, "", option, "goes with --exact alone", "leave it out"};
     }

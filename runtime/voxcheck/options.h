@@ -1,7 +1,6 @@
 // The command line of voxcheck.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,12 +24,11 @@ struct Options {
   std::vector<std::string> meshes, part_meshes, without;
   std::string units, part_units;              // as typed,
   std::optional<double> unit_m, part_unit_m;  // and in meters
-  bool allow_outside = false, sandbox = false;
-  std::uint64_t sandbox_memory_bytes = 0;  // 0: as usual
-  std::string sandbox_time;                // as typed; empty: as usual
-  bool felt_seat = false;                  // where shell points feel nothing the seat is clear
-  std::optional<double> seat_depth_m;      // into objects of the seat, deeper than installed
-  std::string fail_on;                     // "far", or empty
+  bool allow_outside = false;
+  std::string sandbox;                 // as typed; empty: not given
+  bool felt_seat = false;              // where shell points feel nothing the seat is clear
+  std::optional<double> seat_depth_m;  // into objects of the seat, deeper than installed
+  std::string fail_on;                 // "far", or empty
   std::string picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
@@ -48,7 +46,7 @@ class OptionParser {
 
  private:
   Options options_;
-  std::string clearance_, seat_, seat_depth_;
+  std::string clearance_, seat_, seat_depth_, reports_;
 };
 
 }  // namespace forcelayer::voxcheck

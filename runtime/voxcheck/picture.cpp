@@ -61,7 +61,8 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
 
 // The arguments of voxview that name the meshes and files to draw.
 std::vector<std::string> inputs_of(const Options& options) {
-  std::vector<std::string> arguments = options.meshes;
+  std::vector<std::string> arguments{"draw"};
+  arguments.insert(arguments.end(), options.meshes.begin(), options.meshes.end());
   arguments.insert(arguments.end(), {options.scene, options.part});
   for (const std::string& node : options.without) {
     arguments.insert(arguments.end(), {"--hide", node});

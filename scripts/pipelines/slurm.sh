@@ -36,6 +36,6 @@ case ${1:-submit} in
     verdict=verdicts/$(basename "$path" .csv)
     voxcheck scene.vox part.pshell "$path" --clearance "$CLEARANCE" \
       --exact "$SCENE" --part "$PART" --part-units "$PART_UNITS" --picture "$verdict.png" \
-      --json "$verdict.json" --junit "$verdict.xml"
+      --json "$verdict.json" --report "junit:$verdict.xml"
     ;;
 esac

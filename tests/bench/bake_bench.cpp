@@ -190,9 +190,10 @@ class Case {
                                         number(voxel_size_m_) + "m",
                                         "--units",
                                         peer_units_,
-                                        "--metric",
-                                        metric_name(kind.metric)};
-    if (!kind.distances && kind.metric == Metric::kEuclidean) command.push_back("--lean");
+                                        "--kind",
+                                        kind.metric == Metric::kChebyshev ? "paper"
+                                        : kind.distances                  ? "full"
+                                                                          : "lean"};
     const ProcessRun run = run_process(command);
     best.add(run.wall_s, run.cpu_s);
   }

@@ -14,7 +14,7 @@ import tempfile
 
 import bench_scenes
 
-KINDS = {"lean, chebyshev": ("--metric", "chebyshev"), "lean": ("--lean",), "full": ()}
+KINDS = {"lean, chebyshev": ("--kind", "paper"), "lean": ("--kind", "lean"), "full": ()}
 SAMPLE_VOXEL_M, PAPER_VOXEL_M, LARGE_VOXEL_M = 0.005, 0.005, 0.002
 LARGE = 10500000
 

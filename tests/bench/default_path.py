@@ -6,7 +6,7 @@ Usage: default_path.py BIN_FOLDER [--only PROGRAM]
 voxelize, pointshell and voxrun run as a user runs them who names no option but the voxel size. The benchmarks run small.
 All are programs of the same objects as those that are timed, with the calls of query, field and model counted
 (counted_calls.cpp). The paper's model, where a benchmark runs it, is held against voxrun --model paper on a file of
-voxelize --metric chebyshev. Exit status: 0 the same path, 1 not (a line says which benchmark, and how it differs), 2 wrong
+voxelize --kind paper. Exit status: 0 the same path, 1 not (a line says which benchmark, and how it differs), 2 wrong
 usage.
 """
 
@@ -59,7 +59,7 @@ def differences(name, wanted, got):
 class Paths:
     def __init__(self, bin_folder, folder):
         self.bin, self.folder = bin_folder, folder
-        for vox, options in (("bay.vox", ()), ("chebyshev.vox", ("--metric", "chebyshev"))):
+        for vox, options in (("bay.vox", ()), ("chebyshev.vox", ("--kind", "paper"))):
             run(folder, bin_folder / "voxelize", SAMPLES / "bay.json", "--voxel-size", "5mm", "-o", vox, "--quiet", *options)
         run(folder, bin_folder / "pointshell", SAMPLES / "part.obj", "--units", "mm", "--voxel-size", "5mm", "-o",
             "part.pshell", "--quiet")

@@ -138,17 +138,17 @@ def query(readme, motion, method, name):
 def bake_of(readme, triangles):
     where = {"scene": "aircraft", "triangles": triangles}
     full, lean = {**where, "kind": "full"}, {**where, "kind": "lean, chebyshev"}
-    return [Figure(readme, "processor time over that of `--metric chebyshev`", "bake", "bake_full", full, "cpu_s", factor(1.6),
+    return [Figure(readme, "processor time over that of `--kind paper`", "bake", "bake_full", full, "cpu_s", factor(1.6),
                    over={"kind": "lean, chebyshev"}),
             Figure(readme, "bytes", "bake", "bake_full", full, "file_bytes", same),
-            Figure(readme, "bytes, `--metric chebyshev`", "bake", "bake_full", lean, "file_bytes", same)]
+            Figure(readme, "bytes, `--kind paper`", "bake", "bake_full", lean, "file_bytes", same)]
 
 
 def force(readme, contacts):
     def of(method, name, figure, interval, **more):
         return Figure(readme, name, "wrench", "wrench", {"voxel_m": 0.005, "contacts": contacts, "method": method, "figure": figure},
                       "p50", interval, **more)
-    ours, peers = "default, distances", (("default, Chebyshev layers", "`--metric chebyshev`"),
+    ours, peers = "default, distances", (("default, Chebyshev layers", "`--kind paper`"),
                                          ("dense float distances, our query", "dense floats"), ("FCL distance", "FCL distance"))
     return [of(ours, "error", "force", median), of(ours, "error, raw", "raw force", median),
             of("default as voxrun runs it", "error, as `voxrun` runs it", "force", median),
@@ -176,7 +176,7 @@ FIGURES = [
     query(ALL, "everything", "OpenVDB ValueAccessor", "time over that of `ValueAccessor`"),
     Figure(ENGINE, "time over that of `vdb_tool`", "bake", "bake_kinds", ENGINE_ROW, "command_s", factor(1.6),
            over_column="vdb_tool_s"),
-    Figure(ENGINE, "time over that of `--metric chebyshev`", "bake", "bake_kinds", ENGINE_ROW, "command_s", factor(1.6),
+    Figure(ENGINE, "time over that of `--kind paper`", "bake", "bake_kinds", ENGINE_ROW, "command_s", factor(1.6),
            over={"kind": "lean, chebyshev"}),
     *bake_of(LARGE, 10500000), *bake_of(PAPER, 593409),
     *force("force error, smooth contacts, 5 mm", "flush and smooth"), *force("force error, pairs of meshes, 5 mm", "mesh pairs"),

@@ -47,7 +47,7 @@ struct Method {
 };
 const std::vector<Method>& methods() {
   static const std::vector<Method> all = {
-      {"surface", {}}, {"fast", {"--effort", "fast"}}, {"centers", {"--method", "voxel-centers"}}};
+      {"surface", {}}, {"fast", {"--method", "fast"}}, {"centers", {"--method", "voxel-centers"}}};
   return all;
 }
 

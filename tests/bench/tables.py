@@ -96,7 +96,7 @@ def summary():
 
     def baked(bay):
         full, lean = bay["full"], bay["lean, chebyshev"]
-        return (f"{digits(full['cpu_s'])} s of processor time, {digits(full['file_bytes'] / 1e6)} MB; `--metric chebyshev`: "
+        return (f"{digits(full['cpu_s'])} s of processor time, {digits(full['file_bytes'] / 1e6)} MB; `--kind paper`: "
                 f"{digits(lean['cpu_s'])} s, {digits(lean['file_bytes'] / 1e6)} MB")
 
     def speed_up(task):
@@ -119,7 +119,7 @@ def summary():
         ours, run = of["default, distances"], "default as voxrun runs it"
         return [f"{label}, {ours['force']['n']} cases",
                 f"field: {said('default, distances')}, {half('default, distances', 'raw force')}; as `voxrun` runs it: "
-                f"{median_of(of[run]['force'])}, {half(run, 'touching')}, {half(run, 'raw force')}; `--metric chebyshev`: "
+                f"{median_of(of[run]['force'])}, {half(run, 'touching')}, {half(run, 'raw force')}; `--kind paper`: "
                 f"{said('default, Chebyshev layers')}",
                 f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}, "
                 f"{half('FCL distance', 'touching')}", "wrench", measured("wrench", ours["force"])]
@@ -131,7 +131,7 @@ def summary():
         ["contact query, 10^6 points all in contact", f"{digits(every['p50_us'])} us, p99 {digits(every['p99_us'])} us",
          "a frame: 1,000 us", "query", measured("query", every)],
         ["bake of the engine, 1024 voxels across, whole command",
-         f"{digits(engine['full']['command_s'])} s; `--metric chebyshev`: {digits(engine['lean, chebyshev']['command_s'])} s",
+         f"{digits(engine['full']['command_s'])} s; `--kind paper`: {digits(engine['lean, chebyshev']['command_s'])} s",
          f"`vdb_tool -mesh2ls width=6` {digits(engine['full']['vdb_tool_s'])} s, one run", "bake", measured("bake_kinds", engine["full"])],
         ["bake of 10.5 million triangles, 4,000 voxels across", baked(large_bay), "", "bake",
          measured("bake_full", large_bay["full"])],

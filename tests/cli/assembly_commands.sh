@@ -58,7 +58,7 @@ fi
 
 answer() {  # answer PART: the end of its run, straight up
   voxelize sample_data/gearbox.glb --without "$1" --voxel-size 1mm -o rest.vox --quiet &&
-    pointshell "sample_data/gearbox.glb#$1" --voxel-size 1mm -o part.pshell --quiet --effort fast &&
+    pointshell "sample_data/gearbox.glb#$1" --voxel-size 1mm -o part.pshell --quiet --method fast &&
     voxrun rest.vox part.pshell --pull 0,0,60mm --as-fast-as-possible --json run.json >out 2>err || fail "$1: $(cat err)"
   tail -2 out
 }

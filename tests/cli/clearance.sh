@@ -18,7 +18,7 @@ seeds=${FORCELAYER_CLEARANCE_SEEDS:-$(seq 1 6)}
 for seed in $seeds; do
   "$python" "$check" make "$seed"
   "$bin/voxelize" scene.json -o scene.vox --quiet
-  "$bin/pointshell" part.obj --units m -o part.pshell --voxel-size 5mm --effort fast --quiet
+  "$bin/pointshell" part.obj --units m -o part.pshell --voxel-size 5mm --method fast --quiet
   "$bin/voxrun" scene.vox part.pshell --device sim --motion motion.csv --duration 4s --as-fast-as-possible --quiet \
     --trace "run_$seed.csv" --json run.json
   cp scene.json "scene_$seed.json"

@@ -12,13 +12,13 @@ cd "$scratch"
 "$bin/voxinfo" bay.vox --json bay.json >facts
 bake() { "$bin/pointshell" "$data/part.obj" --units mm -o "$1.pshell" --voxel-size 5mm --quiet "${@:2}"; }
 bake full --mesh-deviation 0.1mm
-bake fast --effort fast
+bake fast --method fast
 bake fine --covering-radius 2mm
 bake centers --method voxel-centers
 
 # All kinds of maps keep the distance that they promise, whatever the force.
-"$bin/voxelize" "$data/bay.json" -o lean.vox --quiet --mesh-deviation 0.05mm --lean
-"$bin/voxelize" "$data/bay.json" -o chebyshev.vox --quiet --mesh-deviation 0.05mm --metric chebyshev
+"$bin/voxelize" "$data/bay.json" -o lean.vox --quiet --mesh-deviation 0.05mm --kind lean
+"$bin/voxelize" "$data/bay.json" -o chebyshev.vox --quiet --mesh-deviation 0.05mm --kind paper
 for kind in bay:distance {bay,lean,chebyshev}:level {bay,lean,chebyshev}:tangent-plane; do
   scene=${kind%:*}
   "$bin/voxrun" $scene.vox fast.pshell --force ${kind#*:} --device sim --motion "$data/press.csv" --duration 2s \

@@ -63,7 +63,7 @@ keeps voxview part.obj --units mm --screenshot new.png --json mine
 ln -s real.json link.json
 for _ in 1 2; do
   "$bin/voxelize" "${mesh[@]}" -o new.vox --json link.json --quiet || fail "its own files"
-  "$bin/pointshell" "${mesh[@]}" -o new.pshell --effort fast --quiet || fail "its own shell"
+  "$bin/pointshell" "${mesh[@]}" -o new.pshell --method fast --quiet || fail "its own shell"
   "$bin/voxinfo" export new.vox new.ply --quiet && "$bin/voxinfo" export new.vox voxels.csv --quiet || fail "its own exports"
   "$bin/voxinfo" export new.pshell points.ply --quiet || fail "its own points"
   "$bin/voxinfo" path path.csv -o out.csv --quiet || fail "its own path"

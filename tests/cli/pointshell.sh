@@ -62,7 +62,7 @@ done
 expect 2 "no units" "$work/box.obj" "${out[@]}" --voxel-size 1mm
 expect 2 "unknown unit" "$work/box.obj" "${out[@]}" --voxel-size 1mm --units parsec
 expect 2 "unknown method" "${box[@]}" "${out[@]}" --voxel-size 1mm --method magic
-expect 2 "unknown effort" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort lots
+expect 2 "old option" "${box[@]}" "${out[@]}" --voxel-size 1mm --effort fast
 expect 2 "unknown option" "${box[@]}" "${out[@]}" --voxel-size 1mm --color
 expect 2 "radius for voxel centers" "${box[@]}" "${out[@]}" --voxel-size 1mm --method voxel-centers --covering-radius 1mm
 printf 'v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n' >"$work/microscopic.obj"
@@ -102,7 +102,7 @@ expect 2 "verify without a mesh" verify "$work/part.pshell"
 expect 4 "verify of a mesh as shell" verify "$work/box.obj" "$work/box.obj" --units mm
 expect 1 "verify of a missing shell" verify "$work/none.pshell" "$work/box.obj" --units mm
 
-for method in surface voxel-centers; do
+for method in surface fast voxel-centers; do
   part=$work/$method.pshell
   expect 0 "bake $method" "${box[@]}" -o "$part" --voxel-size 1mm --method $method --json "$work/$method.json"
   for key in points method covering_radius_m convex_radius_m convex_gap_m losses area_m2 voxel_size_m seconds total peak_rss_bytes; do

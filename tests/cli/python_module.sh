@@ -13,7 +13,7 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
 "$bin/voxelize" "$data/bay.json" --voxel-size 5mm -o bay.vox --quiet
-"$bin/voxelize" "$data/bay.json" --voxel-size 5mm --lean -o lean.vox --quiet
+"$bin/voxelize" "$data/bay.json" --voxel-size 5mm --kind lean -o lean.vox --quiet
 "$bin/voxelize" "$data/bay.json" --voxel-size 5mm --roi 0,-0.3m,0.2m,0.4m,0.3m,0.5m -o cropped.vox --quiet
 "$bin/pointshell" "$data/part.obj" --units mm --voxel-size 5mm -o part.pshell --quiet
 "$bin/voxrun" bay.vox part.pshell --motion "$data/press.csv" --as-fast-as-possible --quiet \

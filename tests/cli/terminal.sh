@@ -162,10 +162,10 @@ voxrun none.vox none.pshell --save-path no/a.csv
 voxrun none.vox none.pshell --record no/a.flr
 voxrun doctor --json no/a.json
 voxcheck none.vox none.pshell none.csv --json no/a.json
-voxcheck none.vox none.pshell none.csv --csv no/a.csv
-voxcheck none.vox none.pshell none.csv --junit no/a.xml
+voxcheck none.vox none.pshell none.csv --report csv:no/a.csv
+voxcheck none.vox none.pshell none.csv --report junit:no/a.xml
 voxcheck none.vox none.pshell none.csv --picture no/a.png
-voxcheck none.vox none.pshell none.csv --code-quality no/a.json
+voxcheck none.vox none.pshell none.csv --report gitlab:no/a.json
 voxplan none.vox none.pshell -o no/a.csv
 voxplan none.vox none.pshell -o a.csv --json no/a.json
 voxview none.glb --screenshot no/a.png

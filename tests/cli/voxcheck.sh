@@ -46,7 +46,7 @@ write("rest.csv", "t_s,x_m,y_m,z_m", ["0,0,0,0", "1,0,0,0"])
 PYTHON
 
 # The reports for hosts say the same: told WARNINGS FAILURES ERRORS WORDS, in host.xml, host.quality and the lines of out.txt.
-hosts=(--junit host.xml --code-quality host.quality --github --quiet)
+hosts=(--report junit:host.xml --report gitlab:host.quality --report github --quiet)
 told() {
   python3 - "$@" <<'PYTHON' || { cat host.xml host.quality out.txt; fail "the reports for hosts, of $*"; }
 import json, sys, xml.etree.ElementTree as tree
@@ -82,8 +82,8 @@ assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clear
 PYTHON
 
 # A violation between two rows is seen. Every report says the same.
-check 6 opened.vox cover.pshell through.csv --json through.json --csv curve.csv --junit through.xml \
-  --code-quality quality.json --github
+check 6 opened.vox cover.pshell through.csv --json through.json --report csv:curve.csv --report=junit:through.xml \
+  --report gitlab:quality.json --report=github
 says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
 says '^::error file=through\.csv,title=clearance::12\.700 mm required; 0\.[0-9]+ to 0\.[0-9]+ s: 0\.000 mm proven'
 # The path is what is wrong, in a few words; it begins and ends too far away to be installed there.
@@ -112,7 +112,7 @@ check 6 opened.vox cover.pshell out.csv --clearance 1mm
 errs "; if it is installed at the path's beginning, give --seat 0,0,0m$"
 silent
 # There, narrow features are not felt: that is said, and it is not clear before it is accepted or settled.
-check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --junit open.xml --github
+check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --report junit:open.xml --report github
 says '^NOT clear: its seat is not settled; seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
 says '^::error file=out\.csv.*not settled.*narrower than 1\.73 mm are not felt; settle with --exact, or accept with --felt-seat$'
 errs '^voxcheck: out\.csv: at 0\.000 s: 1\.000 mm required, but not proven: its seat is not settled$'
@@ -266,7 +266,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 6 opened.vox cover.pshell sideways.csv --clearance 3.2mm "${exact[@]}" --json nearer.json
   says '^NOT clear: 3\.200 mm required; not kept in 1 stretch$'
   says '3\.000 mm exact to Gearbox/Housing'
-  check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --junit graze.xml
+  check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --report junit:graze.xml
   says 'a graze, [23]\.[0-9]+ mm exact and 0\.000[0-9]+ mm of deviations and rounding to Gearbox/Housing'
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
   says 'the surfaces meet, at least [1-9]\.[0-9]{3} mm deep in Gearbox/Housing, at 0\.[0-9]+ s'
@@ -315,7 +315,7 @@ PYTHON
     check 6 "${held[@]}"
     says '^NOT clear: its seat is not settled; .* else clear: '
     check 0 "${held[@]}" --felt-seat
-    check 6 "${held[@]}" "${meshes[@]}" --json through_bolt.json --junit through_bolt.xml
+    check 6 "${held[@]}" "${meshes[@]}" --json through_bolt.json --report junit:through_bolt.xml
     says 'pushed 1\.[45][0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.000 mm allowed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
@@ -352,9 +352,9 @@ PYTHON
   errs '--part: is missing'
   # Meshes of others are read in a process of its own, as by the bakes.
   check 0 opened.vox cover.pshell sideways.csv --clearance 2.8mm "${exact[@]}" --sandbox
-  check 3 opened.vox cover.pshell sideways.csv --clearance 2.8mm "${exact[@]}" --sandbox --sandbox-time 1ms
+  check 3 opened.vox cover.pshell sideways.csv --clearance 2.8mm "${exact[@]}" --sandbox=time=1ms
   errs 'takes longer than the sandbox.s 0\.001 s'
-  check 2 opened.vox cover.pshell sideways.csv "${exact[@]}" --sandbox --sandbox-time 1
+  check 2 opened.vox cover.pshell sideways.csv "${exact[@]}" --sandbox=time=1
 fi
 
 # The picture of the worst moment: with meshes, and without.
@@ -385,9 +385,9 @@ check 2 opened.vox cover.pshell out.csv --json out.csv
 check 1 opened.vox cover.pshell none.csv
 check 2 opened.vox cover.pshell opened.vox
 check 4 cover.pshell opened.vox out.csv
-"$bin/voxelize" "$data/gearbox.glb" --without Lid --voxel-size 1mm --lean -o lean.vox --quiet
+"$bin/voxelize" "$data/gearbox.glb" --without Lid --voxel-size 1mm --kind lean -o lean.vox --quiet
 check 2 lean.vox cover.pshell out.csv --json lean.json
-errs 'stores no distances.*bake it without --lean'
+errs 'stores no distances.*bake it without --kind lean'
 grep -q '"error"' lean.json && ! grep -q '"verdict"' lean.json || fail "a verdict of a check that was not made"
 check 4 lean.vox cover.pshell run.flr
 errs 'is not the file that the run was recorded with'
@@ -396,7 +396,7 @@ errs 'is not the file that the run was recorded with'
 sed 's/^1,0,0,0.1$/1,0,high,0.1/' over.csv >broken.csv
 for wrong in "2 opened.vox cover.pshell broken.csv" "4 cover.pshell opened.vox over.csv" "1 opened.vox gone.pshell over.csv" \
   "2 opened.vox cover.pshell over.csv --clearance 12" "2 opened.vox cover.pshell over.csv --nothing" \
-  "2 opened.vox cover.pshell over.csv --csv none.stl"; do
+  "2 opened.vox cover.pshell over.csv --report csv:none.stl"; do
   read -r status arguments <<<"$wrong"
   rm -f host.*
   for _ in first again; do  # no file is there; a verdict is
@@ -412,13 +412,23 @@ cp over.csv host.xml
 echo '{}' >host.quality
 check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --nothing
 cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a wrong command line replaced another file"
-check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --csv none.stl
+check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --report csv:none.stl
 cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a refused command line replaced another file"
 check 2 opened.vox cover.pshell broken.csv "${hosts[@]}"  # what the command would write a verdict to
 told 0 0 1 'broken.csv: line 3'
 # On the standard output too, once.
-check 2 opened.vox cover.pshell broken.csv --junit - --quiet
+check 2 opened.vox cover.pshell broken.csv --report junit:- --quiet
 python3 -c 'import xml.etree.ElementTree as tree; assert tree.parse("out.txt").getroot().get("errors") == "1"' || fail "$(cat out.txt)"
+for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github" \
+  "csv 'csv' needs a file; write csv:FILE once" "junit: 'junit' needs a file; write junit:FILE once" \
+  "github:a.txt 'github' takes no file: it is printed; write github alone"; do
+  check 2 opened.vox cover.pshell out.csv --report "${wrong%% *}"
+  errs "^voxcheck: --report: ${wrong#* }\$"
+done
+check 2 opened.vox cover.pshell out.csv --report csv:a.csv --report csv:b.csv
+errs "^voxcheck: --report: 'csv' is given more than once"
+check 2 opened.vox cover.pshell out.csv --junit a.xml
+errs '^voxcheck: --junit: is an old spelling; write --report junit:FILE$'
 check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat 0,0,1m
 errs '^voxcheck: --seat: is given more than once; see voxcheck --help$'
 echo "all good"

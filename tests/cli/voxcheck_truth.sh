@@ -116,14 +116,14 @@ python3 -c 'import json; assert json.load(open("all.json"))["least_clearance"]["
 
 # Where the system starts no more threads, fewer give the same answer.
 if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
-  check 0 room.vox part.pshell over.csv --clearance 1mm --threads 1 --csv one.csv
-  (ulimit -v 900000; "$bin/voxcheck" room.vox part.pshell over.csv --clearance 1mm --threads 256 --csv many.csv --quiet) ||
+  check 0 room.vox part.pshell over.csv --clearance 1mm --threads 1 --report csv:one.csv
+  (ulimit -v 900000; "$bin/voxcheck" room.vox part.pshell over.csv --clearance 1mm --threads 256 --report csv:many.csv --quiet) ||
     fail "256 threads in 900 MB: status $?"
   cmp one.csv many.csv || fail "fewer threads, another answer"
 fi
 
 # In its seat too the curve is of all objects.
-check 0 corner.vox cube.pshell clear.csv --clearance 0.8mm --seat 0,0,0m --felt-seat --csv curve.csv
+check 0 corner.vox cube.pshell clear.csv --clearance 0.8mm --seat 0,0,0m --felt-seat --report csv:curve.csv
 [ "$(sed -n 2p curve.csv | cut -d, -f3)" = 0 ] || fail "it stands on the floor: $(head -n 3 curve.csv)"
 
 if [ -x "$bin/voxcheck-exact" ]; then
@@ -207,7 +207,7 @@ END
   done
   # A press fit, deeper than a part may be pushed in: so deep it is installed, and it may come out.
   check 0 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
-    --part cube.obj --part-units mm --json pressed.json --junit pressed.xml --code-quality pressed.quality --github
+    --part cube.obj --part-units mm --json pressed.json --report junit:pressed.xml --report gitlab:pressed.quality --report github
   for report in pressed.xml pressed.quality out.txt; do
     grep -qF 'where it is installed the part overlaps Floor by 0.400 mm' $report || fail "$report does not say so: $(cat $report)"
   done

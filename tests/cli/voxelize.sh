@@ -39,7 +39,7 @@ EOF
 printf 'solid nothing\nendsolid nothing\n' >empty.stl
 
 # Valid calls.
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --metric chebyshev -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --kind paper -o scene.vox --json report.json >out 2>err || fail "cube: $(cat err)"
 [ -s err ] && fail "noise on stderr in a pipe: $(cat err)"
 "$bin/voxinfo" verify scene.vox >out || fail "the scene is not valid"
 python3 - report.json <<'EOF' || fail "report"
@@ -60,7 +60,7 @@ printf '0.005 0.005 0.005\n-0.0025 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.0
   "$bin/voxinfo" sample scene.vox >out || fail "sample"
 [ "$(tr '\n' ' ' <out)" = "1 3 2 0 " ] || fail "wrong values along x: $(cat out)"
 
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --metric chebyshev -o kept.vox --quiet --threads 3 >out 2>err || fail "quiet run"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm --kind paper -o kept.vox --quiet --threads 3 >out 2>err || fail "quiet run"
 [ -s out ] || [ -s err ] && fail "--quiet prints"
 cmp -s scene.vox kept.vox || fail "another number of threads gives other bytes"
 
@@ -71,7 +71,7 @@ echo '0.005 0.005 0.005' | "$bin/voxinfo" sample scene.vox >out
 
 # By default layers are Euclidean: the interior is what has its center less than 1.867 voxels from the
 # cube, 14^3 voxels but for the rows along its twelve edges; and distances are stored, from the mesh.
-for kind in "" --lean; do
+for kind in "" "--kind lean"; do
   "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet $kind --json report.json || fail "bake $kind"
   "$bin/voxinfo" verify scene.vox --quiet || fail "the scene $kind is not valid"
   python3 - report.json "$kind" <<'EOF' || fail "report $kind"
@@ -113,7 +113,7 @@ cat >scene.json <<'EOF'
            {"name": "b", "mesh": "cube.obj", "units": "cm", "translation": ["3cm", 0, 0],
             "rotation": [0.7071067811865476, 0, 0, 0.7071067811865476], "scale": [1, 2, 1]}]}
 EOF
-"$bin/voxelize" scene.json --metric chebyshev -o scene.vox --json report.json --quiet || fail "manifest"
+"$bin/voxelize" scene.json --kind paper -o scene.vox --json report.json --quiet || fail "manifest"
 python3 - report.json <<'EOF' || fail "manifest report"
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -154,9 +154,10 @@ EOF
 rm -rf cache cached.vox near.vox facts facts.json
 
 # Refused calls.
-for option in --lean "--metric chebyshev"; do
+for option in "--kind lean" "--kind paper"; do
   expect 2 "--standoff: needs stored distances" cube.obj --units cm --voxel-size 1mm --standoff 2mm $option -o scene.vox
 done
+expect 2 "--lean: is an old spelling; write --kind lean" cube.obj --units cm --voxel-size 1mm --lean -o scene.vox
 expect 2 "--standoff: says where the force begins, and so does --layers" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
   --layers 2 -o scene.vox
 expect 2 "standoff: is 0.5 mm, not between 0.9672 and 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
@@ -169,10 +170,10 @@ expect 2 "unit" cube.obj --units cm --voxel-size 5 -o scene.vox
 expect 2 "--units" cube.obj --voxel-size 1mm -o scene.vox
 expect 2 "--units" cube.obj --units parsec --voxel-size 1mm -o scene.vox
 expect 2 "layers" cube.obj --units cm --voxel-size 1mm --layers 31 -o scene.vox
-expect 2 "--metric" cube.obj --units cm --voxel-size 1mm --metric manhattan -o scene.vox
+expect 2 "--kind" cube.obj --units cm --voxel-size 1mm --kind manhattan -o scene.vox
 expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --layers 0 -o scene.vox
 expect 2 "range" cube.obj --units cm --voxel-size 1mm --range 1mm -o scene.vox
-for kind in --lean "--metric chebyshev"; do
+for kind in "--kind lean" "--kind paper"; do
   expect 2 "--range" cube.obj --units cm --voxel-size 1mm $kind --range 4mm -o scene.vox
   expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm $kind --compliance 2mm:1N -o scene.vox
 done

@@ -23,7 +23,7 @@ bake() {  # bake OUTPUT ARGUMENTS...
 shell() {  # shell OUTPUT ARGUMENTS...
   local output=$1
   shift
-  "$bin/pointshell" "$@" --voxel-size 1mm -o "$output.pshell" --effort fast >out 2>err || fail "pointshell $*: $(cat err)"
+  "$bin/pointshell" "$@" --voxel-size 1mm -o "$output.pshell" --method fast >out 2>err || fail "pointshell $*: $(cat err)"
 }
 names() { python3 -c 'import json, sys; print(*[p["name"] for p in json.load(open(sys.argv[1]))["parts"]])' "$1.json"; }
 

@@ -20,7 +20,7 @@ expect() {
   [ "$(wc -l <err)" = 1 ] && [ ! -e out.vox ] && [ ! -e out.pshell ] || fail "not one line, or a file: $*: $(cat err)"
 }
 vox=(voxelize tray.step --voxel-size 2mm -o out.vox)
-part=(pointshell tray.step --voxel-size 2mm --effort fast -o out.pshell)
+part=(pointshell tray.step --voxel-size 2mm --method fast -o out.pshell)
 
 place="tray/bad at (450, 10, 40) mm, 102 mm across"
 for bake in vox part; do
@@ -84,7 +84,7 @@ first = text.index("ADVANCED_FACE")
 open("torn.step", "w").write(text[:first] + re.sub(r"\(#\d+", "(#99999", text[first:], count=1))
 EOF
 vox=(voxelize torn.step --voxel-size 2mm -o out.vox --without bad)
-part=(pointshell "torn.step#cube" --voxel-size 2mm --effort fast -o out.pshell)
+part=(pointshell "torn.step#cube" --voxel-size 2mm --method fast -o out.pshell)
 for bake in vox part; do
   declare -n call=$bake
   expect 3 "tray/cube: OpenCASCADE could not read 1 of" "${call[@]}"
@@ -94,7 +94,7 @@ for bake in vox part; do
   expect 0 "ADVANCED_FACE is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
 done
 expect 0 "" "${vox[@]}" --without cube
-expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --effort fast -o out.pshell
+expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --method fast -o out.pshell
 vox=(voxelize tray.step --voxel-size 2mm -o out.vox)
 
 # A cache does not forget what was not accepted.
@@ -122,7 +122,7 @@ expect 0 "" voxelize scene.json -o out.vox --without bad
 # Same file, same voxel size, same triangles.
 for size in 4mm 1mm; do
   expect 0 "" voxelize "$feature" --voxel-size $size -o out.vox --json scene_$size.json && mv out.vox scene_$size.vox
-  expect 0 "" pointshell "$feature" --voxel-size $size --effort fast -o out.pshell --json part_$size.json &&
+  expect 0 "" pointshell "$feature" --voxel-size $size --method fast -o out.pshell --json part_$size.json &&
     mv out.pshell part_$size.pshell
   expect 0 "" pointshell verify part_$size.pshell "$feature"
 done
@@ -130,12 +130,12 @@ done
 "$bin/make_step_assembly" clamp.step || exit 1
 nut=clamp.step#clamp/rod-assembly_1/nut_1
 expect 0 "" voxelize $nut --voxel-size 0.5mm -o out.vox --quiet && mv out.vox nut.vox
-expect 0 "" pointshell $nut --voxel-size 0.5mm --effort fast -o out.pshell --quiet && mv out.pshell nut.pshell
+expect 0 "" pointshell $nut --voxel-size 0.5mm --method fast -o out.pshell --quiet && mv out.pshell nut.pshell
 sed 's/,2,0,0,/,2,2,0,/' still.csv >far.csv
 expect 0 "" voxrun nut.vox nut.pshell --device sim --motion far.csv --duration 0.1s --as-fast-as-possible --json nut.json
 # --mesh-deviation adds to what the tessellation deviates, in both.
 expect 0 "" voxelize "$feature" --voxel-size 4mm -o out.vox --mesh-deviation 0.3mm --json scene_more.json
-expect 0 "" pointshell "$feature" --voxel-size 4mm --effort fast -o out.pshell --mesh-deviation 0.3mm --json part_more.json
+expect 0 "" pointshell "$feature" --voxel-size 4mm --method fast -o out.pshell --mesh-deviation 0.3mm --json part_more.json
 python3 - <<'PYTHON' || fail "figures of the reports"
 import json
 def report(name): return json.load(open(name + ".json"))

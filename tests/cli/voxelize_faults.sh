@@ -5,7 +5,7 @@ set -u
 source "$FORCELAYER_SOURCE_DIR/tests/support/faults.sh"
 data=$FORCELAYER_SOURCE_DIR/sample_data
 scene=("$data/bay.json" --voxel-size 20mm --quiet)
-part=("$data/part.obj" --units mm --voxel-size 4mm --effort fast --quiet)
+part=("$data/part.obj" --units mm --voxel-size 4mm --method fast --quiet)
 voxelize=$bin/voxelize pointshell=$bin/pointshell
 
 # The files that a sound machine gives.
@@ -46,7 +46,7 @@ disk_full_tmpfs() {
   export bin voxelize pointshell fault scratch data
   mkdir small
   unshare --mount bash -c '
-    scene=("$data/bay.json" --voxel-size 20mm --quiet) part=("$data/part.obj" --units mm --voxel-size 4mm --effort fast --quiet)
+    scene=("$data/bay.json" --voxel-size 20mm --quiet) part=("$data/part.obj" --units mm --voxel-size 4mm --method fast --quiet)
     mount -t tmpfs -o size=64k none small && cd small || exit 1
     head -c 56000 /dev/zero >ballast
     refused "No space left on device"
@@ -77,7 +77,7 @@ read_only_target() {
   unshare --mount bash -c '
     mount -t tmpfs none small && echo "${magic}Vold" >small/old.vox && mount -o remount,ro small || exit 1
     expect 1 "Read-only file system" "$voxelize" "$data/bay.json" --voxel-size 20mm --quiet -o small/old.vox
-    expect 1 "Read-only file system" "$pointshell" "$data/part.obj" --units mm --voxel-size 4mm --effort fast --quiet -o small/new.pshell
+    expect 1 "Read-only file system" "$pointshell" "$data/part.obj" --units mm --voxel-size 4mm --method fast --quiet -o small/new.pshell
     expect 1 "Read-only file system" "$voxelize" "$data/bay.json" --voxel-size 20mm --quiet -o new.vox --cache small/cache
     [ "$(cat small/old.vox)" = "${magic}Vold" ] && [ "$(ls -A small)" = old.vox ] || fail "something was written"' || fail "in the namespace"
 }
@@ -153,7 +153,7 @@ stray_vertex() {
   # Twenty million voxels: each triangle would fit, and what it reaches would not. The plan knows it, too.
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 4e8\nf 1 2 3\nf 2 4 3\n' >stray.obj
   local more
-  for more in "" --lean "--metric chebyshev" "--cache kept" "--cache kept --shard 1/1" --plan; do
+  for more in "" "--kind lean" "--kind paper" "--cache kept" "--cache kept --shard 1/1" --plan; do
     local out="-o out.vox" status=3 text='correct its stray vertex at (0.000[0-9]*, 0.000[0-9]*, 400000) m'
     [[ $more = *--shard* || $more = --plan ]] && out=
     [ "$more" = --plan ] && status=0
@@ -218,7 +218,7 @@ odd_names() {
     good "$voxelize" "./$name/$name.stl" --units mm --voxel-size 20mm --quiet -o "./$name/$name.vox" --json "./$name/$name.json" --cache "./$name/cache"
     good "$voxelize" "./$name/$name.stl" --units mm --voxel-size 20mm --quiet -o "./$name/again.vox" --sandbox
     same "./$name/$name.vox" "./$name/again.vox" "$name in the sandbox"
-    good "$pointshell" "./$name/$name.stl" --units mm --voxel-size 20mm --effort fast --quiet -o "./$name/$name.pshell" --json "./$name/part.json"
+    good "$pointshell" "./$name/$name.stl" --units mm --voxel-size 20mm --method fast --quiet -o "./$name/$name.pshell" --json "./$name/part.json"
     good "$bin/voxinfo" verify "./$name/$name.vox"
     good "$bin/voxinfo" export "./$name/$name.vox" "./$name/$name.csv"
     python3 -c 'import json, sys; json.load(open(sys.argv[1], encoding="utf-8")); json.load(open(sys.argv[2], encoding="utf-8"))' "./$name/$name.json" "./$name/part.json" ||

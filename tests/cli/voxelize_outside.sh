@@ -93,7 +93,7 @@ for name in up coded; do
   "$bin/voxelize" "scene/$name.gltf" --voxel-size 50mm -o out.vox --quiet --allow-outside || fail "$name.gltf allowed"
   "$bin/voxelize" "scene/$name.gltf" --voxel-size 50mm -o out.vox --quiet --allow-outside --sandbox ||
     fail "$name.gltf allowed in the sandbox"
-  "$bin/pointshell" "scene/$name.gltf" --voxel-size 50mm -o out.pshell --quiet --allow-outside --effort fast ||
+  "$bin/pointshell" "scene/$name.gltf" --voxel-size 50mm -o out.pshell --quiet --allow-outside --method fast ||
     fail "pointshell $name.gltf allowed"
 done
 
@@ -101,7 +101,7 @@ done
 for mask in 077 027 022; do
   rm -rf made && mkdir made
   (umask $mask && "$bin/voxelize" scene/cube.obj --units mm --voxel-size 1mm --quiet -o made/out.vox --json made/report.json --cache made/cache &&
-    "$bin/pointshell" scene/cube.obj --units mm --voxel-size 1mm --quiet --effort fast -o made/out.pshell --json made/part.json) || fail "umask $mask"
+    "$bin/pointshell" scene/cube.obj --units mm --voxel-size 1mm --quiet --method fast -o made/out.pshell --json made/part.json) || fail "umask $mask"
   files=$(find made -mindepth 1 -type f | wc -l)
   [ "$files" -ge 6 ] || fail "umask $mask: only $files files"
   [ -z "$(find made -mindepth 1 -type f -not -perm $(printf %o $((0666 & ~0$mask))))" ] || fail "umask $mask: files $(find made -ls)"

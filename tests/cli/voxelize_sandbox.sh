@@ -14,7 +14,7 @@ cmp -s plain.vox boxed.vox || fail "the sandbox gives another scene"
 "$bin/voxelize" "${scene[@]}" -o boxed.vox --sandbox --cache cache || fail "sandbox and cache, cold"
 "$bin/voxelize" "${scene[@]}" -o boxed.vox --sandbox --cache cache || fail "sandbox and cache, warm"
 cmp -s plain.vox boxed.vox || fail "sandbox and cache give another scene"
-part=("$data/part.obj" --units mm --voxel-size 20mm --effort fast --quiet)
+part=("$data/part.obj" --units mm --voxel-size 20mm --method fast --quiet)
 "$bin/pointshell" "${part[@]}" -o plain.pshell || fail "part"
 "$bin/pointshell" "${part[@]}" -o boxed.pshell --sandbox || fail "part in the sandbox"
 cmp -s plain.pshell boxed.pshell || fail "the sandbox gives another part"
@@ -48,11 +48,11 @@ fresh() {  # a sound mesh, written long ago; not in place of the two that are ma
 both 3 'crash.stl: its reader crashed (Segmentation fault)' crash.stl
 both 3 'abort.stl: its reader crashed (Aborted)' abort.stl
 both 3 'quit.stl: its reader ended with status 9' quit.stl
-both 3 "hang.stl: reading it takes longer than the sandbox's 0.5 s" hang.stl --sandbox-time 500ms
-# A limit alone asks for the sandbox.
+both 3 "hang.stl: reading it takes longer than the sandbox's 0.5 s" hang.stl --sandbox=time=500ms
+# A limit asks for the sandbox.
 fresh hang.stl
 expect 3 "reading it takes longer than the sandbox's 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
-  --sandbox-time 500ms
+  --sandbox=time=500ms
 both 3 'mute.stl: its reader' mute.stl
 both 3 'nonsense.stl: its reader sent no sound mesh' nonsense.stl
 both 1 'changed.stl: has changed while it was being read; start again' changed.stl
@@ -69,7 +69,7 @@ if ! grep -aq __asan_init "$bin/voxelize"; then
   # Four million triangles of nothing, in a file that takes no disk.
   { head -c 80 /dev/zero; printf '\x00\x09\x3d\x00'; } >huge.stl
   truncate -s $((84 + 50 * 4000000)) huge.stl
-  both 3 "huge.stl: reading it takes more than the sandbox's 0.375 GiB" huge.stl --sandbox-memory 384MiB
+  both 3 "huge.stl: reading it takes more than the sandbox's 0.375 GiB" huge.stl --sandbox=memory=384MiB
 fi
 fresh changed.stl
 expect 1 'has changed while it was being read' "$bin/voxelize" changed.stl --units mm --voxel-size 20mm -o out.vox
@@ -134,7 +134,9 @@ else
 fi
 
 # Wrong limits.
-expect 2 '--sandbox-time' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-time 5
-expect 2 '--sandbox-memory' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox --sandbox-memory 1MiB
+expect 2 '--sandbox time: ' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=time=5
+expect 2 '--sandbox memory: ' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=memory=1MiB
+expect 2 "--sandbox: 'tme' is not a known name; the nearest known name is time" "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=tme=5s
+expect 2 '--sandbox-time: is an old spelling; write --sandbox=time=LIMIT' "$bin/pointshell" good.stl --units mm --voxel-size 20mm -o out.pshell --sandbox-time 5s
 
 finish

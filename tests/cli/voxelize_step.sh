@@ -126,7 +126,7 @@ done
 # A file read from another place is a warning, on the terminal and in the reports.
 mv external/rod.stp external/home
 "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
-"$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --effort fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
+"$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --method fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
 [ "$(grep -c "warning: .*its file '../rod.stp' was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
 "$bin/voxelize" $part --voxel-size 4mm --plan --json plan.json >out 2>err || fail "plan: $(cat err)"
 python3 - <<'PYTHON' || fail "warnings of the reports"

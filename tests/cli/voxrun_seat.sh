@@ -179,7 +179,7 @@ run 6 cropped.vox cover.pshell --motion out.csv --fail-on outside
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part went beyond a cropped side of the scene'
 
 # A scene without names.
-"$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --lean -o lean.vox --quiet
+"$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --kind lean -o lean.vox --quiet
 run 0 lean.vox cover.pshell --motion out.csv --start 0,0,30mm --json run.json --trace run.csv
 says '^no clearance is known; 0 penetration frames; followed$'
 [ "$(tail -n 1 run.csv | grep -c ',$')" = 1 ] || fail "a name in a scene without"
@@ -219,7 +219,7 @@ box("nut.obj", 4)
 box("cube.obj", 30)
 PYTHON
 "$bin/voxelize" nut.obj --units mm --voxel-size 1mm -o nut.vox --quiet
-"$bin/voxelize" nut.obj --units mm --voxel-size 1mm --lean -o nut_lean.vox --quiet
+"$bin/voxelize" nut.obj --units mm --voxel-size 1mm --kind lean -o nut_lean.vox --quiet
 "$bin/voxelize" cube.obj --units mm --voxel-size 1mm -o cube.vox --quiet
 "$bin/pointshell" cube.obj --units mm --voxel-size 1mm -o cube.pshell --quiet
 "$bin/pointshell" nut.obj --units mm --voxel-size 1mm -o nut.pshell --quiet

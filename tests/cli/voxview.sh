@@ -34,12 +34,12 @@ END
 # Layers from all sides.
 plain=(--plain --pixels-per-voxel 4 --size 800x600 --json facts.json --screenshot picture.png)
 for direction in 1,0,0 -1,0,0 0,1,0 0,-1,0 0,0,1 0,0,-1; do
-  "$bin/voxview" bay.vox "${plain[@]}" --view-from $direction --show force-layer
+  "$bin/voxview" draw bay.vox "${plain[@]}" --view-from $direction --show force-layer
   check layer picture.png facts.json 0.008 bay.csv 2
 done
-"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --show interior
+"$bin/voxview" draw bay.vox "${plain[@]}" --view-from 0,0,1 --show interior
 check layer picture.png facts.json 0.008 bay.csv 1
-"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
+"$bin/voxview" draw bay.vox "${plain[@]}" --view-from 0,1,0 --show proximity
 check layer picture.png facts.json 0.008 bay.csv 3
 
 # A path is a line of its own color, on a run and without one.
@@ -63,10 +63,10 @@ status=0; "$bin/voxview" bay.vox --path none.csv --screenshot no.png 2>err || st
 [ $status -eq 1 ] && [ ! -e no.png ] || fail "a path that is not there: $status $(cat err)"
 
 # The kinds of maps.
-for kind in "--metric chebyshev" --lean "--range 30mm" "--compliance 4mm:1N,20mm:6N"; do
+for kind in "--kind paper" "--kind lean" "--range 30mm" "--compliance 4mm:1N,20mm:6N"; do
   "$bin/voxelize" "$data/bay.json" -o kind.vox --voxel-size 8mm --quiet $kind
   "$bin/voxinfo" export kind.vox kind.csv
-  "$bin/voxview" kind.vox "${plain[@]}" --view-from 0,0,1 --show force-layer
+  "$bin/voxview" draw kind.vox "${plain[@]}" --view-from 0,0,1 --show force-layer
   check layer picture.png facts.json 0.008 kind.csv 2
 done
 
@@ -82,10 +82,10 @@ assert not ink[:225, -6:].any(), "words run out of the picture"
 END
 
 # A cut: what is seen from the side that was taken away.
-"$bin/voxview" bay.vox "${plain[@]}" --view-from 0,0,1 --cut z\<200mm \
+"$bin/voxview" draw bay.vox "${plain[@]}" --view-from 0,0,1 --cut z\<200mm \
   --show interior,force-layer,proximity
 check cut picture.png facts.json 0.008 bay.csv 2 24
-"$bin/voxview" bay.vox "${plain[@]}" --view-from 1,0,0 --cut x\<-3mm \
+"$bin/voxview" draw bay.vox "${plain[@]}" --view-from 1,0,0 --cut x\<-3mm \
   --show interior,force-layer,proximity
 check cut picture.png facts.json 0.008 bay.csv 0 -1
 
@@ -106,7 +106,7 @@ print("f", 17, 18, 19, 20)
 END
 for cut in 'z<20mm 0,0,1 0.75' 'x>20mm -1,0,0 0.75' 'y<30mm 0,1,0 0.75' 'y>10mm 0,-1,0 0.75' 'z<38mm 0,0,1 1'; do
   read -r side eye filled <<<"$cut"
-  "$bin/voxview" block.obj --units mm --plain --size 600x600 --cut "$side" --view-from "$eye" --focus scene --screenshot picture.png
+  "$bin/voxview" draw block.obj --units mm --plain --size 600x600 --cut "$side" --view-from "$eye" --focus scene --screenshot picture.png
   "$python" - "$filled" <<'END' || fail "the section of $side"
 import sys
 from matplotlib import image
@@ -122,7 +122,7 @@ assert abs(section / (section + rest) - float(sys.argv[1])) < 0.01, (section, re
 END
 done
 
-"$bin/voxview" "$data/gearbox.glb" --color object --plain --size 800x600 --view-from 1,-1,1 --json facts.json \
+"$bin/voxview" draw "$data/gearbox.glb" --color object --plain --size 800x600 --view-from 1,-1,1 --json facts.json \
   --screenshot picture.png
 "$python" - <<'END'
 import json
@@ -141,7 +141,7 @@ assert sum(shown.values()) + paper == 800 * 600, (shown, paper)
 END
 
 # A change.
-"$bin/voxview" --compare bay.vox moved.vox "${plain[@]}" --view-from 0.0,1,0 --show part
+"$bin/voxview" draw --compare bay.vox moved.vox "${plain[@]}" --view-from 0.0,1,0 --show part
 check change picture.png facts.json 0.008 bay.csv moved.csv
 
 # A run: the contacts of the picture are those that the run counted at that frame, from the trace
@@ -151,7 +151,7 @@ run=("$bin/voxrun" bay.vox part.pshell --device sim --motion "$data/press.csv" -
 "${run[@]}" 10s --as-fast-as-possible --trace trace.csv --record run.rec
 tiny=(--size 64x64 --plain --json facts.json --screenshot picture.png)
 for source in trace.csv run.rec; do
-  "$bin/voxview" bay.vox part.pshell --replay $source --at 2.2s "${tiny[@]}"
+  "$bin/voxview" draw bay.vox part.pshell --replay $source --at 2.2s "${tiny[@]}"
   "$python" - <<'END'
 import csv, json
 shown = json.load(open("facts.json"))["moment"]
@@ -169,7 +169,7 @@ END
 done
 # The hand's outline: where the hand asks for the part, drawn from a place far from the world's origin; none without a hand.
 for moment in "--trace trace.csv --at 2.2s" "--part-pose 0.28m,0,0.5m"; do
-  "$bin/voxview" bay.vox part.pshell --part "$data/part.obj" --part-units mm $moment --show handle --plain --view-from 0,-1,0 \
+  "$bin/voxview" draw bay.vox part.pshell --part "$data/part.obj" --part-units mm $moment --show handle --plain --view-from 0,-1,0 \
     --size 800x600 --json facts.json --screenshot picture.png
   "$python" - "$data/part.obj" "$moment" <<'END' || fail "the hand's outline: $moment"
 import csv, json, sys
@@ -206,7 +206,7 @@ printf 'f %s\n' '1 3 5' '3 2 5' '2 4 5' '4 1 5' '3 1 6' '2 3 6' '4 2 6' '1 4 6' 
 "$bin/voxelize" floor.obj --units mm --voxel-size 5mm -o floor.vox --quiet
 "$bin/pointshell" tip.obj --units mm --voxel-size 5mm -o tip.pshell --quiet
 for height in 12 60; do
-  "$bin/voxview" floor.vox tip.pshell --part-pose 0.1m,0.1m,0.0${height}m --show contacts --plain --size 400x400 \
+  "$bin/voxview" draw floor.vox tip.pshell --part-pose 0.1m,0.1m,0.0${height}m --show contacts --plain --size 400x400 \
     --view-from 1,0,0 --screenshot "tip_$height.png" --json "tip_$height.json"
 done
 "$python" - <<'END'
@@ -231,7 +231,7 @@ assert facts["moment"]["at_least"] and len(rows) == 0, facts
 END
 
 "${run[@]}" 600s --udp 127.0.0.1:47219 & sender=$!  # longer than a viewer takes to start on a busy machine
-"$bin/voxview" bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
+"$bin/voxview" draw bay.vox part.pshell --listen 47219 --duration 2s "${tiny[@]}"
 "$python" - <<'END'
 import json
 shown = json.load(open("facts.json"))["moment"]
@@ -256,11 +256,11 @@ END
 # A turntable: a movie of 72 pictures, the first of them the plan's, the nineteenth a quarter about z further; a whole scene
 # is never cut off.
 movie=(--plain --size 200x150 --show force-layer)
-"$bin/voxview" bay.vox "${movie[@]}" --view-from 1,0.5,0.4 --pixels-per-voxel 1 --turntable turn.png
+"$bin/voxview" draw bay.vox "${movie[@]}" --view-from 1,0.5,0.4 --pixels-per-voxel 1 --turntable turn.png
 for picture in 0:1,0.5,0.4 18:-0.5,1,0.4; do
-  "$bin/voxview" bay.vox "${movie[@]}" --view-from "${picture#*:}" --pixels-per-voxel 1 --screenshot "at_${picture%%:*}.png"
+  "$bin/voxview" draw bay.vox "${movie[@]}" --view-from "${picture#*:}" --pixels-per-voxel 1 --screenshot "at_${picture%%:*}.png"
 done
-"$bin/voxview" bay.vox "${movie[@]}" --focus scene --turntable whole.png
+"$bin/voxview" draw bay.vox "${movie[@]}" --focus scene --turntable whole.png
 "$python" - <<'END'
 import numpy
 from PIL import Image
@@ -293,10 +293,10 @@ END
   "$bin/voxelize" $name.json -o $name.vox --voxel-size 6mm --allow-outside --quiet
   "$bin/voxinfo" export $name.vox $name.csv
 done
-"$bin/voxview" counter.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
+"$bin/voxview" draw counter.vox "${plain[@]}" --view-from 0,1,0 --show force-layer
 check layer picture.png facts.json 0.006 counter.csv 2
 for direction in 0,0,1 0,1,0; do
-  "$bin/voxview" --compare counter.vox counter_moved.vox "${plain[@]}" --view-from $direction \
+  "$bin/voxview" draw --compare counter.vox counter_moved.vox "${plain[@]}" --view-from $direction \
     --show part
   check change picture.png facts.json 0.006 counter.csv counter_moved.csv
 done
@@ -339,7 +339,7 @@ got=0
 # The eye is on the side that a cut takes away; the strongest force is one of a contact.
 for cut in 'x<0.1m 0 1' 'x>0.1m 0 -1' 'y<0m 1 1' 'y>0m 1 -1' 'z<0.2m 2 1' 'z>0.2m 2 -1'; do
   read -r side axis sign <<<"$cut"
-  "$bin/voxview" bay.vox --cut "$side" "${tiny[@]}"
+  "$bin/voxview" draw bay.vox --cut "$side" "${tiny[@]}"
   "$python" -c "import json; assert json.load(open('facts.json'))['to_eye'][$axis] * $sign > 0" || fail "the eye for $side"
 done
 "$python" - <<'END'
@@ -351,7 +351,7 @@ for row in rows[1:]:  # the least clearance would be shown
     row[rows[0].index("clearance_m")] = ""
 csv.writer(open("braked.csv", "w"), lineterminator="\n").writerows(rows)
 END
-"$bin/voxview" bay.vox part.pshell --trace braked.csv "${tiny[@]}"
+"$bin/voxview" draw bay.vox part.pshell --trace braked.csv "${tiny[@]}"
 "$python" -c 'import json
 moment = json.load(open("facts.json"))["moment"]
 assert moment["contacts"] > 0 and moment["name"] == "the strongest force", moment' || fail "no contact in the strongest frame"

@@ -69,6 +69,68 @@ TEST(Values, AreNumbersWithinTheirBounds) {
   EXPECT_EQ(read("speed=1m").find("--device speed: "), 0u);
 }
 
+TEST(Flags, MayHaveAValueBehindAnEqualsSign) {
+  const auto sandbox_of = [](std::vector<std::string> typed) {
+    auto app = make_app("Bakes", "voxelize", "");
+    std::string sandbox, mesh;
+    add_flag(*app, "--sandbox", sandbox, "a process of its own");
+    add_required(*app, "mesh", mesh, "the mesh");
+    typed.insert(typed.begin(), "voxelize");
+    std::vector<char*> argv;
+    for (std::string& word : typed) argv.push_back(word.data());
+    int status = 0;
+    EXPECT_TRUE(parse_arguments(*app, static_cast<int>(argv.size()), argv.data(), status));
+    EXPECT_EQ(mesh, "a.stl");
+    return sandbox;
+  };
+  EXPECT_EQ(sandbox_of({"a.stl"}), "");
+  EXPECT_EQ(sandbox_of({"--sandbox", "a.stl"}), "true");
+  EXPECT_EQ(sandbox_of({"--sandbox=memory=2GiB,time=30s", "a.stl"}), "memory=2GiB,time=30s");
+  EXPECT_EQ(sandbox_of({"--sandbox", "--sandbox=time=1s", "a.stl"}), "time=1s");
+}
+
+TEST(Bytes, HaveUnitsAndBounds) {
+  EXPECT_EQ(*parse_bytes("2GiB", 1, std::uint64_t{1} << 40), std::uint64_t{2} << 30);
+  EXPECT_EQ(*parse_bytes("256", 256, 1024), 256u);
+  EXPECT_EQ(*parse_bytes("1KiB", 256, 1024), 1024u);
+  for (const char* const wrong : {"255", "1025", "2KiB", "-1", "x", "", "1.5.2", "1e300GiB"}) {
+    EXPECT_FALSE(parse_bytes(wrong, 256, 1024)) << wrong;
+  }
+}
+
+// "csv[FILE] github" of what was read, or the error.
+std::string reports(std::string_view text) {
+  std::string csv;
+  bool github = false;
+  const ValueName kinds[] = {{.name = "csv", .text = &csv},
+                             {.name = "github", .is_given = &github}};
+  if (Status done = read_reports(text, kinds); !done) return to_line(done.error());
+  return "csv[" + csv + "]" + (github ? " github" : "");
+}
+
+TEST(Reports, AreKindsWithTheirFiles) {
+  EXPECT_EQ(reports(""), "csv[]");
+  EXPECT_EQ(reports("github\ncsv:a,b:c.csv"), "csv[a,b:c.csv] github");
+  EXPECT_EQ(reports("csv:-"), "csv[-]");
+  EXPECT_EQ(reports("cvs:a"), "--report: 'cvs' is not a kind of report; known kinds: csv, github");
+  EXPECT_EQ(reports("csv"), "--report: 'csv' needs a file; write csv:FILE once");
+  EXPECT_EQ(reports("csv:"), "--report: 'csv' needs a file; write csv:FILE once");
+  EXPECT_EQ(reports("csv:a\ncsv:a"),
+            "--report: 'csv' is given more than once; write csv:FILE once");
+  EXPECT_EQ(reports("github:a"),
+            "--report: 'github' takes no file: it is printed; write github alone");
+}
+
+// A new spelling that is an option itself would be refused.
+TEST(OldOptions, AreNotAmongTheNewOnes) {
+  for (const char* const command : {"voxrun", "voxcheck", "voxelize", "pointshell", "voxplan"}) {
+    for (const char* const option : {"--set", "--device", "--buttons", "--udp", "--report",
+                                     "--sandbox", "--kind", "--method", "--replay"}) {
+      EXPECT_EQ(new_spelling(command, option), "") << command << ' ' << option;
+    }
+  }
+}
+
 TEST(OldOptions, AreErrorsThatNameTheNewSpelling) {
   EXPECT_EQ(new_spelling("voxrun", "--mass"), "--set mass_kg=VALUE");
   EXPECT_EQ(new_spelling("voxelize", "--mass"), "");

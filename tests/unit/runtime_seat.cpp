@@ -150,7 +150,7 @@ TEST(Seat, WhatCannotBeToldIsRefused) {
   const SeatedBlock in_lean(lean);
   ASSERT_FALSE(in_lean.begun);
   EXPECT_EQ(in_lean.begun.error().code, ErrorCode::kUsage);
-  EXPECT_NE(in_lean.begun.error().mend.find("without --lean"), std::string::npos);
+  EXPECT_NE(in_lean.begun.error().mend.find("without --kind lean"), std::string::npos);
 
   const SeatedBlock deep(floor_with_distances(), resting(-0.9 * kS));
   ASSERT_FALSE(deep.begun);

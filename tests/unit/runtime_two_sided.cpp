@@ -91,7 +91,7 @@ TEST(TwoSided, NeedsStoredDistances) {
   VoxelScene lean = floor_scene();
   lean.codes.clear();
   lean.distances = {};
-  EXPECT_NE(refusal(lean, {}).find("--lean"), std::string::npos);
+  EXPECT_NE(refusal(lean, {}).find("--kind lean"), std::string::npos);
 }
 
 // Where a sheet of the part starts in a sheet of the scene, nothing tells on which side it is.

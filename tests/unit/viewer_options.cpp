@@ -10,7 +10,7 @@ namespace {
 
 Result<viewer::ViewOptions> parsed(const std::string& line) {
   CLI::App app{"", "voxview"};
-  const viewer::ViewOptionParser parser(app);
+  const viewer::ViewOptionParser parser(app, viewer::Program::kDraw);
   try {
     app.parse(line);
   } catch (const CLI::ParseError& error) {

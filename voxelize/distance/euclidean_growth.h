@@ -1,4 +1,4 @@
-// The Euclidean growth of a surface: the interior that --metric euclidean adds around the surface.
+// The Euclidean growth of a surface: the interior that Euclidean layers add around the surface.
 #pragma once
 
 #include <memory>

@@ -21,8 +21,6 @@ Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, dou
   mesh::TrustOptions trust;
   trust.sandbox = request.sandbox;
   trust.allow_outside = request.allow_outside;
-  trust.sandbox_time = request.sandbox_time;
-  if (request.sandbox_memory_bytes > 0) trust.sandbox_memory_bytes = request.sandbox_memory_bytes;
   auto read = trust.reader();
   if (!read) return read.error();
   mesh::SceneReading reading;

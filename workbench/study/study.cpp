@@ -225,7 +225,8 @@ Step Study::check_step() const {
     }
     add_reading(step);
   }
-  add({"--json", in("verdict.json"), "--csv", in("curve.csv"), "--junit", in("verdict.xml")});
+  add({"--json", in("verdict.json"), "--report", "csv:" + in("curve.csv"), "--report",
+       "junit:" + in("verdict.xml")});
   if (!options_.no_pictures) {
     add({"--picture", in("worst.png")});
     step.outputs.push_back(in("worst.png"));
@@ -236,7 +237,7 @@ Step Study::check_step() const {
 // Where the part is installed.
 Step Study::picture_step() const {
   Step step{"voxview",
-            {options_.assembly, "--part", part_mesh(), in("scene.vox"), in("part.pshell"),
+            {"draw", options_.assembly, "--part", part_mesh(), in("scene.vox"), in("part.pshell"),
              "--part-pose", "0,0,0m", "--title", "where the part is installed", "--show",
              "meshes,part", "--screenshot", in("installed.png"), "--size", "1200x800"},
             with_references(options_.assembly),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
@@ -136,7 +137,9 @@ int main(int argc, char** argv) {
       "a "
       "display, pictures are drawn under xvfb-run.",
       "voxview"};
-  const forcelayer::viewer::ViewOptionParser parser(app);
+  using forcelayer::viewer::Program;
+  const bool draws = argc > 1 && std::string_view(argv[1]) == "draw";
+  const forcelayer::viewer::ViewOptionParser parser(app, draws ? Program::kDraw : Program::kView);
   std::string keys = "In the window:\n";
   for (const std::string_view line : forcelayer::viewer::kKeyLines)
     keys += (keys.back() == '\n' ? "  " : "\n  ") + std::string(line);
@@ -149,14 +152,13 @@ int main(int argc, char** argv) {
        {"A run and its moment",
         {"--trace", "--at", "--listen", "--path", "--duration", "--part-pose", "--grip", "--model",
          "--force"}},
-       {"A distance", {"--measure", "--measure-object", "--measure-words"}},
-       {"The eye", {"--view-from", "--focus", "--pixels-per-voxel", "--plain"}},
-       {"Output",
-        {"--screenshot", "--turntable", "--size", "--scale", "--title", "--frame-times"}}},
+       {"The eye", {"--view-from", "--focus"}},
+       {"Output", {"--screenshot", "--turntable", "--size", "--scale"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
       "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");
   int exit_code = 0;
-  if (!forcelayer::command::parse_arguments(app, argc, argv, exit_code)) return exit_code;
+  if (!forcelayer::command::parse_arguments(app, argc - draws, argv + draws, exit_code))
+    return exit_code;
   return forcelayer::command::run_command("voxview",
                                           [&] { return forcelayer::viewer::run(parser, argv); });
 }

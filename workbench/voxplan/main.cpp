@@ -87,7 +87,7 @@ int run(int argc, char** argv) {
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked", {"--seat", "--goal", "--out-of-scene", "--clearance", "--allow"}},
+      {{"What is asked", {"--seat", "--goal", "--clearance", "--allow"}},
        {"The search", {"--time", "--seed", "--threads"}},
        {"Output", {"--output", "--speed"}}},
       "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        out of where it is "

@@ -32,9 +32,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
       "--seat", seat_,
       "world_from_part where it starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. There it may be "
       "near the objects that it touches, until it has left them");
-  app.add_option("--goal", goal_, "world_from_part where it shall go; default: --out-of-scene");
-  app.add_flag("--out-of-scene", out_of_scene_,
-               "anywhere beside the scene: the part's box outside of the scene's");
+  app.add_option("--goal", goal_,
+                 "world_from_part where it shall go; default: anywhere beside the scene, the "
+                 "part's box outside of the scene's");
   app.add_option("--clearance", clearance_,
                  "that is proven along the path, for the exact surfaces; default 12.7mm");
   app.add_option("--allow", options_.allow,
@@ -70,10 +70,6 @@ Result<Options> OptionParser::finish() const {
   if (!seat) return seat.error();
   options.world_from_seat = *seat;
   if (goal_.empty()) return options;
-  if (out_of_scene_) {
-    return Error{ErrorCode::kUsage, "", "--goal", "and --out-of-scene exclude each other",
-                 "give one of them"};
-  }
   const auto goal = read_pose("--goal", goal_);
   if (!goal) return goal.error();
   options.world_from_goal = *goal;

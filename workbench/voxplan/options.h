@@ -40,7 +40,6 @@ class OptionParser {
  private:
   Options options_;
   std::string clearance_, seat_, goal_, time_;
-  bool out_of_scene_ = false;
 };
 
 }  // namespace forcelayer::voxplan

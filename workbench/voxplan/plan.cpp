@@ -78,9 +78,9 @@ Result<Plan> plan(const Problem& problem, const Options& options,
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
   if (!goal.is_known()) {
-    return Error{ErrorCode::kUsage, "", "--out-of-scene",
-                 "all sides of the scene are cropped, and beyond them nothing is known",
-                 "give a --goal, or bake the scene without --roi"};
+    return Error{ErrorCode::kUsage, "", "--goal",
+                 "is missing, and all sides of the scene are cropped: beyond them nothing is known",
+                 "give it, or bake the scene without --roi"};
   }
   Plan made;
   SearchRequest request;

@@ -95,13 +95,13 @@ std::string in_gib(std::uint64_t bytes) {
 Error too_much_memory(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
           "reading it takes more than the sandbox's " + in_gib(limits.memory_bytes),
-          "raise --sandbox-memory if you trust the file"};
+          "raise --sandbox=memory= if you trust the file"};
 }
 
 Error too_late(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
           "reading it takes longer than the sandbox's " + exact_text(limits.time_s) + " s",
-          "raise --sandbox-time if you trust the file"};
+          "raise --sandbox=time= if you trust the file"};
 }
 
 std::string deflection_text(const std::string& path, const ReadOptions& options) {
@@ -166,7 +166,7 @@ void follow_progress(int result, int progress, const std::string& path, const Re
       is_told = true;
       command::tell_waiting(path + " has been read for " + std::to_string(kToldAfterS) + " s" +
                             deflection_text(path, options) +
-                            "; Ctrl-C stops it, and --sandbox-time 5min sets a limit");
+                            "; Ctrl-C stops it, and --sandbox=time=5min sets a limit");
     }
     if (ready <= 0) continue;
     if (ends[0].revents != 0) return;
@@ -188,7 +188,7 @@ Error no_mesh(const std::string& path, int status) {
   if (WIFSIGNALED(status)) {
     what = std::string("its reader crashed (") + ::strsignal(WTERMSIG(status)) + ")";
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {
-    return {ErrorCode::kInternal, path, "", "its sandbox did not start", "raise --sandbox-memory"};
+    return {ErrorCode::kInternal, path, "", "its sandbox did not start", "raise --sandbox=memory="};
   } else if (WIFEXITED(status) && WEXITSTATUS(status) != 0) {
     what = "its reader ended with status " + std::to_string(WEXITSTATUS(status));
   }

@@ -50,7 +50,7 @@ Status read_size(const std::string& text, ViewOptions& options) {
 
 }  // namespace
 
-ViewOptionParser::ViewOptionParser(CLI::App& app) {
+ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   command::set_version(app, mesh::kStepSupport);
   app.add_option("INPUT", options_.inputs.inputs,
                  "meshes, scene manifests, one .vox, one .pshell, in any order");
@@ -64,8 +64,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
   app.add_option("--turntable", options_.turntable,
                  "write a movie in which the eye goes once about z (animated PNG) and end");
-  app.add_option("--frame-times", options_.frame_times,
-                 "turn the scene once in the window, write the frame times (JSON) and end");
   app.add_option("--json", options_.json, "write the facts of the picture in numbers");
   app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
   command::add_number(app, "--scale", texts_.scale,
@@ -101,9 +99,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--focus", texts_.focus, "part or scene; auto is the part where there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
-  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; default: what is in focus fills it")
-      ->check(CLI::Range(1, 1000));
   app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
   app.add_option(
       "--show", texts_.shown,
@@ -118,6 +113,16 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
                  "color of the scene's meshes: one, or object for one each")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
+  app.add_flag("--quiet", options_.quiet, "print nothing but errors");
+  if (program == Program::kDraw) add_draw_options(app);
+}
+
+void ViewOptionParser::add_draw_options(CLI::App& app) {
+  app.add_option("--frame-times", options_.frame_times,
+                 "turn the scene once in the window, write the frame times (JSON) and end");
+  app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
+                 "scale of the picture; default: what is in focus fills it")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
                  "x0,y0,z0,x1,y1,z1: draw the distance of two points, the part's first");
   app.add_option("--measure-object", texts_.measure_object,
@@ -125,7 +130,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app) {
   app.add_option("--measure-words", texts_.measure_words, "beside it; default: its length");
   app.add_option("--title", options_.title, "a line of words above the picture; repeatable")
       ->allow_extra_args(false);
-  app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
 }
 

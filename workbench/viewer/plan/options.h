@@ -53,11 +53,15 @@ struct ViewOptions {
   bool plain = false, quiet = false;
 };
 
+// Who asks: a user, or another program of this project and its tests (`voxview draw`), which set
+// the words, marks and scales of a picture themselves.
+enum class Program { kView, kDraw };
+
 // Holds the texts that CLI11 fills in. finish() turns them into ViewOptions and finds
 // contradictions.
 class ViewOptionParser {
  public:
-  explicit ViewOptionParser(CLI::App& app);
+  ViewOptionParser(CLI::App& app, Program program);
 
   // Errors: kUsage.
   Result<ViewOptions> finish() const;
@@ -70,6 +74,7 @@ class ViewOptionParser {
     int pixels_per_voxel = 0;
     double scale = 0;
   };
+  void add_draw_options(CLI::App& app);
   Status read_units(ViewOptions& options) const;
   Status read_moment(ViewOptions& options) const;
   Status read_camera(ViewOptions& options) const;
