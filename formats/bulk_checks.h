@@ -1,5 +1,4 @@
-// The checks that look at every entry and every point of a file. They are compiled for speed; what
-// calls them, and says what is wrong, for size. Internal to formats/.
+// The checks that look at every entry and every point of a file. Internal to formats/.
 #pragma once
 
 #include <cstddef>

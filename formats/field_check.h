@@ -15,10 +15,8 @@ class FieldChecks {
  public:
   explicit FieldChecks(std::string_view file_name) : file_name_(file_name) {}
 
-  // The header field `field` at byte `offset` must satisfy `holds`; else it `is_wrong`. Runs once a
-  // field: small rather than fast.
-  [[gnu::cold]] void require(bool holds, std::size_t offset, const char* field,
-                             const char* is_wrong) {
+  // The header field `field` at byte `offset` must satisfy `holds`; else it `is_wrong`.
+  void require(bool holds, std::size_t offset, const char* field, const char* is_wrong) {
     if (holds || !status_) return;
     status_ = Error{ErrorCode::kFieldInvalid, std::string(file_name_),
                     "header byte " + std::to_string(offset) + " (" + field + ")", is_wrong,

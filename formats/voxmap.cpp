@@ -134,7 +134,6 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
                  "do not agree with dims_voxels on whether all is free");
 }
 
-// Compiled for size: it runs once a file, between loops over the whole file.
 Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
   FieldChecks checks(name);
   checks.require(h.voxel_size_m >= kMinVoxelSizeM && h.voxel_size_m <= kMaxVoxelSizeM,
@@ -283,8 +282,8 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
   return read(bytes, name, verify, nullptr);
 }
 
-[[gnu::cold]] Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name,
-                                          Verify verify, const MappedFile* file) {
+Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
+                            const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kVoxmapHeaderRule); !s) return s.error();
   Voxmap map;
   map.bytes_ = bytes;

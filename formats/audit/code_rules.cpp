@@ -63,8 +63,7 @@ Codes most_along(const CodeCube& cube, int step, int count, int in_row) {
 
 const std::array<Step, kSteps> kNearSteps = near_steps();
 
-// Once a file, as the two below: small rather than fast.
-[[gnu::cold]] CodeRules::CodeRules(const VoxmapHeader& h)
+CodeRules::CodeRules(const VoxmapHeader& h)
     : zero_(static_cast<std::uint32_t>(h.distance_zero_code)),
       quantum_(h.distance_quantum_m / h.voxel_size_m) {
   const double n = force_layers(std::min(force_layer_voxels(h), 1e3));
@@ -94,7 +93,7 @@ const std::array<Step, kSteps> kNearSteps = near_steps();
 }
 
 // Where the codes that a value allows are no interval, or none, no code is surely allowed.
-[[gnu::cold]] void CodeRules::find_limits() {
+void CodeRules::find_limits() {
   std::array<std::uint8_t, 4> least{255, 255, 255, 255}, most{};
   for (std::size_t value = 0; value < 4; ++value) {
     const auto& allowed = beside_value_[value];
@@ -118,7 +117,7 @@ const std::array<Step, kSteps> kNearSteps = near_steps();
 // Of codes on one side of the mesh, a and b, the distances differ by (|a - b| - 1) q at least, less
 // the errors; of codes on either side by less. Codes on either side that differ by a voxel are half
 // a voxel from the mesh, or one of them is nearer.
-[[gnu::cold]] void CodeRules::find_leaps() {
+void CodeRules::find_leaps() {
   for (std::size_t n = 0; n < kSteps; ++n) {
     const double length = std::sqrt(kNearSteps[n].squared());
     const double codes = (length + kDistanceErrorVoxels) / quantum_;  // rounding is left out
@@ -129,7 +128,7 @@ const std::array<Step, kSteps> kNearSteps = near_steps();
 // 13.5: the neighbor towards the mesh of a center at the distance d is at most
 // sqrt(d^2 - 2 d / sqrt(3) + 1) from it. That is convex in d, so over a code's step it is largest
 // at an end.
-[[gnu::cold]] void CodeRules::find_descent() {
+void CodeRules::find_descent() {
   const auto towards = [](double d) { return std::sqrt(d * d - 2 * d / std::sqrt(3.0) + 1); };
   most_towards_mesh_.fill(kMostDistanceCode);
   int drop = 0;

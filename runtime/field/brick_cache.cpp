@@ -30,7 +30,7 @@ std::uint32_t entry_below(const TreeView<kBits>& map, std::uint32_t lower,
 
 }  // namespace
 
-[[gnu::cold]] BrickCache::BrickCache(const Voxmap& voxmap)
+BrickCache::BrickCache(const Voxmap& voxmap)
     : keys_(kSlots, kNoKey), tags_(std::size_t{4} * kSlots, kNone) {
   const VoxmapHeader& header = voxmap.header();
   const auto& cells = header.directory_dims;  // of 512^3 voxels: 64^3 bricks

@@ -43,7 +43,7 @@ Words joined(const Words& low, const Words& high, int shift) {
 
 }  // namespace
 
-[[gnu::cold]] DistanceBricks::DistanceBricks(const Voxmap& voxmap)
+DistanceBricks::DistanceBricks(const Voxmap& voxmap)
     : BrickCache(voxmap),
       map_(*voxmap.distances()),
       unpacked_(map_, kSlotBits),
@@ -131,7 +131,7 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) noexc
   }
 }
 
-[[gnu::cold]] std::optional<Error> DistanceField::unreadable(const Voxmap& voxmap) {
+std::optional<Error> DistanceField::unreadable(const Voxmap& voxmap) {
   if (voxmap.distances() != nullptr) return std::nullopt;
   return Error{ErrorCode::kUsage, "", "distance field", "the scene stores no distances",
                "bake the scene without --kind lean or paper, or use --force level"};

@@ -82,8 +82,8 @@ struct DefaultModel::Motion {
   double energy_before_j = 0;
 };
 
-[[gnu::cold]] DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& probe,
-                                         std::uint64_t points, const field::ForceCurve& curve)
+DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& probe,
+                           std::uint64_t points, const field::ForceCurve& curve)
     : parameters_(parameters), probe_(probe) {
   mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
   contact_ = {

@@ -28,8 +28,7 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
 
 }  // namespace
 
-[[gnu::cold]] BlockSkipper::BlockSkipper(const Voxmap& voxmap, const Pshell& shell,
-                                         const SkipOptions& options)
+BlockSkipper::BlockSkipper(const Voxmap& voxmap, const Pshell& shell, const SkipOptions& options)
     : voxel_size_m_(voxmap.voxel_size_m()),
       options_(options),
       super_block_blocks_(shell.view().super_block_blocks),
@@ -48,12 +47,10 @@ bool is_unit(const glm::dquat& q) { return std::abs(glm::dot(q, q) - 1) < kUnitT
   if (options.clearance && options.walls) row_skipper_.emplace(voxmap, shell, options.coherence);
 }
 
-[[gnu::cold]] BlockSkipper::~BlockSkipper() = default;
+BlockSkipper::~BlockSkipper() = default;
 
-[[gnu::cold]] BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell,
-                                                           const BoundingSphere* spheres,
-                                                           std::uint64_t count,
-                                                           std::uint64_t run_points) const {
+BlockSkipper::Level BlockSkipper::make_level(const PshellView& shell, const BoundingSphere* spheres,
+                                             std::uint64_t count, std::uint64_t run_points) const {
   Level level;
   if (!options_.clearance) return level;
   level.count = static_cast<std::uint32_t>(count);

@@ -123,7 +123,7 @@ BrickBound brick_bound(const std::uint32_t* brick) {
   return bound;
 }
 
-[[gnu::cold]] BrickBounds::BrickBounds(const Voxmap& voxmap) {
+BrickBounds::BrickBounds(const Voxmap& voxmap) {
   bounds_.reserve(voxmap.brick_count());
   for (std::uint64_t i = 0; i < voxmap.brick_count(); ++i) {
     bounds_.push_back(brick_bound(voxmap.view().bricks + i * kBrickWords));

@@ -110,7 +110,7 @@ float dot(const std::array<float, 3>& row, float x, float y, float z) {
 
 }  // namespace
 
-[[gnu::cold]] void CollectedPoints::reserve(std::uint64_t points) {
+void CollectedPoints::reserve(std::uint64_t points) {
   const std::size_t room = points + kLanePadding;
   index.resize(room);
   value.resize(room);
@@ -123,15 +123,14 @@ void CollectedPoints::clear() noexcept {
   outside_map = false;
 }
 
-[[gnu::cold]] Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
+Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
   if (shell.header().bounding_radius_m / voxmap.voxel_size_m() < kMaxRadiusVoxels) return {};
   return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
                "the part is more than a million voxels of the scene across",
                "check the units that scene and part were baked with"};
 }
 
-[[gnu::cold]] ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell,
-                                         const QueryOptions& options)
+ContactQuery::ContactQuery(const Voxmap& voxmap, const Pshell& shell, const QueryOptions& options)
     : voxmap_(voxmap),
       shell_(shell),
       radius_voxels_(shell.header().bounding_radius_m / voxmap.voxel_size_m()),

@@ -30,8 +30,7 @@ std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
   return static_cast<std::uint8_t>((16 + (piece * 2654435761u >> 28)) << doublings);
 }
 
-[[gnu::cold]] std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin,
-                                             std::uint64_t end) {
+std::array<float, 3> middle_of(const PshellView& shell, std::uint64_t begin, std::uint64_t end) {
   std::array<float, 3> middle{};
   for (int axis = 0; const float* column : {shell.x, shell.y, shell.z}) {
     const auto [low, high] = std::minmax_element(column + begin, column + end);
@@ -42,8 +41,8 @@ std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
 
 }  // namespace
 
-[[gnu::cold]] PartDisc disc_of(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
-                               const std::array<float, 3>& center) {
+PartDisc disc_of(const PshellView& shell, std::uint64_t begin, std::uint64_t end,
+                 const std::array<float, 3>& center) {
   glm::dvec3 sum(0);
   for (std::uint64_t i = begin; i < end; ++i) {
     sum += glm::dvec3(shell.nx[i], shell.ny[i], shell.nz[i]);
@@ -65,8 +64,7 @@ std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
   return {Four{center[0], center[1], center[2], radius}, Four{axis.x, axis.y, axis.z, half_height}};
 }
 
-[[gnu::cold]] RowSkipper::Pieces RowSkipper::cut(const PshellView& shell,
-                                                 std::uint64_t piece_points) {
+RowSkipper::Pieces RowSkipper::cut(const PshellView& shell, std::uint64_t piece_points) {
   Pieces pieces;
   for (std::uint64_t begin = 0; begin < shell.point_count; begin += piece_points) {
     const std::uint64_t end = std::min(begin + piece_points, shell.point_count);
@@ -79,7 +77,7 @@ std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
   return pieces;
 }
 
-[[gnu::cold]] RowSkipper::RowSkipper(const Voxmap& voxmap, const Pshell& shell, bool coherence)
+RowSkipper::RowSkipper(const Voxmap& voxmap, const Pshell& shell, bool coherence)
     : coherence_(coherence),
       bounds_(voxmap),
       block_rows_(shell.view().block_points / kRowPoints),

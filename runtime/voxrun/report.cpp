@@ -25,7 +25,7 @@ std::optional<double> penetration_ratio(const loop::LoopStatistics& s) {
   return static_cast<double>(s.penetration_frames) / static_cast<double>(s.force_layer_frames);
 }
 
-// Adds a member. A call is a few bytes of code, where `json[key] = value` is a hundred.
+// Adds a member.
 void put(Json& json, const char* key, Json value) { json[key] = std::move(value); }
 void put(Json& json, const char* key, double value) { put(json, key, Json(value)); }
 void put(Json& json, const char* key, std::uint64_t value) { put(json, key, Json(value)); }

@@ -3,12 +3,11 @@
 add_library(forcelayer_options INTERFACE)
 # No contraction into FMA: the scalar twins in the tests must agree with the fast paths bit for bit.
 target_compile_options(forcelayer_options INTERFACE
-  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off -ffunction-sections>
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off>
+  # Nobody reads errno after a square root, which is one instruction without it.
+  $<BUILD_INTERFACE:-fno-math-errno>
   # gcc 12 sees overlapping copies in `"text" + std::string` where there are none (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:$<BUILD_INTERFACE:-Wno-restrict>>
-  # gcc 12 at -O2 drops the rounding of neighbouring doubles to float and back (struct members x, y
-  # set from (float)a, (float)b): the points that a shell proves would not be those that it stores.
-  $<$<CXX_COMPILER_ID:GNU>:$<BUILD_INTERFACE:-fno-tree-slp-vectorize>>
   $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>
   # The same bytes wherever the sources lie.
   $<BUILD_INTERFACE:-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=>
@@ -24,39 +23,23 @@ if(FORCELAYER_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(forcelayer_options INTERFACE
     $<BUILD_INTERFACE:-Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread>)
 endif()
-# Code that runs once, as often as a device reports, or calls others to do the work is small rather than fast.
-# Under sanitizers it is quick to compile: -O0 takes three fifths of the time of -O1.
-set(forcelayer_small $<$<CONFIG:Release>:-Os>)
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
-  set(forcelayer_small $<$<CONFIG:Release>:-Oz>)  # voxrun: 8 kB less
-endif()
+set(forcelayer_once)
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize" AND NOT FORCELAYER_FUZZERS)
-  set(forcelayer_small -O0)
+  # A command's own code runs once, and takes three fifths of the time of -O1 to compile.
+  set(forcelayer_once -O0)
   # Only AVX2 and the baseline of the vector targets: each takes up to half a minute a kernel.
   add_compile_definitions(
     "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 endif()
 forcelayer_headers(library LIBRARY)
-forcelayer_headers(small_library LIBRARY OPTIONS ${forcelayer_small})
-forcelayer_headers(command OPTIONS ${forcelayer_small})
+forcelayer_headers(command OPTIONS ${forcelayer_once})
 
-# forcelayer_library(NAME SOURCES ... [SMALL ...] [PUBLIC libs] [PRIVATE libs] [HEADERS ...] [INSTALL])
-# makes the static library forcelayer_NAME with the alias forcelayer::NAME. SOURCES are compiled for
-# speed, SMALL for size. HEADERS are precompiled for SOURCES beside the standard ones.
+# forcelayer_library(NAME SOURCES ... [PUBLIC libs] [PRIVATE libs] [HEADERS ...] [INSTALL])
+# makes the static library forcelayer_NAME with the alias forcelayer::NAME. HEADERS are precompiled for SOURCES beside
+# the standard ones.
 function(forcelayer_library name)
-  cmake_parse_arguments(ARG "INSTALL" "" "SOURCES;SMALL;PUBLIC;PRIVATE;HEADERS" ${ARGN})
-  list(TRANSFORM ARG_SMALL PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")
-  list(REMOVE_ITEM ARG_SOURCES ${ARG_SMALL})
-  if(ARG_SOURCES AND ARG_SMALL)
-    add_library(forcelayer_${name}_small OBJECT ${ARG_SMALL})
-    target_include_directories(forcelayer_${name}_small PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/runtime)
-    target_link_libraries(forcelayer_${name}_small PRIVATE forcelayer_options ${ARG_PUBLIC} ${ARG_PRIVATE})
-    target_compile_options(forcelayer_${name}_small PRIVATE ${forcelayer_small})
-    forcelayer_use_headers(forcelayer_${name}_small small_library)
-    list(APPEND ARG_SOURCES $<TARGET_OBJECTS:forcelayer_${name}_small>)
-    set(ARG_SMALL)
-  endif()
-  add_library(forcelayer_${name} STATIC ${ARG_SOURCES} ${ARG_SMALL})
+  cmake_parse_arguments(ARG "INSTALL" "" "SOURCES;PUBLIC;PRIVATE;HEADERS" ${ARGN})
+  add_library(forcelayer_${name} STATIC ${ARG_SOURCES})
   add_library(forcelayer::${name} ALIAS forcelayer_${name})
   set_target_properties(forcelayer_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(forcelayer_${name} PUBLIC
@@ -67,10 +50,7 @@ function(forcelayer_library name)
   target_compile_features(forcelayer_${name} PUBLIC cxx_std_20)
   target_link_libraries(forcelayer_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE $<BUILD_INTERFACE:forcelayer_options> ${ARG_PRIVATE})
-  if(ARG_SMALL)
-    target_compile_options(forcelayer_${name} PRIVATE ${forcelayer_small})
-    forcelayer_use_headers(forcelayer_${name} small_library)
-  elseif(ARG_HEADERS)
+  if(ARG_HEADERS)
     forcelayer_own_headers(forcelayer_${name} ${ARG_HEADERS})
   else()
     forcelayer_use_headers(forcelayer_${name} library)
@@ -90,7 +70,7 @@ function(forcelayer_command name)
   add_executable(${name} ${ARG_SOURCES})
   add_dependencies(commands ${name})
   target_link_libraries(${name} PRIVATE forcelayer_options ${ARG_LIBRARIES})
-  target_compile_options(${name} PRIVATE ${forcelayer_small})  # the command's own code runs once
+  target_compile_options(${name} PRIVATE ${forcelayer_once})
   forcelayer_use_headers(${name} command)
   target_link_options(${name} PRIVATE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
   install(TARGETS ${name} COMPONENT ${ARG_COMPONENT})

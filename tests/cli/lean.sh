@@ -36,7 +36,7 @@ at_most "$(peak_kb "$FORCELAYER_BIN_DIR/voxrun" --version)" 25000 "kB of voxrun 
 at_most "$(peak_kb "$FORCELAYER_BIN_DIR/voxrun" floor.vox ball.pshell --motion press.csv --duration 100ms \
   --as-fast-as-possible --quiet)" 40000 "kB of a small run"
 
-# Start-up: instructions beyond those of `true`, the dynamic loader's included. 6.5 million today.
+# Start-up: instructions beyond those of `true`, the dynamic loader's included. 4.4 million today.
 if ! grep -q '^CMAKE_BUILD_TYPE:.*=Release' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
   echo "no optimized build: its instructions are not counted"
   exit $fail

@@ -261,7 +261,7 @@ def compile_planted(name, folder, program):
     """Compiles what `program` has of the file, as it is in `folder`. By old object file the new one."""
     compiled = {}
     for old in readers().get(ROOT / name, []):
-        target = re.search(r"CMakeFiles/([^/]+)\.dir/", old).group(1).removesuffix("_small")
+        target = re.search(r"CMakeFiles/([^/]+)\.dir/", old).group(1)
         if f" {old} " not in link_command(program) and f"lib{target}.a" not in link_command(program):
             continue
         entry = compile_commands()[old]
