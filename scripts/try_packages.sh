@@ -2,7 +2,7 @@
 # try_packages.sh FOLDER [TREE...]: installs the .deb packages of FOLDER in bare Debian 12 trees made for it and uses
 # them there. Needs mmdebstrap; MMDEBSTRAP_OPTIONS are passed to it. The trees, all unless named:
 #   workstation   the runtime package alone: it brings no offline library, and runs
-#   image         what scripts/pipelines/Containerfile makes, step by step; the commands of the README run in it
+#   image         what scripts/pipelines/Containerfile makes, step by step; the commands of the tutorial run in it
 #   development   what a program of one's own needs: examples in C, C++ and Python are built and run
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -11,7 +11,7 @@ shift
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 mkdir -p "$scratch"/project/{baked,pictures}
-cp -r "$root"/{README.md,sample_data,runtime/examples,tests/models,tests/support/help_examples.sh} "$scratch/project"
+cp -r "$root"/{docs/tutorial.md,sample_data,runtime/examples,tests/models,tests/support/help_examples.sh} "$scratch/project"
 cp "$root/workbench/viewer/README.md" "$scratch/project/viewer.md"
 cp "$root/runtime/python/README.md" "$scratch/project/python.md"
 
@@ -70,8 +70,8 @@ done
 voxelize --version | grep -q "reads STEP and IGES"
 voxelize models/featuretype.step --voxel-size 1mm -o step.vox
 voxinfo verify step.vox
-# The README's first commands, as they stand; a window becomes a picture.
-sed -n '/^## Your own assembly/,/^## What the answer/s/^    //p' README.md | sed 's/ *# .*//' |
+# The tutorial's steps, as they stand; a window becomes a picture.
+sed -n '/^## 5[.]/,/^## 7[.]/s/^    //p' tutorial.md | sed 's/ *# .*//' |
   awk '/^voxview/ { $0 = $0 " --screenshot " ++n ".png" } { print }' >commands.sh
 test "$(grep -c "^vox\|^pointshell" commands.sh)" -ge 11
 cat commands.sh

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The figures of the project's README and of its page of limits: where each comes from, its stated interval, and whether a new run lies in it.
+"""The figures of the project's README, of results/summary.md and of the page of limits: where each comes from, its stated interval, and whether a new run lies in it.
 
 Usage: readme_figures.py FOLDER    says of each whether the CSV files of FOLDER lie inside (scripts/bench.sh ends with it)
        readme_figures.py --check   whether every figure of the README has an entry, and every entry a committed value
@@ -18,7 +18,7 @@ import sys
 import bench_csv
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-README, LIMITS = ROOT / "README.md", ROOT / "runtime/limits.md"
+README, LIMITS, SUMMARY = ROOT / "README.md", ROOT / "runtime/limits.md", ROOT / "tests/bench/results/summary.md"
 
 
 # Intervals. Each is a function of a figure and of its committed row: the lowest and the highest value, and what to call it.
@@ -90,7 +90,7 @@ def binomial(events, of):
 
 @dataclasses.dataclass
 class Figure:
-    readme: str             # words beside it: a row of the README's summary, or of the two pages' text
+    readme: str             # words beside it: a row of the summary, or words of the README's or the limits' text
     name: str               # which of the row's figures
     part: str               # of bench.sh
     file: str
@@ -250,24 +250,38 @@ def compare(folder):
     return outside
 
 
-def summary_rows(text):
-    table = re.search(r"<!-- table: summary -->\n(.*?)<!-- end of table -->", text, re.DOTALL)[1]
-    return [line.split("|")[1].strip() for line in table.splitlines()[2:]]
+def table_rows(text):
+    """The cells of each row of the tables with a number in them: of the README, those of its results."""
+    lines = (line for line in text.splitlines() if line.startswith("| "))
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if re.search(r"\d", line)]
+
+
+def results_of(readme):
+    return readme[readme.index("## Results"):].split("\n## ")[0]
 
 
 PROSE = re.compile(r"\b\d+(?:\.\d+)?%?(?= voxels?\b| us\b| MB\b| percent\b)|\b\d+(?:\.\d+)?%")
 
 
 def uncovered_rows(text):
-    for row in summary_rows(text):
+    for row, *_ in table_rows(text):
         if not any(row.startswith(figure.readme) for figure in FIGURES):
             yield f"the summary's row '{row}'"
+
+
+def differing_results(readme, summary):
+    """Rows of the README's results that are not parts of a row of the summary."""
+    rows = {row: " | ".join(cells) for row, *cells in table_rows(summary)}
+    for row, *cells in table_rows(results_of(readme)):
+        for cell in cells:
+            if cell not in rows.get(row, ""):
+                yield f"'{row}': the summary does not say '{cell}'"
 
 
 def uncovered_prose(text):
     """Figures of a page's text without an entry."""
     entries = {figure.readme for figure in FIGURES}
-    prose = re.sub(r"<!-- table: (\w+) -->.*?<!-- end of table -->", "", text, flags=re.DOTALL)
+    prose = text.replace(results_of(text), "") if text.startswith("# Forcelayer") else text
     prose = " ".join(re.sub(r"^    .*$", "", prose, flags=re.MULTILINE).split())
     covered = [(found.start(), found.end()) for entry in entries for found in re.finditer(re.escape(entry), prose)]
     for found in PROSE.finditer(prose):
@@ -276,9 +290,10 @@ def uncovered_prose(text):
 
 
 def check():
-    readme, limits = README.read_text(), LIMITS.read_text()
-    wrong = [f"no entry for {what}" for what in (*uncovered_rows(readme), *uncovered_prose(readme), *uncovered_prose(limits))]
-    flat = " ".join((readme + limits).split())
+    readme, limits, summary = README.read_text(), LIMITS.read_text(), SUMMARY.read_text()
+    wrong = [f"no entry for {what}" for what in (*uncovered_rows(summary), *uncovered_prose(readme), *uncovered_prose(limits))]
+    wrong += differing_results(readme, summary)
+    flat = " ".join((readme + limits + summary).split())
     for figure in FIGURES:
         if figure.readme not in flat:
             wrong.append(f"no page says '{figure.readme}'")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fills the table of the project's README, and that of results/readme_figures.md, from the CSV files in results/.
+"""Fills the tables of results/summary.md and results/readme_figures.md from the CSV files in results/.
 
 Usage: tables.py [--check]
 
@@ -15,7 +15,7 @@ import sys
 import bench_csv
 import readme_figures
 
-DOCUMENTS = [readme_figures.README, bench_csv.RESULTS / "readme_figures.md"]
+DOCUMENTS = [readme_figures.SUMMARY, bench_csv.RESULTS / "readme_figures.md"]
 MARKED = re.compile(r"<!-- table: (\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
 IN_1999 = "1999: 70 s, 21 MB"  # the paper's own
 
@@ -71,7 +71,7 @@ def markdown(header, lines):
 
 
 def summary():
-    """The README's figures, each of the machine that measured it last, and when."""
+    """The figures, each of the machine that measured it last, and when."""
     def table(name):
         return bench_csv.Table(bench_csv.newest(name) / f"{name}.csv")
 
@@ -152,7 +152,7 @@ def summary():
          f"the output went to zero {loop['output_trips']} times; wake-up p99 {digits(loop['wakeup_p99_us'])} us, "
          f"most {loop['wakeup_max_us'] / 1e3:.0f} ms", "", "loop", measured("loop", rows("loop")[0])]]
     return list(markdown(["figure", "Forcelayer", "beside", "page", "measured"],
-                         ([*line[:3], f"[{line[3]}](tests/bench/README.md#{line[3]})", line[4]] for line in lines)))
+                         ([*line[:3], f"[{line[3]}](../README.md#{line[3]})", line[4]] for line in lines)))
 
 
 def readme_table():

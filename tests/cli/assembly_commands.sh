@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# The six commands of the README for a part of an assembly, as they stand there; then three parts of the sample
+# The six commands of the tutorial for a part of an assembly, as they stand there; then three parts of the sample
 # assembly: one comes out, one is held by others, one comes out with what is fixed to it.
 set -u
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 ln -s "$data" sample_data
 PATH=$bin:$PATH
 
-sed -n '/^Does the pin come out/,/^The cover does not/p' "$FORCELAYER_SOURCE_DIR/README.md" | grep '^    ' >commands
+sed -n '/^## 5[.]/,/^## 6[.]/p' "$FORCELAYER_SOURCE_DIR/docs/tutorial.md" | grep '^    ' >commands
 [ "$(wc -l <commands)" = 6 ] || fail "not six commands: $(cat commands)"
 grep '^    vox\(elize\|run\|check\)\|^    pointshell' commands | sed 's/ *#[^"'"'"']*$//; s/voxrun .*/& --as-fast-as-possible/' >offline.sh
 [ "$(wc -l <offline.sh)" = 5 ] || fail "not five commands but voxview: $(cat offline.sh)"
-bash -e offline.sh >out 2>err || fail "the commands of the README: $(cat err)"
+bash -e offline.sh >out 2>err || fail "the commands of the tutorial: $(cat err)"
 grep -q " Gearbox/Pin$" out || fail "the list has no pin: $(cat out)"
 grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then least proven clearance [0-9.]+ mm to Gearbox/" out ||
   fail "no answer for the pin: $(tail -3 out)"
