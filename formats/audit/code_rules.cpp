@@ -42,7 +42,7 @@ Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 Lanes smaller(Lanes a, Lanes b) { return a > b ? b : a; }
 Lanes apart(Lanes a, Lanes b) { return larger(a, b) - smaller(a, b); }
 
-// Of the first `count`.
+// The largest of the first `count`.
 Codes largest(Lanes lanes, int count = 16) {
   Codes codes[16];
   std::memcpy(codes, &lanes, sizeof codes);
@@ -114,7 +114,7 @@ void CodeRules::find_limits() {
   }
 }
 
-// Of codes on one side of the mesh, a and b, the distances differ by (|a - b| - 1) q at least, less
+// The distances of codes a and b on one side of the mesh differ by (|a - b| - 1) q at least, less
 // the errors; of codes on either side by less. Codes on either side that differ by a voxel are half
 // a voxel from the mesh, or one of them is nearer.
 void CodeRules::find_leaps() {
@@ -174,7 +174,7 @@ bool CodeRules::surely_beside_codes(const CodeCube& cube) const {
   const int along[3] = {most_along(cube, Cube::kPlane, Cube::kBytes - Cube::kPlane, Cube::kWidth),
                         most_along(cube, Cube::kRow, Cube::kBytes - Cube::kRow, Cube::kWidth),
                         most_along(cube, 1, Cube::kBytes, Cube::kWidth - 1)};
-  // Of a step no more than its parts along the axes together: enough in front of most planes.
+  // A step counts no more than its parts along the axes together: enough in front of most planes.
   const auto is_sure = [&](std::size_t n) {
     const auto [x, y, z] = kNearSteps[n];
     return std::abs(x) * along[0] + std::abs(y) * along[1] + std::abs(z) * along[2] <= leap_[n];

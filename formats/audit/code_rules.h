@@ -67,7 +67,7 @@ class CodeRules {
   std::uint32_t zero_;                              // distance_zero_code
   double quantum_;                                  // voxels
   std::array<double, 256> nearest_{}, farthest_{};  // of the unsigned distance, voxels
-  // Of the nearest; what those of two neighbors may be together.
+  // For the nearest: what those of two neighbors may be together.
   std::array<double, 256> squared_{}, most_squared_{};
   std::uint32_t near_steps_ = 0;             // a voxel
   std::array<std::uint8_t, kSteps> leap_{};  // codes that differ by no more may be a step apart

@@ -17,7 +17,7 @@ constexpr std::int64_t kNode = NodeRows::kNode;
 // A node and what lies around it are looked at, up to 63 voxels away.
 constexpr std::uint32_t kMostLayers = 32;
 
-// What k layers make of one voxel of the mesh, or of one that the mesh encloses
+// The voxels that k layers make of one voxel of the mesh, or of one that the mesh encloses
 // (voxmap_format.md, section 13.6): all within `cube`, and along each axis within `line`, is
 // interior. No interior voxel is farther than `reach` from such a one.
 struct Core {

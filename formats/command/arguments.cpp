@@ -6,8 +6,8 @@
 
 #include "formats/command/command.h"
 #include "formats/command/help.h"
-#include "formats/command/old_options.h"
 #include "formats/command/report.h"
+#include "formats/command/spelling/old_options.h"
 #include "formats/command/version.h"
 
 namespace forcelayer::command {

@@ -75,7 +75,7 @@ CLI::Option* add_flag(CLI::App& app, const char* name, std::string& text, const 
 // Puts an option under a heading of the help.
 void group(CLI::Option* option, const char* title);
 
-// What stands behind the option in the help: "NAME=VALUE", or "a|b|c" for choices.
+// The text behind the option in the help: "NAME=VALUE", or "a|b|c" for choices.
 void name_value(CLI::Option* option, const char* words);
 
 // Whether the option was typed.

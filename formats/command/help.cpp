@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 
 namespace forcelayer::command {
 namespace {

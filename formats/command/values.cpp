@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 
 namespace forcelayer::command {
 namespace {
@@ -22,7 +22,7 @@ std::string take_entry(std::string_view& text) {
   return entry;
 }
 
-// What is wrong with an entry, and how to mend it.
+// Says what is wrong with an entry, and how to mend it.
 struct Wrong {
   std::string what, mend;
 };

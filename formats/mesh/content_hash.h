@@ -16,8 +16,8 @@ struct Hash128 {
 };
 Hash128 hash_of(std::span<const std::byte> bytes);  // XXH3
 
-// Of a mesh in its pose: 32 hexadecimal digits. The hashes are those of the bytes of Mesh::vertices
-// and Mesh::triangles.
+// The hash of a mesh in its pose: 32 hexadecimal digits. The hashes are those of the bytes of
+// Mesh::vertices and Mesh::triangles.
 std::string content_hash(const Hash128& vertices, const Hash128& triangles,
                          const Affine& world_from_mesh);
 std::string content_hash(const Mesh& mesh, const Affine& world_from_mesh);

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 #include "formats/mesh/reader.h"
 
 namespace forcelayer::mesh {

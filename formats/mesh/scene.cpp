@@ -7,9 +7,9 @@
 #include <set>
 #include <utility>
 
-#include "formats/command/spelling.h"
-#include "formats/mesh/confined_path.h"
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/command/spelling/spelling.h"
+#include "formats/mesh/checks/confined_path.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/scene_manifest.h"

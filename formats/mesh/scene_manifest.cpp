@@ -11,7 +11,7 @@
 
 #include "formats/command/quantity.h"
 #include "formats/file/mapped_file.h"
-#include "formats/mesh/unique_keys.h"
+#include "formats/mesh/checks/unique_keys.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -1,6 +1,6 @@
 #include "pointshell/part/part_files.h"
 
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/units.h"
 

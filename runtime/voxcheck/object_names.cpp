@@ -1,6 +1,6 @@
 #include "runtime/voxcheck/object_names.h"
 
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 
 namespace forcelayer::voxcheck {
 namespace {

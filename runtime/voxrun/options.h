@@ -32,7 +32,7 @@ enum FailOn : std::uint32_t {
   kFailOnHeld = 16,        // a part off its motion, or short of the end of its pull
 };
 
-// What was typed.
+// The texts that were typed.
 struct DeviceTexts {
   std::string device = "sim", buttons;
 };

@@ -9,7 +9,7 @@
 namespace forcelayer::voxrun {
 namespace {
 
-// What is set beside the parameters of the step, by the name of its member of RunRequest.
+// Settings beside the parameters of the step, by the name of its member of RunRequest.
 struct LoopSetting {
   std::string_view name;
   const char* what;

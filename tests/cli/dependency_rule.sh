@@ -38,11 +38,13 @@ formats/lattice:
 formats/audit:          formats
 formats/path:           formats
 formats/digest:         formats
-formats/command:        formats
+formats/command/spelling:
+formats/command:        formats formats/command/spelling
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
-formats/mesh:           formats formats/command
+formats/mesh/checks:    formats
+formats/mesh:           formats formats/command formats/command/spelling formats/mesh/checks
 formats/voxinfo:        formats formats/audit formats/command formats/digest formats/path
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
@@ -51,10 +53,12 @@ workbench/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step/entities: formats formats/mesh
+formats/mesh/step/iges: formats formats/mesh formats/mesh/step/entities
 formats/mesh/step/cost: formats
-formats/mesh/step:      formats formats/mesh formats/mesh/step/cost formats/mesh/step/entities
-formats/mesh/readers:   formats formats/mesh
-pointshell/part:        formats formats/mesh formats/mesh/sandbox
+formats/mesh/step:      formats formats/mesh formats/mesh/checks formats/mesh/step/cost formats/mesh/step/entities formats/mesh/step/iges
+formats/mesh/readers/gltf: formats formats/mesh formats/mesh/checks
+formats/mesh/readers:   formats formats/mesh formats/mesh/checks formats/mesh/readers/gltf
+pointshell/part:        formats formats/mesh formats/mesh/checks formats/mesh/sandbox
 runtime/field:          formats runtime/forcelayer runtime/query
 voxelize/scan:          formats formats/lattice formats/mesh voxelize/masks
 pointshell/certificate: formats pointshell/part
@@ -79,14 +83,14 @@ runtime/python:         formats formats/path runtime/clearance runtime/field run
 workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-runtime/voxcheck:       formats formats/command formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
-workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
+runtime/voxcheck:       formats formats/command formats/command/spelling formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
+workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
 workbench/voxplan:       formats formats/command formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
 workbench/study:         formats formats/command formats/digest formats/path
-workbench/viewer/plan:   formats formats/command formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer workbench/viewer/run workbench/viewer/surface
+workbench/viewer/plan:   formats formats/command formats/command/spelling formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer workbench/viewer/run workbench/viewer/surface
 workbench/viewer/vtk:    formats formats/command runtime/forcelayer workbench/viewer/plan workbench/viewer/run workbench/viewer/surface
 workbench/viewer:        formats formats/command formats/mesh/sandbox workbench/viewer/plan workbench/viewer/run workbench/viewer/vtk
 '

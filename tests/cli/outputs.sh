@@ -45,7 +45,7 @@ keeps voxinfo export no.vox mine
 keeps voxinfo export no.vox new.ply --json mine
 keeps voxinfo path path.csv --json mine
 keeps voxinfo path path.csv -o mine
-for report in json csv junit code-quality; do
+for report in json csv junit gitlab; do
   option="--report $report:mine"
   "$bin/voxcheck" --help 2>/dev/null | grep -q -e "--$report" && option="--$report mine"
   # shellcheck disable=SC2086
@@ -59,7 +59,7 @@ keeps forcelayer --json mine
 keeps forcelayer study 'no.glb#Pin' --voxel-size 1mm --clearance 1mm -o folder --json mine
 keeps voxview part.obj --units mm --screenshot new.png --json mine
 
-# What a command wrote it replaces, also through a link; a pipe and a device take what they are given.
+# A command replaces its own outputs, also through a link; a pipe and a device take what they are given.
 ln -s real.json link.json
 for _ in 1 2; do
   "$bin/voxelize" "${mesh[@]}" -o new.vox --json link.json --quiet || fail "its own files"

@@ -62,7 +62,7 @@ def move_bracket(y_m):
     length, = struct.unpack_from("<I", data, 12)
     scene = json.loads(data[20:20 + length])
     node, = [node for node in scene["nodes"] if node["name"] == BRACKET]
-    node["translation"][1] += y_m
+    node["translation"][2] -= y_m  # glTF is y up: its z is the scene's -y
     text = json.dumps(scene).encode()
     text += b" " * (-len(text) % 4)
     rest = data[20 + length:]

@@ -228,7 +228,7 @@ for call in "--list" "--plan --voxel-size 8mm" "--voxel-size 8mm -o far.vox"; do
   "$bin/voxelize" far.glb --units mm $call >out 2>err || fail "far.glb --units mm $call: $(cat err)"
   grep -qxF "voxelize: warning: far.glb: 1 m of the file is read as 1 mm, as you asked" err || fail "$call: no word of the unit: $(cat err)"
 done
-# What a list prints can be typed.
+# A name can be typed as the list prints it.
 name=$("$bin/voxelize" --list far.glb 2>err | grep -o 'far.x09across/Pin$')
 bake typed "far.glb#$name" --units mm
 bake typed far.glb --without "{$name,Clip}" --units mm

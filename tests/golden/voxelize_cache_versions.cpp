@@ -30,6 +30,7 @@ constexpr Golden kGolden[] = {
     {"assembly", 3, "7e7b61859842d11bf3d865ed9446ae25"},
     {"assembly", 4, "7e7b61859842d11bf3d865ed9446ae25"},
     {"assembly", 5, "f6e75e8a9fe5634b1d86fdd84a9fb607"},
+    {"assembly", 6, "f6e75e8a9fe5634b1d86fdd84a9fb607"},
     {"facts", 1, "5969afd315368bd0abbc5d4dca1f187a"},
     {"facts", 2, "fcfbcefe46e36be7d9621d4221e13b94"},
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},

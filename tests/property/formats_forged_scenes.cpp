@@ -100,7 +100,7 @@ class Honest {
   const test::VoxelScene& scene() const { return scene_; }
   std::mt19937_64& random() { return random_; }
 
-  // What an accepted forgery promises too much, in words; empty where it promises nothing wrong.
+  // Says what an accepted forgery promises too much; empty where it promises nothing wrong.
   std::string overstated(const Forgery& forged, const VoxmapHeader& h) const {
     if (forged.raises_clearances) return "a clearance";
     if (h.offset_layers > scene_.layers) return "layers";

@@ -323,7 +323,7 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
   EXPECT_GT(free, 1);
 }
 
-// What a shift proves holds at places sampled densely, at every moment of a motion.
+// The proof by a shift holds at places sampled densely, at every moment of a motion.
 TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
   std::mt19937 random(43);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -20,7 +20,7 @@
 #include "formats/command/arguments.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 #include "formats/file/atomic_file.h"
 #include "formats/result.h"
 #include "tests/support/scratch_folder.h"

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "formats/command/arguments.h"
-#include "formats/command/old_options.h"
+#include "formats/command/spelling/old_options.h"
 
 namespace forcelayer::command {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "formats/mesh/readers/meshopt_view.h"
+#include "formats/mesh/readers/gltf/meshopt_view.h"
 #include "tests/support/mesh_files.h"
 
 #ifdef FORCELAYER_MESHOPT

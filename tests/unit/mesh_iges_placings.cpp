@@ -12,7 +12,7 @@ using namespace test;
 
 #ifdef FORCELAYER_STEP
 
-// Of the 10 x 20 x 30 mm of iges_box(), the group of its faces, and its solid.
+// Entities of the 10 x 20 x 30 mm of iges_box(), the group of its faces, and its solid.
 constexpr int kGroup = 1, kSolid = 1;
 constexpr const char* kIdentity = "1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.;";
 constexpr const char* kAlongX = "1.,0.,0.,100.,0.,1.,0.,0.,0.,0.,1.,0.;";
@@ -166,7 +166,7 @@ TEST(IgesPlacings, ArraysAndNetworksAreRefused) {
   expect_refused(file, instance, 420);
 }
 
-// What it places is unknown.
+// Nobody knows what it places.
 TEST(IgesPlacings, AnInstanceOfNothingIsRefused) {
   for (const char* definition : {"99999", "5", "0"}) {
     IgesText file(iges_box(false));

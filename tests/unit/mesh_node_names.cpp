@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "formats/command/spelling.h"
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/command/spelling/spelling.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 
 namespace forcelayer {

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "formats/mesh/mesh_facts.h"
-#include "formats/mesh/step/entities/iges_numbers.h"
+#include "formats/mesh/step/iges/iges_numbers.h"
 #include "tests/support/models.h"
 #include "tests/support/step_files.h"
 

@@ -111,7 +111,9 @@ TEST(StepTriangles, ThatAreDamagedOrNowhereAreNamed) {
         replaced(kTetrahedron, "TRIANGULATED_FACE", "CUBIC_BEZIER_TRIANGULATED_FACE")}) {
     expect_lost(with_entities(without_box("#9104"), damaged + shape), lost);
   }
-  expect_lost(with_entities(step_box(), kTetrahedron), lost);  // no shape lists it
+  // No shape lists it.
+  expect_lost(with_entities(step_box(), kTetrahedron),
+              "1 productless solid: #9103 TESSELLATED_SOLID 'lid'");
   for (const char* no_point :
        {"$1(0.,0.,$$)", "$1(0.,0.,'x')", "$1(0.,0.)", "$1()", "$1(0.,0.,/*one*/0.,0.)"}) {
     const std::string damaged =

@@ -140,7 +140,7 @@ class Search {
   }
 
  private:
-  // What the depth may be at most where no more need be known: one far from the depth that matters
+  // The largest possible depth where no more need be known: one far from the depth that matters
   // need not be known closely.
   double enough_m() const {
     const double found_m = found_.found_m;

@@ -61,7 +61,7 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
   return command::write_report(json, report);
 }
 
-// What the folder holds already under a name that a study writes is a study's.
+// A file in the folder under a name that a study writes must be a study's.
 forcelayer::Status check_folder(const forcelayer::study::Options& options) {
   using forcelayer::command::FileKind;
   constexpr std::pair<const char*, FileKind> kWritten[] = {

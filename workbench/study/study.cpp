@@ -139,7 +139,7 @@ void Study::add_reading(Step& step) const {
   step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
 
-// What the baked files say of themselves afterwards.
+// The reports of the baked files.
 void Study::add_bake_reading(Step& step) const {
   add_reading(step);
   if (!options_.up.empty()) step.arguments.insert(step.arguments.end(), {"--up", options_.up});

@@ -43,7 +43,7 @@ class PolygonSplitter {
   std::vector<std::size_t> previous_;  // the same, backwards
   std::set<std::size_t> open_;         // of the ring: corners that are not known to be no ears
   PlanePoints in_ring_;                // where corners of the ring stand
-  // Of each place: corners that are no ears while a corner stands there.
+  // For each place: corners that are no ears while a corner stands there.
   std::vector<std::vector<std::size_t>> blocked_by_;
   std::size_t looks_left_ = 0;          // at corners again, before any corner is clipped
   std::uint64_t not_planar_ = 0;        // polygons

@@ -6,11 +6,11 @@
 #include <set>
 #include <sstream>
 
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/readers/draco_stream.h"
-#include "formats/mesh/readers/gltf_document.h"
-#include "formats/mesh/readers/gltf_nodes.h"
+#include "formats/mesh/readers/gltf/gltf_document.h"
+#include "formats/mesh/readers/gltf/gltf_nodes.h"
 
 namespace forcelayer::mesh {
 namespace {

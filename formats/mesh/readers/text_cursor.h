@@ -63,7 +63,8 @@ inline const char* parse_number(const char* at, const char* end, double& number)
   return p;
 }
 
-// Of UTF-8. Editors and scripts put it at a file's beginning; joined files have it in the middle.
+// The byte order mark of UTF-8. Editors and scripts put it at a file's beginning; joined files have
+// it in the middle.
 inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 class TextCursor {

@@ -10,8 +10,8 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 
-#include "formats/mesh/step/entities/iges_losses.h"
 #include "formats/mesh/step/entities/lost_pieces.h"
+#include "formats/mesh/step/iges/iges_losses.h"
 #include "formats/mesh/step/mending.h"
 
 namespace forcelayer::mesh {

@@ -18,7 +18,7 @@
 #include <mutex>
 #include <set>
 
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
 #include "formats/mesh/step/crashes.h"

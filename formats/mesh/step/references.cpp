@@ -11,7 +11,7 @@
 #include <TCollection_HAsciiString.hxx>
 #include <algorithm>
 
-#include "formats/mesh/confined_path.h"
+#include "formats/mesh/checks/confined_path.h"
 
 namespace forcelayer::mesh {
 namespace {

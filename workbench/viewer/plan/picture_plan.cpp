@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 #include "formats/mesh/node_names.h"
 #include "formats/path/path_file.h"
 #include "workbench/viewer/plan/legend.h"

@@ -1,4 +1,4 @@
-#include "formats/mesh/step/entities/iges_trims.h"
+#include "formats/mesh/step/iges/iges_trims.h"
 
 #include <IGESGeom_Boundary.hxx>
 #include <IGESGeom_BoundedSurface.hxx>

@@ -1,4 +1,4 @@
-#include "formats/command/old_options.h"
+#include "formats/command/spelling/old_options.h"
 
 namespace forcelayer::command {
 namespace {

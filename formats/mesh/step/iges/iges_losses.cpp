@@ -1,4 +1,4 @@
-#include "formats/mesh/step/entities/iges_losses.h"
+#include "formats/mesh/step/iges/iges_losses.h"
 
 #include <BRep_Tool.hxx>
 #include <Geom_Surface.hxx>
@@ -28,9 +28,9 @@
 #include <unordered_map>
 
 #include "formats/mesh/step/entities/faces.h"
-#include "formats/mesh/step/entities/iges_numbers.h"
-#include "formats/mesh/step/entities/iges_placings.h"
-#include "formats/mesh/step/entities/iges_trims.h"
+#include "formats/mesh/step/iges/iges_numbers.h"
+#include "formats/mesh/step/iges/iges_placings.h"
+#include "formats/mesh/step/iges/iges_trims.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -405,7 +405,7 @@ class IgesEdges {
   Handle(IGESData_IGESModel) model_;
 };
 
-// What uses these entries of the directory, over others too.
+// The entities that use these entries of the directory, over others too.
 enum class Users { kFacesOrSurfaces, kAllThatPlaces };
 
 // The faces that use them; of those that no face uses, the surfaces, or the solids and placings

@@ -20,8 +20,8 @@ std::string without_first_numbers(std::string_view name);
 // The bytes that escaped() wrote as "\\x09".
 std::string unescaped(std::string_view text);
 
-// What a typed name may mean, the likeliest first: itself, without the numbers of first siblings,
-// and both of the name that escaped() shows so. Each once.
+// The names that a typed name may mean, the likeliest first: itself, without the numbers of first
+// siblings, and both of the name that escaped() shows so. Each once.
 std::vector<std::string> meanings_of(const std::string& typed);
 
 // "the nearest are: a/b, a/c": the paths that are spelled most like `name`, whole or by what stands

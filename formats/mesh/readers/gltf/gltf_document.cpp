@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/gltf_document.h"
+#include "formats/mesh/readers/gltf/gltf_document.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <cstring>
 #include <filesystem>
 
-#include "formats/mesh/confined_path.h"
-#include "formats/mesh/readers/meshopt_view.h"
-#include "formats/mesh/unique_keys.h"
+#include "formats/mesh/checks/confined_path.h"
+#include "formats/mesh/checks/unique_keys.h"
+#include "formats/mesh/readers/gltf/meshopt_view.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/mesh/step/entities/iges_numbers.h"
+#include "formats/mesh/step/iges/iges_numbers.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 
 #include <algorithm>
 

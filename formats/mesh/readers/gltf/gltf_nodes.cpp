@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/gltf_nodes.h"
+#include "formats/mesh/readers/gltf/gltf_nodes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "formats/mesh/grouped_warnings.h"
+#include "formats/mesh/checks/grouped_warnings.h"
 
 namespace forcelayer::mesh {
 namespace {

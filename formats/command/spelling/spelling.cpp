@@ -1,4 +1,4 @@
-#include "formats/command/spelling.h"
+#include "formats/command/spelling/spelling.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "formats/mesh/confined_path.h"
+#include "formats/mesh/checks/confined_path.h"
 
 #include <algorithm>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "formats/mesh/step/entities/iges_placings.h"
+#include "formats/mesh/step/iges/iges_placings.h"
 
 #include <IGESBasic_SingularSubfigure.hxx>
 #include <IGESBasic_SubfigureDef.hxx>
@@ -11,7 +11,7 @@
 #include <gp_GTrsf.hxx>
 #include <map>
 
-#include "formats/mesh/step/entities/iges_numbers.h"
+#include "formats/mesh/step/iges/iges_numbers.h"
 
 namespace forcelayer::mesh {
 namespace {
@@ -120,7 +120,8 @@ class IgesPlacings {
     return true;
   }
 
-  // Of a matrix and those that it names, which are applied after it. False where there is none.
+  // Combines a matrix and those that it names, which are applied after it. False where there is
+  // none.
   bool product_of(const Matrix& first, gp_GTrsf& product) const {
     std::set<const Standard_Transient*> seen;
     product = gp_GTrsf();

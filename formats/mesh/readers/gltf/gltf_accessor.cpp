@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/mesh/readers/gltf_document.h"
+#include "formats/mesh/readers/gltf/gltf_document.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/mesh/readers/meshopt_view.h"
+#include "formats/mesh/readers/gltf/meshopt_view.h"
 
 #ifdef FORCELAYER_MESHOPT
 #include <meshoptimizer.h>

@@ -8,7 +8,7 @@
 
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/node_names.h"
-#include "formats/mesh/readers/gltf_document.h"
+#include "formats/mesh/readers/gltf/gltf_document.h"
 
 namespace forcelayer::mesh {
 

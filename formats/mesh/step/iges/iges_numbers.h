@@ -1,4 +1,4 @@
-// What the text of an IGES file says that OpenCASCADE does not keep.
+// Facts in the text of an IGES file that OpenCASCADE does not keep.
 #pragma once
 
 #include <map>
