@@ -414,7 +414,11 @@ check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --nothing
 cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a wrong command line replaced another file"
 check 2 opened.vox cover.pshell over.csv "${hosts[@]}" --report csv:none.stl
 cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a refused command line replaced another file"
-check 2 opened.vox cover.pshell broken.csv "${hosts[@]}"  # what the command would write a verdict to
+check 2 opened.vox cover.pshell over.csv "${hosts[@]}"
+errs 'host\.xml: --report junit: is there already, and is not an export that Forcelayer wrote'
+cmp -s over.csv host.xml && grep -qx '{}' host.quality || fail "a file that no command wrote was replaced"
+rm host.xml host.quality
+check 2 opened.vox cover.pshell broken.csv "${hosts[@]}"
 told 0 0 1 'broken.csv: line 3'
 # On the standard output too, once.
 check 2 opened.vox cover.pshell broken.csv --report junit:- --quiet
