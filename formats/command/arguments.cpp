@@ -50,6 +50,7 @@ void set_version(CLI::App& app, const std::string& facts) {
 }
 
 std::shared_ptr<CLI::App> make_app(const char* description, const char* name, const char* footer) {
+  end_where_memory_lacks(name);
   auto app = std::make_shared<CLI::App>(description, name);
   app->footer(footer);
   return app;

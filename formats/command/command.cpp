@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -100,7 +101,17 @@ void exit_cleanly_on_signals() {
   }
 }
 
+void end_where_memory_lacks(const char* name) {
+  static const char* said_by;
+  said_by = name;
+  std::set_new_handler([] {
+    std::fprintf(stderr, "%s: out of memory; use a machine with more memory\n", said_by);
+    std::_Exit(exit_status(ErrorCode::kOutOfMemory));
+  });
+}
+
 int run_command(const char* name, const std::function<Status()>& body) noexcept {
+  std::set_new_handler(nullptr);
   try {
     const Status status = body();
     if (!status) return fail(name, status.error());

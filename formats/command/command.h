@@ -12,6 +12,10 @@ namespace forcelayer::command {
 
 inline constexpr const char* kVersion = FORCELAYER_VERSION;
 
+// From here to run_command() a lack of memory ends the program with one line on stderr. Options are
+// declared and parsed there, where nothing catches an exception.
+void end_where_memory_lacks(const char* name);
+
 // Runs a command's body and turns its outcome into an exit status. An Error or an escaped exception
 // becomes one line on stderr, "COMMAND: ERROR"; std::bad_alloc is kOutOfMemory, and a standard
 // output that takes no more is kWriteFailed.

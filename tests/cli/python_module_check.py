@@ -137,7 +137,7 @@ def check_samples(scene):
     told = subprocess.run([BIN / "voxinfo", "sample", scene.path], input=text, text=True,
                           capture_output=True, check=True).stdout.splitlines()
     for row, line in zip(at, told):
-        value, least, most, name = line.split("\t")
+        value, least, most, name, *hint = line.split("\t")
         assert row["value"] == int(value) and scene.objects[row["object"]] == name
         if numpy.isfinite(row["distance_m"]):  # at a center nothing is interpolated
             middle = (float(least) + float(most) - 0.002 * scene.voxel_size_m) / 2  # the upper bound has the writer's error

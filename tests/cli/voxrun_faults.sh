@@ -26,8 +26,11 @@ disk_full() {
   files
   local option errno
   for option in --trace --record --json; do
-    echo $'\211FLR' >old  # a text file for --trace and --json
-    [ $option = --record ] || echo old >old
+    case $option in  # as a command begins it: no other file is replaced
+      --record) echo $'\211FLR' ;;
+      --trace) echo t_s,handle_x_m,old ;;
+      --json) printf '{\n  "schema_version": 1}\n' ;;
+    esac >old
     cp old before
     for errno in 28 122 5; do  # full, quota, broken
       LD_PRELOAD=$shim FAULT_WRITE_ERRNO=$errno FAULT_WRITE_AFTER=500 expect 1 'old: cannot be written' "$voxrun" "${run[@]}" $option old
