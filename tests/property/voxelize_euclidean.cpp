@@ -235,7 +235,8 @@ TEST(EuclideanBake, ForceLayersAreThoseOfTheSpecification) {
   mesh::Mesh mesh;
   reference::add_box(mesh, {0, 0, 0}, {0.015, 0.01, 0.01});
   const std::vector<voxelize::SceneObject> objects{{"object", &mesh, mesh::Affine{}, {}, 0}};
-  for (const auto& [depth_m, n] : {std::pair{kDepth, 7}, std::pair{kDepth * (1 + 1e-8), 8}}) {
+  for (const auto& [depth_m, layers] : {std::pair{kDepth, 7}, std::pair{kDepth * (1 + 1e-8), 8}}) {
+    const int n = layers;  // clang 14 lets no lambda see a structured binding
     voxelize::BakeOptions options = reference::options_with(1, kVoxel, Metric::kEuclidean);
     options.compliance = {{depth_m, 1}};
     const BakedScene baked(objects, options);
