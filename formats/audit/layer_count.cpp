@@ -171,7 +171,7 @@ class LayerCountAudit {
     };
     std::array<std::uint64_t, 3> unknown{};
     for (std::int64_t z = -kNode; z < 2 * kNode; ++z) {
-      if (!known(2, z)) unknown[static_cast<std::size_t>(z / kNode + (z >= 0))] |= 1ull << (z & 63);
+      if (!known(2, z)) unknown[static_cast<std::size_t>((z + kNode) / kNode)] |= 1ull << (z & 63);
     }
     for (std::int64_t x = -margin_; x < kNode + margin_; ++x) {
       for (std::int64_t y = -margin_; y < kNode + margin_; ++y) {
