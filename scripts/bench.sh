@@ -12,7 +12,7 @@
 source "$(dirname "$0")/common.sh"
 
 all_parts=(bake shell query wrench stability assembly clearance gaps puzzles)
-readme_parts=(bake query wrench stability gaps)  # what the figures of the README and of runtime/limits.md come from
+readme_parts=(bake query wrench stability gaps)  # what the figures of the README and of docs/limits.md come from
 bin=$root/build/release/bin
 bench=$root/tests/bench
 long=no

@@ -12,8 +12,8 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 mkdir -p "$scratch"/project/{baked,pictures}
 cp -r "$root"/{docs/tutorial.md,sample_data,runtime/examples,tests/models,tests/support/help_examples.sh} "$scratch/project"
-cp "$root/workbench/viewer/README.md" "$scratch/project/viewer.md"
-cp "$root/runtime/python/README.md" "$scratch/project/python.md"
+cp "$root/docs/voxview.md" "$scratch/project/viewer.md"
+cp "$root/docs/python.md" "$scratch/project/python.md"
 
 # in_tree NAME OPTIONS... <SCRIPT: a bare tree, changed as mmdebstrap's options say; then the script runs in it, in a
 # folder with the sample data, the examples, and baked files.

@@ -80,7 +80,7 @@ struct SceneReading {
 bool is_manifest(const std::string& input);
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh
-// files in it, sorted by name), or a manifest (`.json`; described in voxelize/baking.md).
+// files in it, sorted by name), or a manifest (`.json`; described in docs/voxelize.md).
 // `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a
 // warning where it overrides one. It does not apply to a manifest's objects, which name theirs.
 // Errors of a manifest (kSceneInvalid) name the key. A name of `SceneReading::without` that no file

@@ -501,7 +501,7 @@ True
       .def_property_readonly(
           "report", &Stepper::report,
           R"(The run since start(): a dict by the names of `voxrun --json`, which the page
-runtime/voxrun/report.md of the sources explains.
+docs/voxrun_report.md of the sources explains.
 
 "max_torque_nm" is about the handle, where the hand holds the part; "torque_nm" of a frame is about
 the part's centroid. They differ by the force times the arm between the two.

@@ -10,7 +10,7 @@
 
 namespace forcelayer::voxrun {
 
-// Its columns: trace.md.
+// Its columns: docs/voxrun_report.md.
 class TraceWriter {
  public:
   // `scenes` must outlive the writer.

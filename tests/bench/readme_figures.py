@@ -18,7 +18,8 @@ import sys
 import bench_csv
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-README, LIMITS, SUMMARY = ROOT / "README.md", ROOT / "runtime/limits.md", ROOT / "tests/bench/results/summary.md"
+README, LIMITS, SUMMARY = ROOT / "README.md", ROOT / "docs/limits.md", ROOT / "tests/bench/results/summary.md"
+BENCHMARKS = ROOT / "docs/benchmarks.md"
 
 
 # Intervals. Each is a function of a figure and of its committed row: the lowest and the highest value, and what to call it.
@@ -185,23 +186,23 @@ FIGURES = [
     Figure(FRAMES, "trials of the paper's model with one", "stability", "stability",
            {"campaign": "table2", "model": "paper, braking"}, "penetrating_trials", binomial("penetrating_trials", "trials"),
            over_column="trials"),
-    Figure(REST, "share of `default`", "stability", "stability", {"campaign": "rest", "model": "default"}, "quiet",
+    Figure(REST, "fraction of `default`", "stability", "stability", {"campaign": "rest", "model": "default"}, "quiet",
            binomial("quiet", "trials"), over_column="trials"),
-    Figure(REST, "share of the paper's model", "stability", "stability", {"campaign": "rest", "model": "paper"}, "quiet",
+    Figure(REST, "fraction of the paper's model", "stability", "stability", {"campaign": "rest", "model": "paper"}, "quiet",
            binomial("quiet", "trials"), over_column="trials"),
     *(Figure(CORES, task, "cores", "cores", {"task": task, "stage": "whole", "threads": 1}, "wall_s", same, over={"threads": 8},
              of_machine=True)
       for task in ("voxelize: aircraft", "pointshell: dragon", "pointshell: counter", "query: everything")),
     Figure(LOOP, "late frames", "loop", "loop", {"figure": "deadline_misses"}, "value", same, of_machine=True),
     Figure(LOOP, "wake-up p99", "loop", "loop", {"figure": "wakeup_p99_us"}, "value", same, of_machine=True),
-    Figure("0.133 voxel in [narrow gaps]", "least guarantee, voxels", "gaps", "narrow_gaps", {"map": "lean", "case": "block in slot"},
+    Figure("0.133 voxel in narrow gaps", "least guarantee, voxels", "gaps", "narrow_gaps", {"map": "lean", "case": "block in slot"},
            "guaranteed_voxels", between(0.132, 0.134, "to the rounding of poses")),
     Figure("0.4677 mm at 5 mm, which is 0.0935 voxel", "least guarantee, m", "stability", "stability",
            {"campaign": "cases", "case": "slide-stairs", "model": "paper"}, "guaranteed_m", between(0.0004677, 0.0004678, "to the rounding of poses")),
     gap("A slot must be 5.7 voxels wider", "full", "block in slot", 5.6, 6.0), gap("a hole 5.8 voxels wider", "full", "peg in hole", 5.7, 6.0),
     gap("5.6 voxels in a slot", "lean", "block in slot", 5.5, 6.0), gap("6.0 voxels in a hole", "lean", "peg in hole", 5.9, 6.1),
     gap("2.6 voxels in a slot", "standoff 1.3", "block in slot", 2.5, 3.0), gap("2.8 voxels in a hole", "standoff 1.3", "peg in hole", 2.7, 3.0),
-    Figure("within 0.8 voxel at edges. In 203 installed pairs the deepest edge was 0.57 voxel", "deepest edge, voxels", "stability",
+    Figure("within 0.8 voxel at edges. In 203 installed pairs the deepest edge was 0.57 voxel deep", "deepest edge, voxels", "stability",
            "stability_seats", {"covering_voxels": 0.86603}, "edge_depth_voxels", between(0, 0.8, "at most that"), greatest=True),
     Figure("the exact meshes met in 72% of the poses", "mean of the pairs", "stability", "stability_seats",
            {"covering_voxels": 0.86603}, "touching", between(0.52, 0.92, "a fifth; a pair is from 26% to 94%"), mean=True),
@@ -209,7 +210,7 @@ FIGURES = [
            {"voxel_m": 0.005, "contacts": "corners and wedges", "method": "default, distances", "figure": "force"}, "p50", median),
     Figure("0.60% at smooth contacts", "force error", "wrench", "wrench",
            {"voxel_m": 0.005, "contacts": "flush and smooth", "method": "default, distances", "figure": "force"}, "p50", median),
-    Figure("more than 99% of the hand's way", "share of the way (10th percentile)", "stability", "stability",
+    Figure("more than 99% of the hand's motion", "fraction of the motion (10th percentile)", "stability", "stability",
            {"campaign": "cases", "case": "slide-plane", "model": "default"}, "progress_p10", between(0.98, 1.02, "two hundredths")),
 ]
 
@@ -269,13 +270,20 @@ def uncovered_rows(text):
             yield f"the summary's row '{row}'"
 
 
-def differing_results(readme, summary):
-    """Rows of the README's results that are not parts of a row of the summary."""
+def differing_results(rows_of_page, summary):
+    """Rows of a page that are not parts of a row of the summary: all of the README's results, and of the page of benchmarks those
+    that name a row of the summary."""
     rows = {row: " | ".join(cells) for row, *cells in table_rows(summary)}
-    for row, *cells in table_rows(results_of(readme)):
+    for row, *cells in rows_of_page:
+        said = next((text for name, text in rows.items() if name == row or name.startswith(f"{row}, ")), "")
         for cell in cells:
-            if cell not in rows.get(row, ""):
+            if cell not in said:
                 yield f"'{row}': the summary does not say '{cell}'"
+
+
+def rows_by_figure(text):
+    """The rows of the tables of the page of benchmarks whose first column is a figure of the summary."""
+    return [row for table in re.split(r"\n\n", text) if table.startswith("| figure |") for row in table_rows(table)]
 
 
 def uncovered_prose(text):
@@ -292,7 +300,9 @@ def uncovered_prose(text):
 def check():
     readme, limits, summary = README.read_text(), LIMITS.read_text(), SUMMARY.read_text()
     wrong = [f"no entry for {what}" for what in (*uncovered_rows(summary), *uncovered_prose(readme), *uncovered_prose(limits))]
-    wrong += differing_results(readme, summary)
+    wrong += differing_results(table_rows(results_of(readme)), summary)
+    rows = rows_by_figure(BENCHMARKS.read_text())
+    wrong += differing_results(rows, summary) if rows else ["no figure on the page of benchmarks"]
     flat = " ".join((readme + limits + summary).split())
     for figure in FIGURES:
         if figure.readme not in flat:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fills the tables of results/summary.md and results/readme_figures.md from the CSV files in results/.
+"""Fills the table of results/summary.md from the CSV files in results/.
 
 Usage: tables.py [--check]
 
@@ -15,7 +15,7 @@ import sys
 import bench_csv
 import readme_figures
 
-DOCUMENTS = [readme_figures.SUMMARY, bench_csv.RESULTS / "readme_figures.md"]
+DOCUMENTS = [readme_figures.SUMMARY]
 MARKED = re.compile(r"<!-- table: (\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
 IN_1999 = "1999: 70 s, 21 MB"  # the paper's own
 
@@ -155,24 +155,7 @@ def summary():
                          ([*line[:3], f"[{line[3]}](../README.md#{line[3]})", line[4]] for line in lines)))
 
 
-def readme_table():
-    """The figures of the README, each with its committed value and stated interval."""
-    lines, said = [], None
-    for figure in readme_figures.FIGURES:
-        row = figure.of(bench_csv.newest(figure.file))
-        if row is None:
-            continue
-        low, high, words = figure.interval(figure, row)
-        readme, said = "" if figure.readme == said else figure.readme, figure.readme
-
-        def shown(value, figures=5 if words == "the same" else 3):
-            return digits(value, figures)
-        lines.append([readme, figure.name, shown(figure.value(row)),
-                      "of one machine" if figure.of_machine else f"{shown(low)} to {shown(high)} ({words})", f"`{figure.part}`"])
-    return list(markdown(["README", "figure", "committed", "stated interval", "part"], lines))
-
-
-TABLES = {"summary": summary, "readme_figures": readme_table}
+TABLES = {"summary": summary}
 
 
 def filled(marked):

@@ -28,7 +28,7 @@ if "$python" -c 'import matplotlib' 2>/dev/null; then
   grep -q '^least clearance 11.50 mm to structure/bay_structure/floor/floor_beam_left at 1.782 s$' study.txt
   grep -q '; 0 penetration frames$' study.txt
   [ -s plane.png ] && [ -s clearance.png ]
-  sed -n 's/^    //p' "$FORCELAYER_SOURCE_DIR/runtime/python/README.md" >lines.py
+  sed -n 's/^    //p' "$FORCELAYER_SOURCE_DIR/docs/python.md" >lines.py
   [ "$(grep -c . lines.py)" -le 10 ]
   "$python" -B lines.py
   grep -q 'proven clearance' clearance.svg

@@ -235,12 +235,13 @@ wait $! || status=$?
 tail -n 1 err.txt | grep -q '^voxrun: ended by signal 2 (Interrupt) before the run began$' || fail "another reason: $(cat err.txt)"
 [ "$(ls -A early)" = run.json ] && cmp -s early/run.json signal.json || fail "files of a run that never began: $(ls -A early)"
 
-# report.md has every key of the report, those inside too, and the parameters with their ranges; no others.
+# docs/voxrun_report.md has every key of the report, those inside too, and the parameters with their ranges; no others.
 expect 0 'followed' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --pull 0,0,10mm --as-fast-as-possible --json keys.json
 "$bin/voxrun" --help | tr -s ' \n' ' ' >help.txt
-python3 - "$FORCELAYER_SOURCE_DIR/runtime/voxrun/report.md" "$FORCELAYER_SOURCE_DIR/formats/command/README.md" <<'PYTHON'
+python3 - "$FORCELAYER_SOURCE_DIR/docs/voxrun_report.md" "$FORCELAYER_SOURCE_DIR/docs/commands.md" <<'PYTHON'
 import json, re, sys
 page, common = (open(path).read() for path in sys.argv[1:])
+page = page.split("\n## The trace")[0]
 report = json.load(open("keys.json"))
 def keys(value):
     for entry in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
@@ -249,7 +250,7 @@ def keys(value):
         yield from value
 for named in ("device_capabilities", "miss_causes"):  # by other pages
     report[named] = None
-named = set(re.findall(r"`(\w+)`", page + common.split("Every report begins")[1].split("\n\n")[0]))
+named = set(re.findall(r"`(\w+)`", page + common.split("\n## Reports")[1]))
 assert set(keys(report)) <= named, set(keys(report)) - named
 rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in re.findall(r"^\| `.*", page, re.MULTILINE)]
 tops = {key for row in rows for key in row} - set(report["parameters"])

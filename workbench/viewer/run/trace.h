@@ -1,4 +1,4 @@
-// Reads the trace CSV that voxrun writes, one row a frame (runtime/voxrun/trace.md).
+// Reads the trace CSV that voxrun writes, one row a frame (docs/voxrun_report.md).
 #pragma once
 
 #include <array>
