@@ -6,7 +6,7 @@
     scripts/fuzz.py --differential 20000  two readers of baked files over so many mutated ones
     scripts/fuzz.py --frames 100000000    random faults in a device's readings, for so many frames
     scripts/fuzz.py --clock 1000000       faults of files, threads and plugin, for so many frames at 1 kHz
-    scripts/fuzz.py --table               writes the tables of tests/fuzz/README.md again
+    scripts/fuzz.py --table               prints what all campaigns add up to
 
 As many targets as there are cores run at once (--at-once). A target's seconds are of processor time, so
 that a busy machine's ten minutes are ten minutes.
@@ -35,11 +35,7 @@ BUILD = ROOT / "build" / "fuzz"
 CAMPAIGNS = FUZZ / "campaigns.json"
 FRAMES = FUZZ / "fault_frames.json"
 CLOCK = FUZZ / "fault_clock.json"
-README = FUZZ / "README.md"
 RELEASE = ROOT / "build" / "release"
-BEGIN, END = "<!-- table by scripts/fuzz.py -->", "<!-- end of table -->"
-BEGIN_FRAMES = "<!-- table by scripts/fuzz.py --frames -->"
-BEGIN_CLOCK = "<!-- table by scripts/fuzz.py --clock -->"
 
 
 def targets():
@@ -115,12 +111,6 @@ def table(campaigns):
 
 def committed(log):
     return json.loads(log.read_text()) if log.exists() else []
-
-
-def write_table(begin, lines):
-    text = README.read_text()
-    head, rest = text.split(begin)
-    README.write_text(head + begin + "\n" + lines + "\n" + END + rest.split(END, 1)[1])
 
 
 def build_release(names):
@@ -205,7 +195,7 @@ def main():
     parser.add_argument("--differential", type=int, default=0, metavar="FILES", help="this alone")
     parser.add_argument("--frames", type=int, default=0, help="this alone")
     parser.add_argument("--clock", type=int, default=0, metavar="FRAMES", help="this alone")
-    parser.add_argument("--table", action="store_true", help="only write the tables again")
+    parser.add_argument("--table", action="store_true", help="only print what all campaigns add up to")
     arguments = parser.parse_args()
     names = arguments.targets or targets()
     unknown = sorted(set(names) - set(targets()))
@@ -228,9 +218,7 @@ def main():
                 add_campaign(campaign)
                 print(f"{campaign['target']}: {campaign['executions']:,} executions, {campaign['edges']:,} edges, "
                       f"{campaign['found']} found", flush=True)
-    write_table(BEGIN, table(committed(CAMPAIGNS)))
-    write_table(BEGIN_FRAMES, table_of_frames(committed(FRAMES)))
-    write_table(BEGIN_CLOCK, table_of_clock(committed(CLOCK)))
+    print("\n\n".join((table(committed(CAMPAIGNS)), table_of_frames(committed(FRAMES)), table_of_clock(committed(CLOCK)))))
     return 1 if found else 0
 
 
