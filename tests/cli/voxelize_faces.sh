@@ -76,22 +76,25 @@ study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clea
 expect 0 "" "${study[@]}" --missing-faces 1
 grep -q "faces missing from scene and part</th><td>1; the verdict does not cover them" study/report.html || fail "the page does not say what is missing"
 
-# A face that OpenCASCADE cannot read (the cube's first boundary is not there): the same ways out of one file.
+# A solid that OpenCASCADE does not read (a constructive one in the cube): the same ways out of one file.
 python3 - <<'EOF' || exit 1
 import re
 text = open("tray.step").read()
-first = text.index("ADVANCED_FACE")
-open("torn.step", "w").write(text[:first] + re.sub(r"\(#\d+", "(#99999", text[first:], count=1))
+shape = text.index("ADVANCED_BREP_SHAPE_REPRESENTATION")
+text = text[:shape] + re.sub(r"\((#\d+),", r"(\1,#99999,", text[shape:], count=1)
+frame = re.search(r"\((#\d+),#99999", text)[1]
+end = text.rindex("ENDSEC;")
+open("torn.step", "w").write(text[:end] + f"#99999=CSG_SOLID('lid',#99998);\n#99998=BLOCK('',{frame},5.,5.,5.);\n" + text[end:])
 EOF
 vox=(voxelize torn.step --voxel-size 2mm -o out.vox --without bad)
 part=(pointshell "torn.step#cube" --voxel-size 2mm --method fast -o out.pshell)
 for bake in vox part; do
   declare -n call=$bake
-  expect 3 "tray/cube: OpenCASCADE could not read 1 of" "${call[@]}"
+  expect 3 "tray/cube: OpenCASCADE could not read 1 solid: #99999 CSG_SOLID 'lid'" "${call[@]}"
   grep -q -- ", or accept the holes with --missing-faces 1" err || fail "$bake: no way out: $(cat err)"
   [ "$(grep -c -- "leave their node out with --without" err)" = $([ $bake = vox ] && echo 1 || echo 0) ] ||
     fail "$bake: leaving its only node out leaves nothing, one of several the others: $(cat err)"
-  expect 0 "ADVANCED_FACE is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
+  expect 0 "CSG_SOLID 'lid' is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
 done
 expect 0 "" "${vox[@]}" --without cube
 expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --method fast -o out.pshell

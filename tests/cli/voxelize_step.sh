@@ -189,7 +189,7 @@ grep -q "large.step has 130 MB, which take about 0.69 minutes and 1.3 GB to pars
 ! grep -q "to parse" err || fail "--quiet is not: $(cat err)"
 rm -f large.step no.vox
 
-# OpenCASCADE crashes on this solid, which lacks the parameters of an edge: one line with a way out, and nothing written.
+# OpenCASCADE crashes on this solid, which lacks the parameters of an edge: one line, and nothing written.
 "$bin/make_box_file" sound.igs solid || exit 1
 sed '/^ *110,0\.,0\.,30\.,0\.,20\.,30\.;/d' sound.igs >damaged.igs
 cmp -s sound.igs damaged.igs && fail "the solid was not damaged"
@@ -197,10 +197,8 @@ for command in "voxelize -o no.vox" "pointshell -o no.pshell"; do
   "$bin/"$command damaged.igs --voxel-size 4mm --quiet --json no.json 2>err
   [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q '^[a-z]*: damaged.igs: ' err || fail "$command of a damaged IGES solid: $(cat err)"
   [ ! -e no.vox ] && [ ! -e no.pshell ] || fail "$command of a damaged IGES solid: a file was written"
-  grep -q "or accept the holes with --missing-faces 2" err || fail "$command of a damaged IGES solid names no way out: $(cat err)"
   python3 -c 'import json; r = json.load(open("no.json")); assert r["schema_version"] and r["exit_status"] == 3 and "damaged.igs" in r["error"]["line"], r' ||
     fail "$command of a damaged IGES solid: no report"
 done
-"$bin/voxelize" damaged.igs --voxel-size 4mm --quiet --missing-faces 2 -o rest.vox || fail "the rest of a damaged IGES solid"
 
 finish

@@ -19,14 +19,11 @@
 
 #include "formats/file/mapped_file.h"
 #include "formats/mesh/step/crashes.h"
-#include "formats/mesh/step/entities/constructive.h"
-#include "formats/mesh/step/entities/empty_lists.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/hidden.h"
 #include "formats/mesh/step/entities/losses.h"
 #include "formats/mesh/step/entities/names.h"
 #include "formats/mesh/step/entities/step_units.h"
-#include "formats/mesh/step/entities/triangles.h"
 #include "formats/mesh/step/iges/iges_losses.h"
 #include "formats/mesh/step/occt_messages.h"
 #include "formats/mesh/step/open_solids.h"
@@ -89,18 +86,7 @@ void read(const SourceFile& file, Reader& reader) {
   bool is_done = false;
   const bool crashes =
       !survives([&] { is_done = reader.ReadFile(file.path.c_str()) == IFSelect_RetDone; });
-  const Handle(XSControl_WorkSession) session = session_of(reader);
-  const Handle(Interface_InterfaceModel) model = session->Model();
-  if (!model.IsNull() && fill_empty_lists(model)) {
-    constexpr int kNewReader = 4;
-    const auto take_filled = [&](Reader&) {
-      session->SetModel(model);
-      session->InitTransferReader(kNewReader);
-      return true;
-    };
-    if (do_or_fail(file, reader, take_filled)) return;
-  }
-  if (crashes) fail_crash(file, model);
+  if (crashes) fail_crash(file, model_of(reader));
   if (is_done) return;
   fail_read(file, ErrorCode::kMeshUnreadable, "",
             "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
@@ -125,19 +111,6 @@ TDF_Label label_of(const Handle(StepBasic_ProductDefinition) & product,
   TDF_Label label;
   if (!shape.IsNull()) reader.GetShapeLabelMap().Find(shape, label);
   return label;
-}
-
-// The triangles by the labels of their products; those without one are lost.
-ReadEntities keep_triangles(std::vector<TriangleItem>& items, const STEPCAFControl_Reader& reader,
-                            StepDocument& document) {
-  ReadEntities read;
-  for (auto& [product, mesh, entities] : items) {
-    const TDF_Label label = label_of(product, reader);
-    if (label.IsNull()) continue;
-    document.triangles[entry_of(label)].push_back(std::move(mesh));
-    for (const auto& entity : entities) read.insert(entity.get());
-  }
-  return read;
 }
 
 // The references by the labels of their products.
@@ -170,13 +143,16 @@ void keep_losses(FileLosses losses, const STEPCAFControl_Reader& reader, StepDoc
   document.losses = std::move(losses);
 }
 
+[[noreturn]] void fail_losses(const SourceFile& file, const std::string& text, const char* mend) {
+  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + text, mend);
+}
+
 // Where nothing became a shape, the losses are the reason, if there are any.
 void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& losses,
                   const OcctMessages& messages) {
   if (has_shapes) return;
   if (losses.pieces.empty()) fail_shapes(file, messages);
-  fail_read(file, ErrorCode::kMeshIncomplete, "", "OpenCASCADE could not read " + losses.text,
-            losses.mend);
+  fail_losses(file, losses.text, losses.mend);
 }
 
 // Faces that are missing leave edges open, and are told themselves.
@@ -212,15 +188,13 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
   if (const std::uint64_t hidden = count_hidden_bodies(session->Model()); hidden > 0) {
     document.warnings.push_back(hidden_text(counted(hidden, "body")));
   }
-  const StepDamage damage = take_out_damage(session, text);
-  std::vector<TriangleItem> items = take_triangles(session);
-  ReadEntities read_entities = make_constructive_solids(session);
+  if (const std::string damage = find_step_damage(session); !damage.empty()) {
+    fail_losses(file, damage, "export the file again");
+  }
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
   const bool has_shapes = transfer(file, reader, document);
-  read_entities.merge(keep_triangles(items, reader, document));
-  keep_losses(find_step_losses(session, document.document, read_entities, damage), reader,
-              document);
+  keep_losses(find_step_losses(session, document.document), reader, document);
   keep_references(file, references, reader, document);
   if (const std::string shape = shape_without_unit(session); !shape.empty()) {
     document.warnings.push_back(shape +
@@ -262,11 +236,13 @@ void read_iges_file(const SourceFile& file, std::string_view text, StepDocument&
   if (const std::uint64_t blanked = count_blanked_iges(reader.WS()); blanked > 0) {
     document.warnings.push_back(hidden_text(counted(blanked, "entity") + " with faces"));
   }
-  const IgesDamage damage = take_out_iges_damage(reader.WS(), text);
+  if (const std::string damage = find_iges_damage(reader.WS(), text); !damage.empty()) {
+    fail_losses(file, damage, "export the file again, or as STEP");
+  }
   const OcctMessages messages;
   const bool has_shapes = transfer(file, reader, document);
   check_iges_units(reader.Model(), document);
-  document.losses = find_iges_losses(reader.WS(), document.document, damage);
+  document.losses = find_iges_losses(reader.WS(), document.document);
   check_shapes(file, has_shapes, document.losses, messages);
   check_solids(file, reader.WS(), document);
 }

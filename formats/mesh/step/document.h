@@ -18,8 +18,6 @@ struct StepDocument {
   // Products whose shapes are in other files, by entry_of() their label: what this file calls each
   // of those files, the likeliest name first. No file is opened.
   std::map<std::string, std::vector<std::vector<std::string>>> references;
-  // Triangles of products that the file holds beside or in place of exact surfaces, millimeters.
-  std::map<std::string, std::vector<Mesh>> triangles;
   FileLosses losses;
   std::vector<std::string> warnings;
   std::vector<TopoDS_Shape> open_bodies;  // should close, and do not

@@ -282,14 +282,11 @@ class StepReader {
         owners.push_back(i);
       }
     }
-    if (owners.empty() && leaves.size() == 1 && !piece.is_of_no_product) owners = leaves;
+    if (owners.empty() && leaves.size() == 1) owners = leaves;
     for (const std::size_t i : owners) {
       if (!to_read.is_read[i]) continue;
-      const bool has_place = piece.size_mm > 0;
-      const LostFace place = has_place
-                                 ? LostFace{piece.center_mm, piece.size_mm, true}
-                                 : box_of_edges(XCAFDoc_ShapeTool::GetShape(products_[i].label));
-      add_missing(i, {place.center_mm, place.size_mm, has_place}, piece.name);
+      const LostFace place = box_of_edges(XCAFDoc_ShapeTool::GetShape(products_[i].label));
+      add_missing(i, {place.center_mm, place.size_mm, false}, piece.name);
       is_flawed_.insert(i);
     }
     if (owners.empty() && is_any_read) missing_.emplace_back().name = piece.name;
@@ -340,8 +337,7 @@ class StepReader {
     for (;;) {
       TDF_LabelSequence components;
       const bool has_shape = XCAFDoc_ShapeTool::GetComponents(product.label, components) ||
-                             count_faces(XCAFDoc_ShapeTool::GetShape(product.label)) > 0 ||
-                             product.file->content.triangles.contains(entry_of(product.label));
+                             count_faces(XCAFDoc_ShapeTool::GetShape(product.label)) > 0;
       const auto& references = product.file->content.references;
       const auto found = references.find(entry_of(product.label));
       if (found == references.end()) return components;
@@ -419,7 +415,6 @@ class StepReader {
     if (is_new || joined_.contains(node)) {
       Tessellation made = tessellator_.tessellate(shape_of(node), names_[node].path);
       add_face_warnings(made, names_[node].path, assembly_.warnings);
-      add_triangles(*file, label, names_[node].path, made.mesh);
       tell_progress(node);
       lost = std::move(made.lost);
       if (!made.mesh.triangles.empty()) {
@@ -445,26 +440,6 @@ class StepReader {
     missing.face.size = place.size_mm;
     missing.name = name;
     missing.has_edges = place.has_edges;
-  }
-
-  // The triangles that the file itself holds for a product.
-  void add_triangles(const OpenFile& file, const TDF_Label& label, const std::string& node,
-                     Mesh& mesh) {
-    const auto found = file.content.triangles.find(entry_of(label));
-    if (found == file.content.triangles.end()) return;
-    for (const Mesh& more : found->second) {
-      check_count(file.source, mesh.vertices.size() + more.vertices.size(), "vertices");
-      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
-      for (const auto& [a, b, c] : more.triangles) {
-        mesh.triangles.push_back({first + a, first + b, first + c});
-      }
-    }
-    mesh.single_precision = false;
-    check_finite(file.source, mesh, node);
-    node_warnings_.add(node,
-                       "triangles in place of exact surfaces: add with --mesh-deviation how far "
-                       "they may lie from the part");
   }
 
   void warn_of_unread(const std::vector<std::vector<std::string>>& references,

@@ -53,18 +53,29 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "formats/mesh/step/entities/dimensions.h"
 #include "formats/mesh/step/entities/faces.h"
-#include "formats/mesh/step/entities/triangles.h"
 
 namespace forcelayer::mesh {
 namespace {
 
 using Entity = Handle(Standard_Transient);
 
-constexpr const char* kMend = "export the file again, with all solids as boundary representations";
-constexpr const char* kMendProducts = "export the file again, with a product for each solid";
+constexpr const char* kMend =
+    "export the file again, with all solids as boundary representations of products, or as "
+    "triangles "
+    "such as STL";
 constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
+
+// The types of an entity that OpenCASCADE does not know: one, or those of a complex entity. Empty
+// for one that it knows.
+std::vector<std::string> unknown_types(const Entity& entity) {
+  std::vector<std::string> types;
+  for (auto part = Handle(StepData_UndefinedEntity)::DownCast(entity); !part.IsNull();
+       part = part->Next()) {
+    types.emplace_back(part->StepType());
+  }
+  return types;
+}
 
 bool is_solid(const Entity& entity) {
   for (const Handle(Standard_Type) & type :
@@ -151,122 +162,90 @@ bool can_be_placed(const Handle(StepShape_ContextDependentShapeRepresentation) &
 class StepCheck {
  public:
   StepCheck(const Handle(XSControl_WorkSession) & session,
-            const Handle(TDocStd_Document) & document, const ReadEntities& read,
-            const StepDamage& damage)
+            const Handle(TDocStd_Document) & document)
       : session_(session),
         model_(Handle(StepData_StepModel)::DownCast(session->Model())),
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
-        faces_(document),
-        read_(read),
-        damage_(damage) {}
+        faces_(document) {}
 
   FileLosses find() {
     FileLosses found;
     found.mend = kMend;
-    for (const auto& [entity, piece] : damage_.cut.pieces()) {
-      found.pieces.push_back(piece);
-      if (is_face(entity)) lost_faces_.names.push_back(piece.name);
-    }
-    for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) {
-      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model_->Value(i));
-      is_assembly_ = is_assembly_ || !use.IsNull();
+    for (Standard_Integer i = 1; i <= model_->NbEntities() && !is_assembly_; ++i) {
+      is_assembly_ = model_->Value(i)->IsKind(STANDARD_TYPE(StepRepr_NextAssemblyUsageOccurrence));
     }
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Value(i), found);
     for (const Entity& entity : lost_) {
-      if (!is_used_by_lost(entity)) add_solid(entity, found);
+      if (is_used_by_lost(entity)) continue;
+      add(entity, lost_solids_, found);
+      add_below(entity);
     }
     for (const Entity& face : lost_face_entities_) {
-      if (!of_no_product_.contains(face.get())) add(face, lost_faces_, found);
+      if (!below_lost_.contains(face.get())) add(face, lost_faces_, found);
     }
-    if (lost_faces_.names.empty() && lost_solids_.names.empty() &&
-        !without_product_.names.empty()) {
-      found.mend = kMendProducts;
-    }
-    std::vector<Losses> all{lost_faces_, lost_solids_, without_product_, lost_placings_};
-    all.insert(all.end(), damage_.told.begin(), damage_.told.end());
-    found.text = text_of(all);
+    found.text = text_of({lost_faces_, lost_solids_, lost_placings_});
     return found;
   }
 
  private:
-  static bool is_face(const Entity& entity) {
-    return entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface));
-  }
-
   void add(const Entity& entity, Losses& kind, FileLosses& found) {
     found.pieces.push_back(step_piece(session_, entity));
     kind.names.push_back(found.pieces.back().name);
   }
 
-  // OpenCASCADE reads the solids of products: the faces of another are lost with it.
-  void add_solid(const Entity& entity, FileLosses& found) {
-    LostPiece piece = step_piece(session_, entity);
-    piece.is_of_no_product = piece.products.empty() && !is_in_a_placed_shape(entity);
-    (piece.is_of_no_product ? without_product_ : lost_solids_).names.push_back(piece.name);
-    if (piece.is_of_no_product) add_below(entity);
-    found.pieces.push_back(std::move(piece));
-  }
-
-  bool is_in_a_placed_shape(const Entity& entity) const {
-    Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (is_placed(user.Value())) return true;
-    }
-    return false;
-  }
-
+  // The faces of a lost solid are lost with it.
   void add_below(const Entity& entity) {
-    if (!of_no_product_.insert(entity.get()).second) return;
+    if (!below_lost_.insert(entity.get()).second) return;
     Interface_EntityIterator part = graph_.Shareds(entity);
     for (part.Start(); part.More(); part.Next()) add_below(part.Value());
   }
 
   void look_at(const Entity& entity, FileLosses& found) {
-    if (is_face(entity)) {
+    if (entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
       ++lost_faces_.count;
-      if (!is_in_document(entity) && !is_explained(entity)) lost_face_entities_.push_back(entity);
+      if (!is_in_document(entity)) lost_face_entities_.push_back(entity);
     } else if (is_solid(entity)) {
-      if (!is_in_document(entity) && !read_.contains(entity.get())) lose(entity);
+      if (!is_in_document(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepShape_GeometricSet))) {
       if (count_faces(result_of(entity)) < surfaces_of(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepGeom_BoundedSurface))) {
       // OpenCASCADE reads those of sets and faces, not those that a shape lists on their own.
       if (is_item_of_shape(entity) && !is_in_document(entity)) lose(entity);
     } else if (entity->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) {
-      if (!read_.contains(entity.get()) &&
-          is_lost_unknown(Handle(StepData_UndefinedEntity)::DownCast(entity)))
-        lose(entity);
-    } else if (is_of_no_product(entity)) {
-      add(entity, lost_placings_, found);
-    } else if (is_lost_placing(entity) && !is_explained(entity)) {
+      if (is_lost_unknown(entity)) lose(entity);
+    } else if (is_lost_placing(entity) || is_of_no_product(entity)) {
       add(entity, lost_placings_, found);
     }
   }
 
   void lose(const Entity& entity) {
-    if (is_explained(entity)) return;
     lost_.push_back(entity);
     is_lost_.insert(entity.get());
   }
 
-  // Whether it is lost with a piece that was taken out, and nothing that was read lacks it.
-  bool is_explained(const Entity& entity) const {
-    if (!damage_.cut.explains(entity)) return false;
+  std::vector<Entity> users_of(const Entity& entity) const {
+    std::vector<Entity> users;
     Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (is_in_document(user.Value())) return false;
-    }
-    return true;
+    for (user.Start(); user.More(); user.Next()) users.push_back(user.Value());
+    return users;
+  }
+
+  template <typename Test>
+  bool has_user(const Entity& entity, const Test& test) const {
+    const std::vector<Entity> users = users_of(entity);
+    return std::any_of(users.begin(), users.end(), test);
   }
 
   // Operands and parts go with the solid that they belong to.
   bool is_used_by_lost(const Entity& entity) const {
-    Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (is_lost_.contains(user.Value().get())) return true;
-    }
-    return false;
+    return has_user(entity, [&](const Entity& user) { return is_lost_.contains(user.get()); });
+  }
+
+  bool is_item_of_shape(const Entity& entity) const {
+    return has_user(entity, [](const Entity& user) {
+      return user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation));
+    });
   }
 
   TopoDS_Shape result_of(const Entity& entity) const {
@@ -284,37 +263,24 @@ class StepCheck {
     return count;
   }
 
-  bool is_lost_unknown(const Handle(StepData_UndefinedEntity) & entity) const {
-    for (const std::string& type : unknown_types(entity)) {
-      if (is_unknown_solid(type))
-        return !stands_for_what_was_read(entity) && !is_part_of_standing(entity);
-      if (!is_surface_set(type)) continue;
-      if (is_listed_as_shape(entity)) return true;
-    }
-    return false;
+  // A part of another one is lost or read with it.
+  bool is_lost_unknown(const Entity& entity) const {
+    const auto is_body = [](const Entity& one) {
+      const std::vector<std::string> types = unknown_types(one);
+      return std::any_of(types.begin(), types.end(), is_unknown_solid);
+    };
+    if (is_body(entity)) return !has_user(entity, is_body) && !stands_for_what_was_read(entity);
+    const std::vector<std::string> types = unknown_types(entity);
+    return std::any_of(types.begin(), types.end(), is_surface_set) && is_listed_as_shape(entity);
   }
 
   // By a shape representation, or by a set that one lists.
   bool is_listed_as_shape(const Entity& entity, int levels = kMostLevels) const {
-    if (levels == 0) return true;
-    Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (lists_shapes(user.Value())) return true;
-      const bool is_set = user.Value()->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet));
-      if (is_set && is_listed_as_shape(user.Value(), levels - 1)) return true;
-    }
-    return false;
-  }
-
-  bool is_part_of_standing(const Entity& entity, int levels = kMostLevels) const {
-    if (levels == 0) return false;
-    Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      const Entity& whole = user.Value();
-      if (!whole->IsKind(STANDARD_TYPE(StepData_UndefinedEntity))) continue;
-      if (stands_for_what_was_read(whole) || is_part_of_standing(whole, levels - 1)) return true;
-    }
-    return false;
+    return levels == 0 || has_user(entity, [&](const Entity& user) {
+             return lists_shapes(user) ||
+                    (user->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet)) &&
+                     is_listed_as_shape(user, levels - 1));
+           });
   }
 
   // Triangles that are there beside the exact face, shell or solid that they approximate.
@@ -345,32 +311,17 @@ class StepCheck {
                                               part = use->RelatedProductDefinition();
     std::unordered_set<const Standard_Transient*> seen;
     if (whole.IsNull() || part.IsNull() || !has_faces(part, seen)) return false;
-    return has_placed_sibling(use) || !contains_face_of(result_of(whole), result_of(part));
+    return !contains_face_of(result_of(whole), result_of(part));
   }
 
   // A shape with faces that no product of an assembly has: OpenCASCADE leaves it at the origin, and
-  // the occurrences of its product out. A shape that only repeats faces of products, such as that
-  // of a property by which receivers check volumes, places nothing.
+  // the occurrences of its product out.
   bool is_of_no_product(const Entity& entity) const {
     const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(entity);
     if (shape.IsNull() || shape->Items().IsNull() || !is_assembly_) return false;
-    std::vector<Entity> items;
     for (Standard_Integer i = 1; i <= shape->NbItems(); ++i) {
       const Entity item = shape->ItemsValue(i);
-      if (!item.IsNull() && is_in_document(item)) items.push_back(item);
-    }
-    if (items.empty() || !step_piece(session_, entity).products.empty()) return false;
-    return is_placed(shape) || std::any_of(items.begin(), items.end(), [&](const Entity& item) {
-             return step_piece(session_, item).products.empty();
-           });
-  }
-
-  // Whether a relation gives the shape a place in another one.
-  bool is_placed(const Entity& shape) const {
-    Interface_EntityIterator user = graph_.Sharings(shape);
-    for (user.Start(); user.More(); user.Next()) {
-      if (user.Value()->IsKind(
-              STANDARD_TYPE(StepRepr_RepresentationRelationshipWithTransformation))) {
+      if (!item.IsNull() && is_in_document(item) && step_piece(session_, item).products.empty()) {
         return true;
       }
     }
@@ -381,37 +332,12 @@ class StepCheck {
   bool has_faces(const Entity& product, std::unordered_set<const Standard_Transient*>& seen) const {
     if (!seen.insert(product.get()).second) return false;
     if (count_faces(result_of(product)) > 0) return true;
-    Interface_EntityIterator user = graph_.Sharings(product);
-    for (user.Start(); user.More(); user.Next()) {
-      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user.Value());
-      if (use.IsNull() || use->RelatingProductDefinition() != product) continue;
+    return has_user(product, [&](const Entity& user) {
+      const auto use = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user);
+      if (use.IsNull() || use->RelatingProductDefinition() != product) return false;
       const Entity part = use->RelatedProductDefinition();
-      if (!part.IsNull() && has_faces(part, seen)) return true;
-    }
-    return false;
-  }
-
-  // Whether another occurrence of the same part in the same whole is placed: its faces are there,
-  // and say nothing of this one.
-  bool has_placed_sibling(const Handle(StepRepr_NextAssemblyUsageOccurrence) & use) const {
-    Interface_EntityIterator user = graph_.Sharings(use->RelatedProductDefinition());
-    for (user.Start(); user.More(); user.Next()) {
-      const auto other = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(user.Value());
-      if (other.IsNull() || result_of(other).IsNull()) continue;
-      if (other->RelatedProductDefinition() == use->RelatedProductDefinition() &&
-          other->RelatingProductDefinition() == use->RelatingProductDefinition()) {
-        return true;
-      }
-    }
-    return false;
-  }
-
-  bool is_item_of_shape(const Entity& entity) const {
-    Interface_EntityIterator user = graph_.Sharings(entity);
-    for (user.Start(); user.More(); user.Next()) {
-      if (user.Value()->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) return true;
-    }
-    return false;
+      return !part.IsNull() && has_faces(part, seen);
+    });
   }
 
   bool holds_faces(const Handle(StepRepr_MappedItem) & item) const {
@@ -429,15 +355,11 @@ class StepCheck {
   const Interface_Graph& graph_;
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
-  const ReadEntities& read_;
-  const StepDamage& damage_;
   bool is_assembly_ = false;
   std::vector<Entity> lost_;
-  std::unordered_set<const Standard_Transient*> is_lost_;
+  std::unordered_set<const Standard_Transient*> is_lost_, below_lost_;
   std::vector<Entity> lost_face_entities_;
-  std::unordered_set<const Standard_Transient*> of_no_product_;  // solids, and all below them
-  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
-      without_product_{"productless solid", 0, {}};
+  Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}};
 };
 
 bool is_geometry(const Entity& entity) {
@@ -525,36 +447,23 @@ bool is_misplaced(const Interface_Graph& graph, const Entity& entity) {
 
 }  // namespace
 
-StepDamage take_out_damage(const Handle(XSControl_WorkSession) & session, std::string_view text) {
+std::string find_step_damage(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
-  const auto flat = entities_without_three_numbers(session, text);
   Losses placings{"placing", 0, {}}, others{"damaged entity", 0, {}};
-  std::vector<Entity> damaged;
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity& entity = model->Value(i);
-    const bool is_damaged = flat.contains(entity.get()) ||
-                            (is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity));
-    if (is_damaged) {
-      if (!entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) {
-        others.names.push_back(step_name(model, entity));
-      }
+    if (is_geometry(entity) ? leads_nowhere(model, i) : lacks_an_end(entity)) {
+      others.names.push_back(step_name(model, entity));
     } else if (is_misplaced(session->Graph(), entity)) {
       placings.names.push_back(step_name(model, entity));
-    } else {
-      continue;
     }
-    damaged.push_back(entity);
   }
-  StepCut cut(session);
-  for (const Entity& entity : damaged) cut.take_out(entity);
-  cut.finish();
-  return {std::move(cut), {placings, others}};
+  return text_of({placings, others});
 }
 
 FileLosses find_step_losses(const Handle(XSControl_WorkSession) & session,
-                            const Handle(TDocStd_Document) & document, const ReadEntities& read,
-                            const StepDamage& damage) {
-  return StepCheck(session, document, read, damage).find();
+                            const Handle(TDocStd_Document) & document) {
+  return StepCheck(session, document).find();
 }
 
 }  // namespace forcelayer::mesh

@@ -3,33 +3,21 @@
 
 #include <TDocStd_Document.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <string_view>
-#include <unordered_set>
+#include <string>
 
-#include "formats/mesh/step/entities/cut.h"
-#include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/lost_pieces.h"
 
 namespace forcelayer::mesh {
 
-// Damage that was taken out of a file before it was transferred.
-struct StepDamage {
-  StepCut cut;
-  std::vector<Losses> told;  // but for faces, which are counted at the end
-};
+// The damaged entities of the file that was read in `session`, as "2 damaged entities: #16
+// CLOSED_SHELL, ..."; "" where there are none. They refer to what is not there or make no sense, so
+// that OpenCASCADE may crash on them, or place shapes wrong without a word.
+std::string find_step_damage(const Handle(XSControl_WorkSession) & session);
 
-// Takes out of the file of this text, which was read in `session`, what cannot be read: geometry,
-// topology and placings that refer to what is not there or make no sense, on which OpenCASCADE may
-// crash, and those that it would place wrong without a word.
-StepDamage take_out_damage(const Handle(XSControl_WorkSession) & session, std::string_view text);
-
-using ReadEntities = std::unordered_set<const Standard_Transient*>;
-
-// The damage, and each face, solid and placing of the file that was transferred in
-// `session` that is neither in `document` nor in `read`: OpenCASCADE leaves constructive and
-// tessellated solids out, and what it finds damaged, without an error.
+// Each face, solid and placing of the file that was transferred in `session` that is not in
+// `document`: OpenCASCADE leaves constructive and tessellated solids out, and what it finds
+// damaged, without an error.
 FileLosses find_step_losses(const Handle(XSControl_WorkSession) & session,
-                            const Handle(TDocStd_Document) & document, const ReadEntities& read,
-                            const StepDamage& damage);
+                            const Handle(TDocStd_Document) & document);
 
 }  // namespace forcelayer::mesh

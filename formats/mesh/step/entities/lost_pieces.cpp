@@ -3,34 +3,24 @@
 #include <Interface_EntityIterator.hxx>
 #include <Interface_UndefinedContent.hxx>
 #include <StepData_UndefinedEntity.hxx>
-#include <StepGeom_CartesianPoint.hxx>
-#include <StepRepr_MappedItem.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_ProductDefinitionShape.hxx>
 #include <StepRepr_Representation.hxx>
-#include <StepRepr_RepresentationContext.hxx>
 #include <StepRepr_RepresentationMap.hxx>
 #include <StepRepr_RepresentationRelationshipWithTransformation.hxx>
 #include <StepShape_ContextDependentShapeRepresentation.hxx>
-#include <StepShape_PolyLoop.hxx>
 #include <StepShape_ShapeDefinitionRepresentation.hxx>
 #include <StepShape_ShapeRepresentation.hxx>
-#include <StepShape_VertexPoint.hxx>
 #include <StepVisual_StyledItem.hxx>
 #include <TCollection_HAsciiString.hxx>
-#include <cmath>
-#include <gp_XYZ.hxx>
-#include <optional>
 #include <unordered_set>
 
 #include "formats/mesh/reader.h"
-#include "formats/mesh/step/entities/step_units.h"
 
 namespace forcelayer::mesh {
 namespace {
 
 using Entity = Handle(Standard_Transient);
-using EntitySet = std::unordered_set<const Standard_Transient*>;
 
 // The whole of an occurrence in an assembly.
 Handle(StepBasic_ProductDefinition) whole_of(const Entity& entity) {
@@ -43,8 +33,7 @@ Handle(StepBasic_ProductDefinition) whole_of(const Entity& entity) {
   return use.IsNull() ? Handle(StepBasic_ProductDefinition)() : use->RelatingProductDefinition();
 }
 
-// Looks for an entity's products among what refers to it, and for its corners among what it refers
-// to.
+// Looks for an entity's products among what refers to it.
 class PieceFinder {
  public:
   PieceFinder(const Handle(XSControl_WorkSession) & session, const Entity& entity)
@@ -54,9 +43,6 @@ class PieceFinder {
       return;
     }
     climb(entity);
-    if (is_placed_ || !mm_per_unit_) return;
-    find_corners(entity);
-    set_place();
   }
 
   LostPiece piece;
@@ -79,17 +65,11 @@ class PieceFinder {
       for (const auto& other : {relation->Rep1(), relation->Rep2()}) {
         if (!other.IsNull()) climb(other);
       }
-    } else if (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation))) {
-      const auto items = Handle(StepShape_ShapeRepresentation)::DownCast(user);
-      if (const auto units = units_of(items->ContextOfItems()); units && !mm_per_unit_) {
-        mm_per_unit_ = units->mm;
-      }
-      climb(user);
     } else if (!user->IsKind(STANDARD_TYPE(StepVisual_StyledItem)) &&
-               (user->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem)) ||
+               (user->IsKind(STANDARD_TYPE(StepShape_ShapeRepresentation)) ||
+                user->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem)) ||
                 user->IsKind(STANDARD_TYPE(StepRepr_RepresentationMap)) ||
                 user->IsKind(STANDARD_TYPE(StepData_UndefinedEntity)))) {
-      is_placed_ = is_placed_ || user->IsKind(STANDARD_TYPE(StepRepr_MappedItem));
       climb(user);
     }
   }
@@ -102,45 +82,8 @@ class PieceFinder {
     if (!product.IsNull()) piece.products.insert(product);
   }
 
-  void find_corners(const Entity& entity) {
-    if (!below_.insert(entity.get()).second) return;
-    if (const auto vertex = Handle(StepShape_VertexPoint)::DownCast(entity); !vertex.IsNull()) {
-      add_corner(Handle(StepGeom_CartesianPoint)::DownCast(vertex->VertexGeometry()));
-    } else if (const auto loop = Handle(StepShape_PolyLoop)::DownCast(entity); !loop.IsNull()) {
-      Interface_EntityIterator part = graph_.Shareds(loop);
-      for (part.Start(); part.More(); part.Next()) {
-        add_corner(Handle(StepGeom_CartesianPoint)::DownCast(part.Value()));
-      }
-    } else {
-      Interface_EntityIterator part = graph_.Shareds(entity);
-      for (part.Start(); part.More(); part.Next()) find_corners(part.Value());
-    }
-  }
-
-  void add_corner(const Handle(StepGeom_CartesianPoint) & point) {
-    if (point.IsNull() || point->NbCoordinates() != 3) return;
-    Vec3d corner;
-    for (std::size_t n = 0; n < 3; ++n) {
-      corner[n] = *mm_per_unit_ * point->CoordinatesValue(static_cast<Standard_Integer>(n + 1));
-    }
-    extend(box_, corner);
-  }
-
-  void set_place() {
-    if (!(box_.low[0] <= box_.high[0])) return;
-    double square = 0;
-    for (std::size_t n = 0; n < 3; ++n) {
-      piece.center_mm[n] = 0.5 * (box_.low[n] + box_.high[n]);
-      square += std::pow(box_.high[n] - box_.low[n], 2);
-    }
-    piece.size_mm = std::sqrt(square);
-  }
-
   const Interface_Graph& graph_;
-  EntitySet seen_, below_;
-  Box box_ = empty_box();
-  std::optional<double> mm_per_unit_;
-  bool is_placed_ = false;  // by mapped items: its corners are not where the shape is
+  std::unordered_set<const Standard_Transient*> seen_;
 };
 
 }  // namespace

@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "formats/mesh/mesh.h"
-
 namespace forcelayer::mesh {
 
 // A face, solid or placing that the document of a file lacks.
@@ -18,9 +16,6 @@ struct LostPiece {
   std::string name;                                        // "#45 ADVANCED_FACE 'left'"
   std::set<Handle(StepBasic_ProductDefinition)> products;  // whose shape lacks it, in STEP
   std::vector<std::string> owners;                         // entry_of() their labels
-  Vec3d center_mm{};              // of the box around its corners, in the frame of its product
-  double size_mm = 0;             // diagonal of that box; 0 where the place is unknown
-  bool is_of_no_product = false;  // in STEP: it belongs to no node
 };
 
 // All that a file lacks; no pieces where it lacks nothing.

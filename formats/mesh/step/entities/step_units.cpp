@@ -20,7 +20,10 @@
 
 namespace forcelayer::mesh {
 
-std::optional<StepUnits> units_of(const Handle(Standard_Transient) & context) {
+namespace {
+
+// Whether the context of a representation states a unit of length that is understood.
+bool has_unit_of_length(const Handle(Standard_Transient) & context) {
   Handle(StepRepr_GlobalUnitAssignedContext) units;
   if (const auto full = Handle(
           StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(context);
@@ -33,18 +36,16 @@ std::optional<StepUnits> units_of(const Handle(Standard_Transient) & context) {
     units = brief->GlobalUnitAssignedContext();
   }
   STEPConstruct_UnitContext factors;
-  if (units.IsNull() || factors.ComputeFactors(units) != 0 || !factors.LengthDone()) {
-    return {};
-  }
-  return StepUnits{factors.LengthFactor(),
-                   factors.PlaneAngleDone() ? factors.PlaneAngleFactor() : 1};
+  return !units.IsNull() && factors.ComputeFactors(units) == 0 && factors.LengthDone();
 }
+
+}  // namespace
 
 std::string shape_without_unit(const Handle(XSControl_WorkSession) & session) {
   const auto model = Handle(StepData_StepModel)::DownCast(session->Model());
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const auto shape = Handle(StepShape_ShapeRepresentation)::DownCast(model->Value(i));
-    if (shape.IsNull() || units_of(shape->ContextOfItems())) continue;
+    if (shape.IsNull() || has_unit_of_length(shape->ContextOfItems())) continue;
     for (Standard_Integer n = 1; n <= shape->NbItems(); ++n) {
       const auto item = shape->ItemsValue(n);
       if (!item.IsNull() && !item->IsKind(STANDARD_TYPE(StepGeom_Placement))) {

@@ -1,20 +1,10 @@
 // The units that a representation of a STEP file is written in.
 #pragma once
 
-#include <Standard_Handle.hxx>
-#include <Standard_Transient.hxx>
 #include <XSControl_WorkSession.hxx>
-#include <optional>
 #include <string>
 
 namespace forcelayer::mesh {
-
-struct StepUnits {
-  double mm = 1, radians = 1;  // of one unit of length and of one of angle
-};
-
-// The units of a representation's context; nothing where it states no unit of length.
-std::optional<StepUnits> units_of(const Handle(Standard_Transient) & context);
 
 // A representation of the file in `session` that lists shapes and whose context states no unit of
 // length, as "#10 ADVANCED_BREP_SHAPE_REPRESENTATION"; "" where there is none.

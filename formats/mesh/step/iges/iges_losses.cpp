@@ -4,19 +4,14 @@
 #include <Geom_Surface.hxx>
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
-#include <IGESData_UndefinedEntity.hxx>
 #include <IGESDraw_CircArraySubfigure.hxx>
-#include <IGESGeom_Line.hxx>
-#include <IGESSolid_EdgeList.hxx>
-#include <IGESSolid_HArray1OfFace.hxx>
-#include <IGESSolid_Loop.hxx>
-#include <IGESSolid_Shell.hxx>
-#include <IGESSolid_VertexList.hxx>
+#include <IGESGeom_BoundedSurface.hxx>
+#include <IGESGeom_CurveOnSurface.hxx>
+#include <IGESGeom_TrimmedSurface.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_EntityIterator.hxx>
 #include <Interface_Graph.hxx>
 #include <StepData_StepModel.hxx>
-#include <TColStd_HArray1OfInteger.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
@@ -26,17 +21,15 @@
 #include <algorithm>
 #include <initializer_list>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "formats/mesh/step/entities/faces.h"
-#include "formats/mesh/step/iges/iges_numbers.h"
 #include "formats/mesh/step/iges/iges_placings.h"
-#include "formats/mesh/step/iges/iges_trims.h"
 
 namespace forcelayer::mesh {
 namespace {
 
 using Entity = Handle(IGESData_IGESEntity);
-using EntitySet = std::unordered_set<const Standard_Transient*>;
 
 constexpr const char* kMend =
     "export the file again, with solids as boundary representations, or as STEP";
@@ -128,41 +121,45 @@ std::vector<Entity> holders_of(const Interface_Graph& graph, const Entity& entit
   return holders;
 }
 
+// How many boundaries a trimmed or bounded surface has; 0 for other entities.
+std::uint64_t count_boundaries(const Entity& entity) {
+  const auto trimmed = Handle(IGESGeom_TrimmedSurface)::DownCast(entity);
+  if (!trimmed.IsNull()) {
+    return static_cast<std::uint64_t>(trimmed->NbInnerContours()) + trimmed->HasOuterContour();
+  }
+  const auto bounded = Handle(IGESGeom_BoundedSurface)::DownCast(entity);
+  return bounded.IsNull() ? 0 : static_cast<std::uint64_t>(bounded->NbBoundaries());
+}
+
+// A boundary that names no surface lies on that of its face.
+bool only_lacks_surface(const Entity& entity) {
+  const auto boundary = Handle(IGESGeom_CurveOnSurface)::DownCast(entity);
+  return !boundary.IsNull() && boundary->Surface().IsNull() && !boundary->Curve3D().IsNull();
+}
+
 class IgesCheck {
  public:
   IgesCheck(const Handle(XSControl_WorkSession) & session,
-            const Handle(TDocStd_Document) & document, const IgesDamage& damage)
+            const Handle(TDocStd_Document) & document)
       : model_(Handle(IGESData_IGESModel)::DownCast(session->Model())),
         graph_(session->Graph()),
         process_(session->TransferReader()->TransientProcess()),
         faces_(document),
-        holders_(session),
-        damage_(damage) {}
+        holders_(session) {}
 
   FileLosses find() {
     FileLosses found;
     found.mend = kMend;
-    found.pieces = damage_.pieces;
-    lost_faces_.count = damage_.cut_faces;
-    lost_faces_.names = damage_.faces;
-    lost_placings_.names = damage_.placings;
     for (Standard_Integer i = 1; i <= model_->NbEntities(); ++i) look_at(model_->Entity(i));
-    std::vector<Losses> all = {lost_faces_, lost_owners_, lost_solids_, lost_placings_,
-                               lost_files_};
     for (const Entity& entity : lost_) {
-      found.pieces.push_back({name_of(entity), {}, owners_of(holders_of(graph_, entity)), {}, 0});
+      found.pieces.push_back({name_of(entity), {}, owners_of(holders_of(graph_, entity))});
     }
-    for (std::size_t n = 0; n < damage_.pieces.size(); ++n) {
-      found.pieces[n].owners = owners_of(damage_.holders[n]);
-    }
-    all.push_back({"damaged entity", 0, damage_.others});
-    found.text = text_of(all);
+    found.text = text_of({lost_faces_, lost_owners_, lost_solids_, lost_placings_, lost_files_});
     return found;
   }
 
  private:
   void look_at(const Entity& entity) {
-    if (damage_.below.contains(entity.get())) return;
     if (is_face(entity) || (is_surface(entity) && stands_alone(entity))) {
       if (is_face(entity) || !is_physically_dependent(entity)) ++lost_faces_.count;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process_, entity);
@@ -235,7 +232,6 @@ class IgesCheck {
   Handle(Transfer_TransientProcess) process_;
   DocumentFaces faces_;
   FaceHolders holders_;
-  const IgesDamage& damage_;
   std::vector<Entity> lost_;
   Losses lost_faces_{"face", 0, {}}, lost_solids_{"solid", 0, {}}, lost_placings_{"placing", 0, {}},
       lost_files_{"external reference", 0, {}}, lost_owners_{"faceless boundary", 0, {}};
@@ -245,188 +241,6 @@ constexpr int kFace = 510, kShell = 514, kSolid = 186;
 
 bool is_of_boundary_representation(const Entity& entity) {
   return is_one_of(entity, {kSolid, 502, 504, 508, kFace, kShell});
-}
-
-// Takes faces out of their shells, and whole solids where a shell itself is damaged.
-class IgesCut {
- public:
-  IgesCut(const Handle(XSControl_WorkSession) & session, IgesDamage& damage)
-      : session_(session),
-        model_(Handle(IGESData_IGESModel)::DownCast(session->Model())),
-        damage_(damage) {}
-
-  void climb(const Entity& entity) {
-    if (!seen_.insert(entity.get()).second) return;
-    Interface_EntityIterator user = session_->Graph().Sharings(entity);
-    bool is_used = false;
-    for (user.Start(); user.More(); user.Next()) {
-      const Entity other = Entity::DownCast(user.Value());
-      if (other.IsNull() || !is_of_boundary_representation(other)) continue;
-      const auto shell = Handle(IGESSolid_Shell)::DownCast(other);
-      is_used = true;
-      if (entity->TypeNumber() == kFace && !shell.IsNull() && remove_face(shell, entity)) {
-        replace(entity);
-      } else {
-        climb(other);
-      }
-    }
-    if (!is_used) replace(entity);
-  }
-
-  void finish() {
-    if (damage_.pieces.empty()) return;
-    session_->ComputeGraph(Standard_True);
-    session_->TransferReader()->SetGraph(session_->HGraph());
-  }
-
- private:
-  // False where no face would be left.
-  static bool remove_face(const Handle(IGESSolid_Shell) & shell, const Entity& face) {
-    std::vector<Standard_Integer> left;
-    for (Standard_Integer i = 1; i <= shell->NbFaces(); ++i) {
-      if (!shell->Face(i).IsNull() && shell->Face(i) != face) left.push_back(i);
-    }
-    if (left.empty()) return false;
-    const auto count = static_cast<Standard_Integer>(left.size());
-    Handle(IGESSolid_HArray1OfFace) faces = new IGESSolid_HArray1OfFace(1, count);
-    Handle(TColStd_HArray1OfInteger) sides = new TColStd_HArray1OfInteger(1, count);
-    for (Standard_Integer i = 1; i <= count; ++i) {
-      const Standard_Integer from = left[static_cast<std::size_t>(i - 1)];
-      faces->SetValue(i, shell->Face(from));
-      sides->SetValue(i, shell->Orientation(from) ? 1 : 0);
-    }
-    shell->Init(faces, sides);
-    return true;
-  }
-
-  // With all that nothing else refers to, which OpenCASCADE would else read on its own: the plane
-  // of a face is one without end.
-  void replace(const Entity& entity) {
-    add_piece(entity);
-    if (is_face(entity)) ++damage_.cut_faces;
-    empty_trims(entity);
-    const std::vector<Entity> all = all_below(entity);
-    EntitySet within;
-    for (const Entity& part : all) within.insert(part.get());
-    const EntitySet kept = used_outside(all, within);
-    for (const Entity& part : all) {
-      if (kept.contains(part.get())) continue;
-      replaced_.insert(part.get());
-      const Standard_Integer number = model_->Number(part);
-      if (number == 0) continue;
-      model_->ClearReportEntity(number);
-      model_->ReplaceEntity(number, new IGESData_UndefinedEntity);
-    }
-  }
-
-  // It, and all that it refers to, over others too, but no other face that a group may list.
-  std::vector<Entity> all_below(const Entity& entity) const {
-    std::vector<Entity> all{entity};
-    EntitySet seen{entity.get()};
-    const auto add = [&](const Entity& part) {
-      if (!part.IsNull() && !is_trimmed(part) && seen.insert(part.get()).second)
-        all.push_back(part);
-    };
-    for (std::size_t n = 0; n < all.size(); ++n) {
-      const Entity of = all[n];
-      for (const Entity& part : parts_of_trimmed(of)) add(part);
-      Interface_EntityIterator part = session_->Graph().Shareds(of);
-      for (part.Start(); part.More(); part.Next()) add(Entity::DownCast(part.Value()));
-    }
-    return all;
-  }
-
-  // Those but the first that an entity outside refers to, with all below them.
-  EntitySet used_outside(const std::vector<Entity>& all, const EntitySet& within) const {
-    EntitySet kept;
-    for (std::size_t n = 1; n < all.size(); ++n) {
-      Interface_EntityIterator user = session_->Graph().Sharings(all[n]);
-      for (user.Start(); user.More(); user.Next()) {
-        const Standard_Transient* other = user.Value().get();
-        if (within.contains(other) || replaced_.contains(other)) continue;
-        for (const Entity& part : all_below(all[n])) kept.insert(part.get());
-        break;
-      }
-    }
-    kept.erase(all.front().get());
-    return kept;
-  }
-
-  void add_piece(const Entity& entity) {
-    damage_.pieces.push_back({iges_name(model_, entity), {}, {}, {}, 0});
-    damage_.holders.push_back(holders_of(session_->Graph(), entity));
-    for (const Entity& part : all_below(entity)) damage_.below.insert(part.get());
-  }
-
-  Handle(XSControl_WorkSession) session_;
-  Handle(IGESData_IGESModel) model_;
-  IgesDamage& damage_;
-  EntitySet seen_, replaced_;
-};
-
-// Edges of boundary representations that make no sense. The loops that use them are damaged: a list
-// of edges serves all loops of a solid.
-class IgesEdges {
- public:
-  explicit IgesEdges(const Handle(IGESData_IGESModel) & model) : model_(model) {}
-
-  // Whether the edges of an entity that could be read make no sense.
-  bool is_damaged(const Entity& entity) const {
-    const auto loop = Handle(IGESSolid_Loop)::DownCast(entity);
-    if (loop.IsNull()) return false;
-    for (Standard_Integer i = 1; i <= loop->NbEdges(); ++i) {
-      constexpr int kEdge = 0;
-      if (loop->EdgeType(i) == kEdge && is_damaged(loop->Edge(i), loop->ListIndex(i))) return true;
-    }
-    return false;
-  }
-
- private:
-  bool is_damaged(const Entity& list, Standard_Integer i) const {
-    const auto edges = Handle(IGESSolid_EdgeList)::DownCast(list);
-    if (edges.IsNull()) return true;
-    if (fails(model_, edges)) return false;  // it is damaged itself
-    if (i < 1 || i > edges->NbEdges() || edges->Curve(i).IsNull()) return true;
-    return fails(model_, edges->Curve(i)) || is_point(edges->Curve(i)) ||
-           is_damaged(edges->StartVertexList(i), edges->StartVertexIndex(i)) ||
-           is_damaged(edges->EndVertexList(i), edges->EndVertexIndex(i));
-  }
-
-  bool is_damaged(const Handle(IGESSolid_VertexList) & list, Standard_Integer i) const {
-    return list.IsNull() || (!fails(model_, list) && (i < 1 || i > list->NbVertices()));
-  }
-
-  // A line whose numbers are left out: OpenCASCADE crashes on some.
-  static bool is_point(const Entity& curve) {
-    const auto line = Handle(IGESGeom_Line)::DownCast(curve);
-    return !line.IsNull() && line->StartPoint().Distance(line->EndPoint()) == 0;
-  }
-
-  Handle(IGESData_IGESModel) model_;
-};
-
-// The entities that use these entries of the directory, over others too.
-enum class Users { kFacesOrSurfaces, kAllThatPlaces };
-
-// The faces that use them; of those that no face uses, the surfaces, or the solids and placings
-// too.
-EntitySet users_of(const Interface_Graph& graph, const Handle(IGESData_IGESModel) & model,
-                   const std::set<int>& entries, Users kind) {
-  EntitySet users;
-  if (entries.empty()) return users;
-  for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
-    const Entity entity = model->Entity(i);
-    if (!entries.contains(model->DNum(entity))) continue;
-    const std::vector<Entity> holders = holders_of(graph, entity);
-    const bool has_faces = std::any_of(holders.begin(), holders.end(), is_face);
-    for (const Entity& holder : holders) {
-      const bool places =
-          kind == Users::kAllThatPlaces &&
-          (is_placing(holder) || is_constructive(holder) || is_of_boundary_representation(holder));
-      if (has_faces ? is_face(holder) : is_surface(holder) || places) users.insert(holder.get());
-    }
-  }
-  return users;
 }
 
 }  // namespace
@@ -443,40 +257,29 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
   return step_name(Handle(StepData_StepModel)::DownCast(model), entity);
 }
 
-IgesDamage take_out_iges_damage(const Handle(XSControl_WorkSession) & session,
-                                std::string_view text) {
+std::string find_iges_damage(const Handle(XSControl_WorkSession) & session, std::string_view text) {
   const auto model = Handle(IGESData_IGESModel)::DownCast(session->Model());
-  IgesDamage damage;
-  const IgesEdges edges(model);
   const IgesMisplaced misplaced = settle_iges_placings(session, text);
-  EntitySet garbled =
-      users_of(session->Graph(), model, iges_entries_without_numbers(text), Users::kAllThatPlaces);
-  garbled.merge(users_of(session->Graph(), model, misplaced.geometry, Users::kFacesOrSurfaces));
-  std::vector<Entity> damaged;
+  Losses placings{"placing", 0, {}}, others{"damaged entity", 0, {}};
   FaceHolders face_holders(session);
   for (const Entity& entity : misplaced.holders) {
-    if (!is_of_boundary_representation(entity) && !face_holders.holds(entity)) continue;
-    damage.placings.push_back(iges_name(model, entity));
-    damaged.push_back(entity);
+    if (is_of_boundary_representation(entity) || face_holders.holds(entity)) {
+      placings.names.push_back(iges_name(model, entity));
+    }
   }
-  EntitySet is_misplaced;
-  for (const Entity& entity : damaged) is_misplaced.insert(entity.get());
+  const auto is_of_faces = [&](const Entity& entity) {
+    const std::vector<Entity> holders = holders_of(session->Graph(), entity);
+    return std::any_of(holders.begin(), holders.end(), [](const Entity& holder) {
+      return is_face(holder) || is_surface(holder) || is_of_boundary_representation(holder);
+    });
+  };
   for (Standard_Integer i = 1; i <= model->NbEntities(); ++i) {
     const Entity entity = model->Entity(i);
-    if (is_misplaced.contains(entity.get())) continue;
-    const bool is_damaged =
-        garbled.contains(entity.get()) ||
-        (is_of_boundary_representation(entity)
-             ? model->Check(i, Standard_True)->NbFails() > 0 || edges.is_damaged(entity)
-             : is_badly_trimmed(model, entity));
-    if (!is_damaged) continue;
-    (is_face(entity) ? damage.faces : damage.others).push_back(iges_name(model, entity));
-    damaged.push_back(entity);
+    const bool is_damaged = (fails(model, entity) && !only_lacks_surface(entity)) ||
+                            misplaced.geometry.contains(model->DNum(entity));
+    if (is_damaged && is_of_faces(entity)) others.names.push_back(iges_name(model, entity));
   }
-  IgesCut cut(session, damage);
-  for (const Entity& entity : damaged) cut.climb(entity);
-  cut.finish();
-  return damage;
+  return text_of({placings, others});
 }
 
 std::uint64_t count_blanked_iges(const Handle(XSControl_WorkSession) & session) {
@@ -495,8 +298,8 @@ std::uint64_t count_blanked_iges(const Handle(XSControl_WorkSession) & session) 
 }
 
 FileLosses find_iges_losses(const Handle(XSControl_WorkSession) & session,
-                            const Handle(TDocStd_Document) & document, const IgesDamage& damage) {
-  return IgesCheck(session, document, damage).find();
+                            const Handle(TDocStd_Document) & document) {
+  return IgesCheck(session, document).find();
 }
 
 }  // namespace forcelayer::mesh
