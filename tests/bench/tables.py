@@ -141,7 +141,7 @@ def summary():
         wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
         [readme_figures.FRAMES, penetrating("default"),
          f"the paper's model: {penetrating('paper, braking')}; {percent(min(by_stiffness))} to "
-         f"{percent(max(by_stiffness))} by the stiffness of its field", "stability", measured("stability", table2["default"])],
+         f"{percent(max(by_stiffness))} depending on the stiffness of its field", "stability", measured("stability", table2["default"])],
         ["presses that come to rest", f"{rest['default']['quiet']} of {rest['default']['trials']}",
          f"the paper's model: {rest['paper']['quiet']} of {rest['paper']['trials']}", "stability", measured("stability", rest["default"])],
         [readme_figures.CORES, ", ".join(f"{task} {speed_up(task)}" for task in (
