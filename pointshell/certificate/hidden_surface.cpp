@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pointshell/certificate/ray_winding.h"
 #include "pointshell/part/mass_properties.h"
 #include "pointshell/part/parallel.h"
 
@@ -39,6 +40,13 @@ bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& tr
 HiddenSurface::Solid::Solid(const part::Part& part, std::vector<std::uint32_t> triangles)
     : box(part::box_of(part, triangles)), tree(part, std::move(triangles)), winding(tree) {}
 
+// A ray takes some dozens of boxes where the winding number takes thousands, and decides almost
+// always.
+bool HiddenSurface::Solid::winds_around(const part::Vec3& place) const {
+  if (const std::optional<int> windings = windings_by_ray(tree, place)) return *windings != 0;
+  return std::abs(winding.at(place)) > kInside;
+}
+
 HiddenSurface::HiddenSurface(const part::Part& part, double slack)
     : error_(std::ldexp(part.largest_coordinate, -40) + 2 * slack) {
   if (part.body_names.size() < 2) return;
@@ -74,8 +82,7 @@ bool HiddenSurface::may_hold(const part::Box& box, double depth) const {
 
 bool HiddenSurface::holds_ball(const Solid& solid, const part::Vec3& center, double radius) const {
   return reaches_into({center, center}, radius + error_, solid.box) &&
-         !solid.tree.nearest(center, radius + error_).found &&
-         std::abs(solid.winding.at(center)) > kInside;
+         !solid.tree.is_within(center, radius + error_) && solid.winds_around(center);
 }
 
 std::size_t leave_out_hidden_points(const part::Part& part, const HiddenSurface& hidden,

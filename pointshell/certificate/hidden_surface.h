@@ -36,6 +36,7 @@ class HiddenSurface {
  private:
   struct Solid {
     Solid(const part::Part& part, std::vector<std::uint32_t> triangles);
+    bool winds_around(const part::Vec3& place) const;  // which is not on its surface
     part::Box box;
     part::TriangleTree tree;
     WindingNumber winding;

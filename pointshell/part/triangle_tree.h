@@ -56,6 +56,9 @@ class TriangleTree {
   };
   Nearest nearest(const Vec3& place, double radius = std::numeric_limits<double>::infinity()) const;
 
+  // Whether nearest(place, radius) finds a point, in less time.
+  bool is_within(const Vec3& place, double radius) const;
+
   // The point nearest to `place` on one of `triangles` (at least one).
   SurfacePoint nearest(const Vec3& place, std::span<const std::uint32_t> triangles) const;
 

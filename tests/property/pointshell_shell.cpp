@@ -5,6 +5,7 @@
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/point_grid.h"
+#include "pointshell/certificate/ray_winding.h"
 #include "pointshell/certificate/winding_number.h"
 #include "pointshell/normals/normals.h"
 #include "pointshell/report.h"
@@ -166,6 +167,7 @@ TEST(Winding, EqualsTheSumOverAllTriangles) {
   const certificate::WindingNumber winding(tree);
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> unit(-1.5, 1.5);
+  int decided = 0;
   for (int n = 0; n < 500; ++n) {
     const part::Vec3 place{unit(random), unit(random), unit(random)};
     double sum = 0;
@@ -174,8 +176,12 @@ TEST(Winding, EqualsTheSumOverAllTriangles) {
                                            part.vertices[t[2]]);
     }
     EXPECT_NEAR(winding.at(place), sum, 0.01);
+    const std::optional<int> by_ray = certificate::windings_by_ray(tree, place);
+    EXPECT_EQ(by_ray.value_or(std::lround(sum)), std::lround(sum));
+    decided += by_ray.has_value();
     EXPECT_NEAR(sum, std::round(sum), 1e-9);
   }
+  EXPECT_GT(decided, 490);
 }
 
 void expect_nearest_of_all(const part::Part& part) {
@@ -194,7 +200,9 @@ void expect_nearest_of_all(const part::Part& part) {
     const auto nearest = tree.nearest(place);
     ASSERT_TRUE(nearest.found);
     EXPECT_DOUBLE_EQ(part::length(nearest.point.position - place), best);
-    EXPECT_EQ(tree.nearest(place, 0.5 * best).found, false);
+    for (const double radius : {0.5 * best, std::nextafter(best, 0.0), best, 2 * best}) {
+      EXPECT_EQ(tree.is_within(place, radius), tree.nearest(place, radius).found);
+    }
   }
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -28,11 +27,6 @@ constexpr double kWhole = 0.2;
 constexpr double kFar = 2;
 // Rounding of a length along a direction, as a share of the largest coordinate: far above it.
 constexpr double kRounding = 1e-13;
-// A unit vector that no face or edge of a drawing runs along, and the same for what is computed
-// along it: the sums of a dozen products.
-constexpr Vec3 kRay{0.5437211, 0.2913847, 0.7870619};
-constexpr double kRayRounding = 1e-13;
-
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
 
 // The ends of a piece along a direction.
@@ -72,38 +66,6 @@ double largest_of(const part::Piece& piece) {
     largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }
   return largest;
-}
-
-// Whether a ray from a place may meet a node's box, which is seen as larger by `off`.
-bool may_cross(const part::TriangleTree::Node& node, const Vec3& place, double off) {
-  double enters = -off, leaves = std::numeric_limits<double>::infinity();
-  const auto across = [&](double low, double high, double from, double along) {
-    const double a = (low - from) / along, b = (high - from) / along;
-    enters = std::max(enters, std::min(a, b));
-    leaves = std::min(leaves, std::max(a, b));
-  };
-  across(node.low[0], node.high[0], place.x, kRay.x);
-  across(node.low[1], node.high[1], place.y, kRay.y);
-  across(node.low[2], node.high[2], place.z, kRay.z);
-  return enters <= leaves + off;
-}
-
-// 1 where a ray from a place leaves through a triangle, -1 where it enters, 0 where it passes. None
-// where rounding decides; no corner is farther from the place than `reach`.
-std::optional<int> crossing_of(const part::Piece& triangle, const Vec3& place, double reach) {
-  const Vec3 a = triangle[0] - place, b = triangle[1] - place, c = triangle[2] - place;
-  const double of_edges[] = {part::dot(kRay, part::cross(a, b)), part::dot(kRay, part::cross(b, c)),
-                             part::dot(kRay, part::cross(c, a))};
-  const double low = std::min({of_edges[0], of_edges[1], of_edges[2]});
-  const double high = std::max({of_edges[0], of_edges[1], of_edges[2]});
-  const double off = kRayRounding * reach * reach;
-  if (low < -off && high > off) return 0;  // the line passes beside it
-  if (!(low > off || high < -off)) return std::nullopt;
-  // The line goes through: ahead of the place or behind it?
-  const double volume = part::dot(a, part::cross(b, c));
-  if (!(std::abs(volume) > off * reach)) return std::nullopt;
-  const int side = low > 0 ? 1 : -1;
-  return (volume > 0) == (side > 0) ? side : 0;
 }
 
 // Edges that triangles do not run along as often forwards as backwards.
@@ -157,24 +119,6 @@ bool Body::holds(const Vec3& place_m) const {
     if (const auto windings = windings_by_ray(place_m)) return *windings != 0;
   }
   return std::abs(winding_->at(place_m, kFar)) > 0.5;
-}
-
-std::optional<int> Body::windings_by_ray(const Vec3& place) const {
-  const part::TriangleTree::Node& whole = tree_.nodes()[0];
-  double reach = 0;  // no corner is farther away
-  for (std::size_t n = 0; n < 3; ++n) {
-    const double at = n == 0 ? place.x : n == 1 ? place.y : place.z;
-    reach += std::max(std::abs(whole.low[n] - at), std::abs(whole.high[n] - at));
-  }
-  const double off = kRayRounding * reach;
-  std::optional<int> windings = 0;
-  tree_.visit_where(
-      [&](const part::TriangleTree::Node& node) { return windings && may_cross(node, place, off); },
-      [&](std::uint32_t triangle) {
-        const auto crossing = crossing_of(part::triangle_piece(part_, triangle), place, reach);
-        windings = windings && crossing ? std::optional(*windings + *crossing) : std::nullopt;
-      });
-  return windings;
 }
 
 bool Body::may_meet(const part::Piece& piece) const {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "pointshell/certificate/ray_winding.h"
 #include "pointshell/certificate/winding_number.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/triangle_tree.h"
@@ -39,9 +40,11 @@ class Body {
   // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
   bool holds(const part::Vec3& place_m) const;
 
-  // How often the triangles wind around a place, counted where a ray from it crosses them: exact
-  // where each edge is closed. None where the ray comes too near an edge for its rounding.
-  std::optional<int> windings_by_ray(const part::Vec3& place_m) const;
+  // How often the triangles wind around a place: exact where each edge is closed. None where the
+  // ray that counts comes too near an edge for its rounding.
+  std::optional<int> windings_by_ray(const part::Vec3& place_m) const {
+    return certificate::windings_by_ray(tree_, place_m);
+  }
 
   // Whether a piece may meet the triangles. Where it does not, and the body is closed, all of the
   // piece lies inside or all of it outside.
