@@ -126,8 +126,8 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
   if (!(certificate::proof_margin(part, radius) <= kMostMargin * radius)) {
     char what[160];
     std::snprintf(what, sizeof what,
-                  "the part reaches %.3g m from its frame's origin: double precision does not tell "
-                  "its places to a quarter of the covering radius",
+                  "the part reaches %.3g m from its frame's origin: double precision cannot "
+                  "resolve its points to a quarter of the covering radius",
                   part.largest_coordinate);
     return Error{ErrorCode::kBakeTooLarge, "", "", what,
                  "move the mesh toward its origin, and check --units"};

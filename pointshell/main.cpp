@@ -66,7 +66,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
   app.add_option("--units", arguments.units,
                  "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): needed where their "
-                 "format defines none, overrides one that it defines");
+                 "format defines no unit; replaces the unit that the format defines");
   app.add_option("--method", arguments.method,
                  "surface (default); fast: the same in less time, with more points; voxel-centers: "
                  "that of the paper")

@@ -91,7 +91,7 @@ std::string sheet_warning(const BakedShell& shell) {
     if (shell.header.mass_source == static_cast<std::uint32_t>(MassSource::kVolume)) return "";
     const std::uint64_t edges = shell.orientation.boundary_edges;
     const std::string where = edges == 0 ? "" : ", with " + mesh::counted(edges, "open edge");
-    return "the surface is no closed solid" + where + ": mass is taken from the area";
+    return "the surface is not a closed solid" + where + ": mass is taken from the area";
   }
   std::string text = mesh::counted(sheets.size(), "open sheet") + ": ";
   for (std::size_t n = 0; n < std::min(sheets.size(), kListed); ++n) {

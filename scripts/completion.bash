@@ -17,7 +17,7 @@ _forcelayer_complete() {
   if [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$(grep -oE '^  -[^ ]*' <<<"$help" | tr ', ' '\n\n' | grep '^-')" -- "$word")
   elif [[ $COMP_CWORD -eq 1 && $word =~ ^[a-z]+$ ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "$(sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p; s/^vox[a-z]+ ([a-z]+) says .*/\1/p' <<<"$help")" -- "$word")
+    mapfile -t COMPREPLY < <(compgen -W "$(sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p; s/^vox[a-z]+ ([a-z]+) lists .*/\1/p' <<<"$help")" -- "$word")
   fi
 }
 complete -o bashdefault -o default -F _forcelayer_complete voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer

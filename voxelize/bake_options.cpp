@@ -37,7 +37,8 @@ Status check_compliance_depth(const BakeOptions& options) {
 Status check_standoff(const BakeOptions& options) {
   if (options.standoff_m == 0) return {};
   if (!stores_distances(options)) {
-    return wrong("standoff", "needs stored distances, which tell the guard where a part may be",
+    return wrong("standoff",
+                 "needs stored distances, from which the guard knows where a part may be",
                  "leave out --kind, or use --layers");
   }
   if (options.layers != 0) {
@@ -67,7 +68,7 @@ Status check_standoff(const BakeOptions& options) {
 Status check_kind(const BakeOptions& options) {
   if (Status standoff = check_standoff(options); !standoff) return standoff;
   if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
-    return wrong("layers", "are none: there is nothing for the metric to measure",
+    return wrong("layers", "must be at least 1: without layers the metric measures nothing",
                  "use --layers 1 or more, or --kind paper");
   }
   if (Status depth = check_compliance_depth(options); !depth) return depth;

@@ -70,8 +70,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
   app.add_option("--units", arguments.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
-                 "overrides one that it defines");
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
+                 "unit; replaces the unit that the format defines");
   mesh::declare_up(app, arguments.up);
   app.add_option("--layers", arguments.layers,
                  "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
@@ -176,7 +176,7 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
     }
     if (arguments.kind != "full") {
       return Error{ErrorCode::kUsage, "", "--standoff",
-                   "needs stored distances, which tell the guard where a part may be",
+                   "needs stored distances, from which the guard knows where a part may be",
                    "leave out --kind, or use --layers"};
     }
     if (!(*standoff > 0)) {

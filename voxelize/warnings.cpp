@@ -14,7 +14,7 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
   std::vector<std::string> warnings = scene.warnings;
   if (scene.objects.size() > kMostObjects && options.objects && stores_distances(options)) {
     warnings.push_back(
-        "the file does not tell objects apart: " + std::to_string(scene.objects.size()) +
+        "the file cannot name every object: " + std::to_string(scene.objects.size()) +
         " are more than the " + std::to_string(kMostObjects) +
         " that it can name; leave some out with --without, or join some");
   }

@@ -106,18 +106,18 @@ class LayerAudit {
     if (header_.offset_layers > 0 || has_standoff(header_)) {
       const NodeRows::Rows& near = rows_.grown(NodeRows::kInterior, steps_);
       expect_within(low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToSurface),
-                    "is neither interior nor surface, though it is within the force layers of an "
-                    "interior one");
+                    "is neither interior nor surface, but it is within the force layers of an "
+                    "interior voxel");
       if (all_layers_) {
         expect_within(low, far_from_crop(low, steps_), row(NodeRows::kUpToSurface), rows_of(near),
-                      "is surface, though no interior one is within the force layers of it");
+                      "is surface, but no interior voxel is within the force layers of it");
       }
     }
     const NodeRows::Rows& near = rows_.grown(NodeRows::kUpToSurface, 1);
     expect_within(low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToProximity),
-                  "is free, though it touches one that is interior or surface");
+                  "is free, but a voxel beside it is interior or surface");
     expect_within(low, far_from_crop(low, 1), row(NodeRows::kUpToProximity), rows_of(near),
-                  "is proximity, though it touches none that is interior or surface");
+                  "is proximity, but no voxel beside it is interior or surface");
   }
 
   // Every bit of the rows one(x) in `part` of the node at `low` must be one of other(x).

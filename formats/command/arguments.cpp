@@ -85,7 +85,7 @@ bool parse_subcommands(CLI::App& app, int argc, char** argv, int& exit_code) {
   const std::string meant = argc > 1 ? meant_subcommand(app, argv[1]) : "";
   if (meant.empty()) return parse_arguments(app, argc, argv, exit_code);
   expect_report(argc, argv);
-  const Error error{ErrorCode::kUsage, argv[1], "", "is no file and no subcommand", meant};
+  const Error error{ErrorCode::kUsage, argv[1], "", "is neither a file nor a subcommand", meant};
   exit_code = run_command(app.get_name().c_str(), [&] { return Status(error); });
   return false;
 }

@@ -67,7 +67,7 @@ Result<std::vector<std::string>> parse_digests(std::string_view text) {
         digest.find_first_not_of("0123456789abcdef") == std::string::npos) {
       continue;
     }
-    return Error{ErrorCode::kUsage, "", "", "'" + digest + "' is no SHA-256",
+    return Error{ErrorCode::kUsage, "", "", "'" + digest + "' is not a SHA-256",
                  "give 64 hexadecimal digits, as sha256sum or voxinfo prints them"};
   }
   return digests;

@@ -216,7 +216,7 @@ ManifestObject read_object(const Json& json, const std::string& key,
   if (is_flat(object.world_from_object)) {
     throw BadKey{fields.path(fields.find("matrix") != nullptr ? "matrix" : "scale"),
                  "makes the object flat, a line or a point",
-                 "name an object that shall not be there in \"without\""};
+                 "list an object that should be left out in \"without\""};
   }
   if (const Json* seeds = fields.find("free_seeds"))
     object.free_seeds_m = points(*seeds, fields.path("free_seeds"));
@@ -278,7 +278,7 @@ Result<Manifest> read_manifest(const std::string& path) {
     return read_fields(json, std::filesystem::path(path).parent_path());
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),
-                 "is no valid JSON here", "check the JSON"};
+                 "is not valid JSON here", "check the JSON"};
   } catch (const Json::out_of_range&) {
     return Error{ErrorCode::kSceneInvalid, path, "", "a number in it is too large for a double",
                  "write it smaller"};

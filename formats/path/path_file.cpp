@@ -162,7 +162,7 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
       }
       if (const auto turn = open_turn(before, values, rows.back(), *row)) {
         return wrong(name_of(columns, *turn) + " turns by 180 degrees or more in one step",
-                     "add rows between: which way round?");
+                     "add rows between them, so that the direction of the turn is known");
       }
     }
     if (rows.size() == kMostPathRows) return wrong("is beyond 100 million rows");

@@ -9,8 +9,8 @@ namespace forcelayer::voxinfo {
 
 // Writes `file` to `out` in the format that the name's ending asks for: .csv (i,j,k,value of every
 // non-free voxel), .ply (the force layer's voxel faces, or a shell's points) or .vdb. Errors:
-// kUsage for an ending that is none of these or does not fit the file, or a .vdb in a build without
-// OpenVDB.
+// kUsage for an ending that is not one of these or does not fit the file, or a .vdb in a build
+// without OpenVDB.
 Status export_baked_file(const BakedFile& file, const std::string& out);
 
 // The single formats; memory does not grow with the scene's volume.

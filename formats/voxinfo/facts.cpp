@@ -208,7 +208,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
   if (has_standoff(h)) {
-    add_line(text, "  standoff          %.4g mm; distances tell where a part may be",
+    add_line(text, "  standoff          %.4g mm; distances decide where a part may be",
              1e3 * h.zero_force_m);
   } else {
     add_line(text, "  offset layers     %u", h.offset_layers);

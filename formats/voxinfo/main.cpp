@@ -148,8 +148,8 @@ int run(int argc, char** argv) {
   path_command->add_option("--resample", of_path.period,
                            "all rows, and between them one every so often, like 1ms");
   path_command->add_option("--part", of_path.shell,
-                           "the .pshell whose centroid's way is told, and goes straight between "
-                           "rows, as in voxcheck; else the frame's origin does");
+                           "measure the path of this .pshell's centroid, which moves straight "
+                           "between rows as in voxcheck (default: the path of the frame's origin)");
   path_command->add_flag("--reverse", of_path.reverse, "from the last pose to the first");
   of_path.of = "part";
   path_command->add_option("--of", of_path.of, "of a trace: part or handle, default part")
@@ -171,7 +171,7 @@ int run(int argc, char** argv) {
       *path_command,
       {{"The path", {"--resample", "--reverse", "--part", "--of"}}, {"Output", {"-o"}}},
       "  voxinfo path run.csv                               how long it is\n"
-      "  voxinfo path run.csv --reverse -o back.csv         and the way back\n"
+      "  voxinfo path run.csv --reverse -o back.csv         the same path backward\n"
       "  voxinfo path run.csv --resample 10ms --part part.pshell -o fine.csv    rows in between");
   command::arrange_help(
       app, {{"Output", {"--objects"}}},

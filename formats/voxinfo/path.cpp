@@ -17,8 +17,8 @@ constexpr double kShortestPeriodS = 1e-6;
 
 std::string summary_of(const PathFacts& f, const std::string& path, const char* point) {
   using command::text;
-  return text("%s: %zu poses from %.6g to %.6g s; a way of %.6g m for %s, turns of %.6g rad\n",
-              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, f.way_m, point, f.turn_rad) +
+  return text("%s: %zu poses from %.6g to %.6g s; %s travels %.6g m and turns %.6g rad\n",
+              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, point, f.way_m, f.turn_rad) +
          text("  between two poses at most %.6g mm and %.6g rad; at most %.6g m/s\n",
               f.most_step_m * 1e3, f.most_turn_rad, f.most_mps) +
          text("  %s in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", point, f.low_m[0], f.low_m[1],

@@ -178,13 +178,14 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
   // Not finite for a path that overflows.
   if (!(path.rounding_m() <= kMostRoundingVoxels * voxmap.voxel_size_m())) {
     return Error{ErrorCode::kUsage, "", "path",
-                 "goes so far that double precision does not tell its places to 1e-4 voxel",
+                 "goes so far that double precision cannot resolve its positions to 1e-4 voxel",
                  "check its units, or cut it into shorter paths nearer to the scene"};
   }
   if (request.world_from_seat && voxmap.objects() == nullptr) {
-    return Error{ErrorCode::kUsage, "", "--seat",
-                 "the scene names no objects, so what the part is seated on cannot be told",
-                 "bake the scene with voxelize, which names up to 65535 objects"};
+    return Error{
+        ErrorCode::kUsage, "", "--seat",
+        "the scene names no objects, so the objects that the part is seated on are not known",
+        "bake the scene with voxelize, which names up to 65535 objects"};
   }
   if (check.cap_voxels() <= kMostCapVoxels) return {};
   char what[120], mend[120];

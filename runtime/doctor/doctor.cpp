@@ -139,7 +139,7 @@ Finding frequency_governor(const fs::path& root) {
   }
   if (seen == 0) {
     return note("frequency governor",
-                "the system has none to set (a virtual machine, or firmware)");
+                "the system offers no setting (a virtual machine, or the firmware decides)");
   }
   if (others.empty()) return good("frequency governor", "performance on all cores");
   return change("frequency governor",
@@ -152,7 +152,7 @@ Finding idle_states(const fs::path& root) {
   const fs::path latency = root / "dev/cpu_dma_latency";
   std::error_code failure;
   if (entries(root / "sys/devices/system/cpu/cpu0/cpuidle").empty()) {
-    return note("idle states", "the system has none to limit");
+    return note("idle states", "the system offers nothing to limit");
   }
   if (!fs::exists(latency, failure)) return note("idle states", "cannot be limited here");
   if (access(latency.c_str(), W_OK) == 0) {
@@ -245,7 +245,7 @@ std::vector<Finding> hid_devices(const fs::path& root) {
                            seen + ": no permission; if it is the haptic device, see udev rules"));
     }
   }
-  if (found.empty()) found.push_back(note("HID devices", "none is plugged in"));
+  if (found.empty()) found.push_back(note("HID devices", "no such device is plugged in"));
   return found;
 }
 
@@ -269,7 +269,7 @@ Finding udev_rules(const fs::path& root) {
                     "rename it to 70-haptics.rules");
     }
   }
-  return change("udev rules", "none gives users a hidraw device",
+  return change("udev rules", "no rule gives users access to a hidraw device",
                 std::string("write '") + kUdevRule +
                     "' with the device's ids into /etc/udev/rules.d/70-haptics.rules, then 'sudo "
                     "udevadm control --reload; sudo udevadm trigger'");

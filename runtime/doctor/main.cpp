@@ -9,7 +9,7 @@
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Says what of this machine stands in the way of a quiet loop, and how to mend it",
+  CLI::App app{"Lists what on this machine can disturb the 1000 Hz loop, and how to fix it",
                "voxrun doctor"};
   doctor::DoctorOptions options;
   app.add_option("--json", options.json, "write a report");

@@ -151,7 +151,7 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
                  has_standoff(header)
-                     ? "the scene has a standoff, which its distances tell"
+                     ? "the scene has a standoff, which only its distances show"
                      : "the scene has no offset layers, so its values jump from interior to "
                        "proximity",
                  has_standoff(header)

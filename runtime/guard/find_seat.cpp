@@ -26,13 +26,13 @@ constexpr double kUntoldVoxels = 0.35;
 Error no_distances(bool stored) {
   if (stored) {
     return {ErrorCode::kUsage, "", "start",
-            "the part starts inside the scene, and this force field cannot tell a seat from a "
-            "penetration",
+            "the part starts inside the scene, and this force field cannot distinguish a seat from "
+            "a penetration",
             "leave out --force, or start elsewhere (--start)"};
   }
   return {ErrorCode::kUsage, "", "start",
-          "the part starts inside the scene, and a scene without stored distances cannot tell a "
-          "seat from a penetration",
+          "the part starts inside the scene, and a scene without stored distances cannot "
+          "distinguish a seat from a penetration",
           "bake the scene without --kind lean or paper, or start elsewhere (--start)"};
 }
 
@@ -76,7 +76,7 @@ Status SeatRule::check_side(std::uint32_t i) const {
   }
   return Error{ErrorCode::kUsage, "", "start",
                "an open sheet of the part starts in a sheet of " + name_of(probe_.object_of(i)) +
-                   ": nothing tells on which side of it",
+                   ": its side of the sheet is not known",
                "give one of them a thickness, or start elsewhere (--start)"};
 }
 

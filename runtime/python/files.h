@@ -116,7 +116,7 @@ struct pybind11::detail::type_caster<forcelayer::python::Doubles> {
     if (source.is_none() || (!convert && !Array::check_(source))) return false;
     const auto any = pybind11::array::ensure(source);
     if (!any) return false;
-    if (any.dtype().kind() == 'c') throw type_error("complex numbers are no coordinates");
+    if (any.dtype().kind() == 'c') throw type_error("complex numbers are not coordinates");
     if (isinstance<pybind11::array>(source) && hasattr(source, "mask")) {
       throw type_error("a masked array: give its .data, or fill it first");
     }
@@ -151,7 +151,7 @@ std::span<const std::array<double, kColumns>> rows_of(const Doubles& array, cons
 template <std::size_t kColumns>
 const std::array<double, kColumns>& row_of(const Doubles& array, const char* name) {
   if (array.ndim() == 1) return rows_of<kColumns>(array, name)[0];
-  throw Failure({ErrorCode::kUsage, "", name, "is no single row",
+  throw Failure({ErrorCode::kUsage, "", name, "is not a single row",
                  "give " + std::to_string(kColumns) + " numbers"});
 }
 
@@ -173,7 +173,7 @@ bool nobody_interrupts();
 // that is no pose or point.
 void check_done(std::int64_t done, const char* name, const char* what);
 inline constexpr const char* kNoPose =
-    " is no pose: give finite meters and a quaternion that is not zero";
+    " is not a pose: give finite meters and a quaternion that is not zero";
 
 void bind_simulation(py::module_& module);
 

@@ -35,7 +35,7 @@ Pose pose_of(const std::array<double, 7>& n, const std::string& name) {
   const glm::dquat q(n[3], n[4], n[5], n[6]);
   const double length = glm::length(q), sum = n[0] + n[1] + n[2];
   if (!std::isfinite(sum) || !std::isfinite(length) || !(length > 0)) {
-    throw Failure({ErrorCode::kUsage, "", name, "is no pose",
+    throw Failure({ErrorCode::kUsage, "", name, "is not a pose",
                    "give finite meters and a quaternion that is not zero"});
   }
   return {{n[0], n[1], n[2]}, q / length};
@@ -267,8 +267,9 @@ True
 >>> forcelayer.Scene("bay.vox").stores_distances
 True
 )")
-      .def_property_readonly("objects", &object_names,
-                             R"(Names of the scene's objects by their number; number 0 is none.
+      .def_property_readonly(
+          "objects", &object_names,
+          R"(Names of the scene's objects by their number; number 0 means no object.
 
 >>> scene = forcelayer.Scene("bay.vox")
 >>> scene.objects[0], len(scene.objects) > 1
@@ -373,7 +374,7 @@ row for each pose:
 (False, True)
 >>> scene.clearance(part, [0, 0, 0, 0, 0, 0, 0])
 Traceback (most recent call last):
-forcelayer.Error: poses: row 0 is no pose: give finite meters and a quaternion that is not zero
+forcelayer.Error: poses: row 0 is not a pose: give finite meters and a quaternion that is not zero
 )")
       .def("check", &check_path, given("part"), given("t_s"), given("poses"),
            given("clearance_m") = 0.0127, py::kw_only(),

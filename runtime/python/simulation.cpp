@@ -364,14 +364,14 @@ RunRequest request_of(const std::string& model, const std::optional<std::string>
   request.device.name = "the simulated device";
   const auto known = parse_model(model);
   if (!known) {
-    throw Failure({ErrorCode::kUsage, "", "model", "'" + model + "' is no model",
+    throw Failure({ErrorCode::kUsage, "", "model", "'" + model + "' is not a model",
                    "use 'default' or 'paper'"});
   }
   request.model = *known;
   if (force) {
     request.force = parse_force(*force);
     if (!request.force) {
-      throw Failure({ErrorCode::kUsage, "", "force", "'" + *force + "' is no force field",
+      throw Failure({ErrorCode::kUsage, "", "force", "'" + *force + "' is not a force field",
                      "use 'tangent-plane', 'level' or 'distance'"});
     }
   }
@@ -426,7 +426,7 @@ alone, to the last bit.
 [0.0, 0.0, 0.0]
 >>> forcelayer.Simulation(scene, part, model="fast")
 Traceback (most recent call last):
-forcelayer.Error: model: 'fast' is no model; use 'default' or 'paper'
+forcelayer.Error: model: 'fast' is not a model; use 'default' or 'paper'
 )")
       .def(py::init([](Scene& scene, Part& part, const std::string& model,
                        const std::optional<std::string>& force, double rate_hz,
@@ -448,7 +448,7 @@ is installed there: until it has left them, it may touch them.
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 0, 0, 0, 0])
 Traceback (most recent call last):
-forcelayer.Error: world_from_part: is no pose; give finite meters and a quaternion that is not zero
+forcelayer.Error: world_from_part: is not a pose; give finite meters and a quaternion that is not zero
 )")
       .def("step", &Stepper::step, given("world_from_handle"),
            py::arg("handle_velocity") = py::none(), R"(One frame: moves the hand, then the part.
@@ -585,7 +585,7 @@ Other Python threads run meanwhile.
 True
 >>> forcelayer.replay(scene, part, "bay.vox")
 Traceback (most recent call last):
-forcelayer.Error: bay.vox: header: is no recording; record the run again
+forcelayer.Error: bay.vox: header: is not a recording of voxrun; record the run again
 )");
 }
 

@@ -56,7 +56,7 @@ Result<Model> model_from(int model) {
     case FORCELAYER_MODEL_PAPER:
       return Model::kPaper;
     default:
-      return Error{ErrorCode::kUsage, "", "model", "is none of FORCELAYER_MODEL_...",
+      return Error{ErrorCode::kUsage, "", "model", "is not one of FORCELAYER_MODEL_...",
                    "begin with forcelayer_default_options()"};
   }
 }

@@ -120,7 +120,7 @@ Status check_settings(const RunRequest& request) {
     if (info == std::end(kTable)) {
       std::string names = "known are";
       for (const ParameterInfo& known : kTable) (names += ' ') += known.name;
-      return Error{ErrorCode::kUsage, "", name, "is no parameter", names};
+      return Error{ErrorCode::kUsage, "", name, "is not a parameter", names};
     }
     if (info->may_be_infinite && std::isinf(value) && value > 0) continue;
     if (Status s = check_range(name, value, info->range); !s) return s;
@@ -432,7 +432,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
   choice.set("field_n_per_m", std::max(hold, stiff),
              hold > stiff ? "one point holds the coupling's force limit at 0.15 voxel"
-                          : "5 k_T: the part gives way a fifth of the hand's way at most");
+                          : "5 k_T: the part yields by at most a fifth of the hand's motion");
 }
 
 }  // namespace
@@ -483,8 +483,8 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
       derive_paper(request, shell, derived);
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
-            "the scene has a soft covering, which the paper's model leaves out: it presses with "
-            "field_n_per_m all the way");
+            "the scene has a soft covering, which the paper's model ignores: it presses with "
+            "field_n_per_m at every depth");
       }
       break;
     case Model::kDefault:

@@ -30,7 +30,7 @@ Result<Pose> checked_pose(Pose pose, const char* name) {
     pose.orientation /= length;
     return pose;
   }
-  return Error{ErrorCode::kUsage, "", name, "is no pose",
+  return Error{ErrorCode::kUsage, "", name, "is not a pose",
                "give meters, at most 1e9, and a quaternion that is not zero"};
 }
 
@@ -51,7 +51,7 @@ Result<PartStart> checked_start(PartStart start) {
 // Whether a run can begin with this reading.
 Status check_first_reading(const DeviceSample& first, const DeviceCapabilities& device) {
   if (!loop::is_pose(first.device_from_handle)) {
-    return Error{ErrorCode::kUsage, "", "device_from_handle", "is no pose",
+    return Error{ErrorCode::kUsage, "", "device_from_handle", "is not a pose",
                  "give finite meters and a quaternion of length 1"};
   }
   if (!first.present || !first.calibrated) {

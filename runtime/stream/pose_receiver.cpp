@@ -24,7 +24,7 @@ Result<PoseReceiver> PoseReceiver::open(std::uint16_t port, const std::string& a
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
   addrinfo* found = nullptr;
   if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) {
-    return Error{ErrorCode::kUsage, "", "", "'" + address + "' is no numeric address", ""};
+    return Error{ErrorCode::kUsage, "", "", "'" + address + "' is not a numeric address", ""};
   }
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> list(found, freeaddrinfo);
   const int descriptor = socket(found->ai_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);

@@ -37,7 +37,7 @@ bool is_port(const std::string& text) {
 }
 
 Error address_error(const std::string& target, const char* what) {
-  return {ErrorCode::kUsage, "", "--udp", "'" + target + "' is no address: " + what,
+  return {ErrorCode::kUsage, "", "--udp", "'" + target + "' is not an address: " + what,
           "write it like 127.0.0.1:7000"};
 }
 

@@ -74,7 +74,7 @@ class Reader {
       const bool ours =
           shared == 0 || std::memcmp(bytes_.data(), kRecordingMagic.data(), shared) == 0;
       return error(ours ? ErrorCode::kTruncated : ErrorCode::kNotThisFormat, "header",
-                   ours ? "is cut off" : "is no recording");
+                   ours ? "is cut off" : "is not a recording of voxrun");
     }
     std::memcpy(&h, bytes_.data(), sizeof h);
     if (Status valid = check_header(h); !valid) return valid.error();
@@ -137,7 +137,7 @@ class Reader {
  private:
   Status check_header(const RecordingHeader& h) const {
     if (h.magic != kRecordingMagic) {
-      return error(ErrorCode::kNotThisFormat, "header", "is no recording");
+      return error(ErrorCode::kNotThisFormat, "header", "is not a recording of voxrun");
     }
     if (h.endian_tag != kRecordingEndianTag) {
       return error(ErrorCode::kWrongEndianness, "header", "was written on a big-endian machine");

@@ -1,4 +1,4 @@
-// voxcheck: says whether a part keeps its clearance along a path, proven along the whole way.
+// voxcheck: says whether a part keeps its clearance along a path, and proves it for the whole path.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -181,8 +181,8 @@ Status check(const Options& options) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Checks that a part keeps its clearance from a scene along a path, proven along the "
-      "whole way",
+      "Checks that a part keeps its clearance from a scene along a path, and proves it for the "
+      "whole path",
       "voxcheck"};
   app.footer("Exit status 0: clear; 6: not clear.");
   command::set_version(app, std::string("vectors ") + query::kernel_target());

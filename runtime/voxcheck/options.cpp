@@ -55,8 +55,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "nodes that the bake of the scene left out; repeatable")
       ->allow_extra_args(false);
   app.add_option("--units", options_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
-                 "overrides one that it defines");
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
+                 "unit; replaces the unit that the format defines");
   app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options_.allow_outside,
                "a manifest may name meshes outside its own folder");
@@ -64,7 +64,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                     "read each mesh file in a process of its own, as voxelize does; "
                     "--sandbox=memory=2GiB,time=30s sets its limits for a file");
   app.add_option("--threads", options_.threads,
-                 "that share the work, default all; no answer depends on it")
+                 "worker threads, default all; the answer does not depend on their number")
       ->check(CLI::Range(1u, kMostThreads));
   app.add_option("--picture", options_.picture,
                  "draw the worst moment, PNG (by voxview; with the meshes of --exact)");

@@ -61,7 +61,7 @@ std::string most_text(const CheckedMoment& moment) {
 std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
                           std::size_t stretch, std::optional<double> exact_m) {
   const clearance::SeatedStretch& seated = result.seated[stretch];
-  return text("  in its seat for %.1f mm of a way of %.1f mm: least clearance there ",
+  return text("  in its seat for %.1f mm of a path of %.1f mm: least clearance there ",
               1e3 * seated.way_m, 1e3 * result.way_m) +
          (exact_m
               ? text("%.3f mm exact", 1e3 * *exact_m)

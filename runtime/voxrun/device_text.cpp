@@ -53,7 +53,8 @@ void add_device_options(CLI::App& app, DeviceTexts& texts) {
       "clutch=N,scene=N,guide=N");
   command::add_help_table(
       app, "Options of --device (a comma in a value is written twice)",
-      "hid:id=ID\twhich one: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN; spacemouse "
+      "hid:id=ID\tchoose a device: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN; "
+      "spacemouse "
       "has it too\n"
       "hid:without-watchdog\tuse a device with motors that does not stop by itself; plugin has it "
       "too\n"

@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "doctor") return start_doctor(argv + 1);
   const auto made = forcelayer::command::make_app(
       "Runs the haptic loop between a .vox scene and a .pshell part", "voxrun",
-      "voxrun doctor says what of this machine stands in the way of a quiet loop.");
+      "voxrun doctor lists what on this machine can disturb the 1000 Hz loop.");
   CLI::App& app = *made;
   forcelayer::voxrun::OptionParser parser(app);
   arrange(app);

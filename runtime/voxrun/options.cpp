@@ -52,7 +52,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", bounds_of(kRatesHz));
   command::add_count(app, "--threads", options_.run.threads,
-                     "that share the contact query, default 1", static_cast<int>(kThreads.least),
+                     "threads of the contact query, default 1", static_cast<int>(kThreads.least),
                      static_cast<int>(kThreads.most));
   command::add_text(app, "--model", texts_.model,
                     "dynamic model: default, or paper for the method of 1999");
@@ -61,10 +61,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
                     "no clock: every frame follows the last at once");
   command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the sim device");
-  command::add_text(
-      app, "--pull", texts_.pull,
-      "x,y,z: in place of --motion, a hand that rests for 0.3 s and then moves the part "
-      "straight by this way, such as 0,0,60mm, at 5 cm/s or in two seconds");
+  command::add_text(app, "--pull", texts_.pull,
+                    "x,y,z: instead of --motion: the hand rests for 0.3 s and then pulls the part "
+                    "straight by this displacement, such as 0,0,60mm, at 5 cm/s or in two seconds");
   command::add_choice(
       app, "--hand", options_.hand, {"firm", "loose"},
       "a simulated hand that feels the sim device: firm or loose; --motion is then where "
@@ -76,10 +75,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       app, "--seat", texts_.seat,
       "world_from_part where the part is installed: it may touch there what it touches, "
       "until it has left those objects (where it starts)");
-  command::add_text(
-      app, "--grip", texts_.grip,
-      "handle_from_part, in the same way: the handle's origin is where the hand holds "
-      "the part; default: its frame's");
+  command::add_text(app, "--grip", texts_.grip,
+                    "handle_from_part, in the same format: the origin of the handle is where the "
+                    "hand holds the part; default: the origin of the part's frame");
   command::add_text(app, "--world-from-device", texts_.world_from_device,
                     "place of the device; default 0,0,0m");
   command::add_number(
@@ -147,13 +145,13 @@ Status OptionParser::read_texts(Options& options) const {
   }
   if (!texts_.model.empty()) {
     const auto model = parse_model(texts_.model);
-    if (!model) return usage("--model", "'" + texts_.model + "' is no model", "see --help");
+    if (!model) return usage("--model", "'" + texts_.model + "' is not a model", "see --help");
     options.run.model = *model;
   }
   if (!texts_.force.empty()) {
     options.run.force = parse_force(texts_.force);
     if (!options.run.force) {
-      return usage("--force", "'" + texts_.force + "' is no force field", "see --help");
+      return usage("--force", "'" + texts_.force + "' is not a force field", "see --help");
     }
   }
   if (!texts_.start.empty()) {
@@ -248,7 +246,7 @@ Status OptionParser::read_pull(Options& options) const {
   options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
   const double length_m = glm::length(*options.pull_m);
   if (!(length_m > 0 && length_m <= kLongestPullM)) {
-    return usage("--pull", "is no way, or longer than 1000 m", "write it like 0,0,60mm");
+    return usage("--pull", "must not be zero, and at most 1000 m long", "write it like 0,0,60mm");
   }
   return {};
 }

@@ -251,8 +251,8 @@ void warn_of_early_end(const Options& options, const std::optional<std::uint64_t
   if (!frames) return;
   std::vector<std::string>& warnings = session.facts.warnings;
   if (const auto end_s = motion_end_s(session); end_s && *frames < frames_of(*end_s, session)) {
-    warnings.push_back(options.pull_m ? "--duration: the run ends before --pull does: it does not "
-                                        "tell whether the part comes out"
+    warnings.push_back(options.pull_m ? "--duration: the run ends before --pull does, so it cannot "
+                                        "show whether the part comes out"
                                       : "--duration: the run ends before --motion does");
   }
   for (const NextScene& next : options.scene_next) {

@@ -138,7 +138,7 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
                 least.time_s, least.point_m.x, least.point_m.y, least.point_m.z);
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
-    part += text(", none known of %llu frame%s", printable(n), ending(n));
+    part += text(", not known in %llu frame%s", printable(n), ending(n));
   }
   return part;
 }

@@ -81,6 +81,6 @@ refuses() {  # refuses TEXT ARGUMENTS...
 }
 refuses "--pull: length '5' has no unit" --pull 0,0,5
 refuses "--pull: is a motion of the sim device" --pull 0,0,5mm --motion sample_data/lift.csv
-refuses "--pull: is no way" --pull 0,0,0m  # from which nothing could come out
-refuses "--pull: is no way" --pull 0,0,1e9m
+refuses "--pull: must not be zero" --pull 0,0,0m  # from which nothing could come out
+refuses "--pull: must not be zero" --pull 0,0,1e9m
 finish

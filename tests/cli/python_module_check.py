@@ -251,9 +251,9 @@ def check_simulation(scene, part, run):
     simulation.moment = middle
     bad = hand[300:].copy()
     bad[10, 3:] = 0
-    expect_error(lambda: simulation.run(bad), "world_from_handle: row 10 is no pose")
-    expect_error(lambda: simulation.step(bad[10]), "world_from_handle: row 0 is no pose")
-    expect_error(lambda: simulation.step(hand[300], numpy.full(6, numpy.nan)), "world_from_handle: row 0 is no pose")
+    expect_error(lambda: simulation.run(bad), "world_from_handle: row 10 is not a pose")
+    expect_error(lambda: simulation.step(bad[10]), "world_from_handle: row 0 is not a pose")
+    expect_error(lambda: simulation.step(hand[300], numpy.full(6, numpy.nan)), "world_from_handle: row 0 is not a pose")
     expect_error(lambda: simulation.step(hand[300], [0] * 5), "handle_velocity: has the shape (5)")
     assert simulation.report["frames"] == 300
     assert simulation.run(hand[300:]).tobytes() == frames[300:].tobytes()
@@ -389,7 +389,7 @@ def check_ranges(scene, part):
         for name, numbers_range in numbers.items():
             expect_error(lambda n=name, w=wrong: forcelayer.Simulation(scene, part, settings={n: w}),
                          f"{name}: {wrong:.6g} is not from {numbers_range}", 2)
-    line = expect_error(lambda: forcelayer.Simulation(scene, part, settings={"nope": 1}), "nope: is no parameter", 2)
+    line = expect_error(lambda: forcelayer.Simulation(scene, part, settings={"nope": 1}), "nope: is not a parameter", 2)
     known = forcelayer.Simulation(scene, part).parameters
     assert all(name in line for name in known if name != "rate_hz"), line
 

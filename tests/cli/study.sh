@@ -67,7 +67,7 @@ assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox"
 assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
 [seated] = verdict["seated"]
 assert "least clearance outside of its seat" in said
-assert f"{1e3 * seated['way_m']:.3f} mm of a way of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
+assert f"{1e3 * seated['way_m']:.3f} mm of a path of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
 END
 
 # A number that is none is refused before anything is baked.
@@ -100,7 +100,7 @@ if [ -x "$bin/voxplan" ]; then
   grep -q 'class="verdict no"><strong>No path found' lost/report.html && grep -q '"verdict": "no path found"' lost/verdict.json &&
     grep -q '^no path found in ' lost/verdict.txt || fail "the page of a search that found none"
   says_no lost/verdict.xml Cover
-  grep -q '^forcelayer: gearbox.glb: Cover: no path found in .* (best: out to .*; the same search finds none again; try a longer' \
+  grep -q '^forcelayer: gearbox.glb: Cover: no path found in .* (best: out to .*; the same search finds no path again; try a longer' \
     err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s --seed 5 -o lost
   grep -q '^\$ voxplan .* --seed 5$' out.txt || fail "--seed is not handed on: $(cat out.txt)"

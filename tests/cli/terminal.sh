@@ -53,7 +53,7 @@ for sub in "${subs[@]}"; do
   [ "$sub" = 'voxrun doctor' ] && continue
   # A letter is missing.
   "$bin/$name" "${word:0:2}${word:3}" floor.vox 2>err.txt && fail "$sub without a letter"
-  [ "$(cat err.txt)" = "$name: ${word:0:2}${word:3}: is no file and no subcommand; did you mean $word?" ] ||
+  [ "$(cat err.txt)" = "$name: ${word:0:2}${word:3}: is neither a file nor a subcommand; did you mean $word?" ] ||
     fail "$sub: $(cat err.txt)"
 done
 "$bin/forcelayer" --json listed.json --quiet >out.txt && [ ! -s out.txt ] || fail "forcelayer --quiet: $(cat out.txt)"

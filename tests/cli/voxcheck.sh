@@ -129,7 +129,7 @@ felt=(--seat 0,0,0m --felt-seat)
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json out.json
 says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
 says '; least proven clearance outside of its seat [12]\.[0-9]{3} mm, at most '
-says '^  in its seat for [1-5]\.[0-9] mm of a way of 48\.0 mm: least clearance there 0\.000 mm proven, at most [01]\.[0-9]+ mm to Gearbox/'
+says '^  in its seat for [1-5]\.[0-9] mm of a path of 48\.0 mm: least clearance there 0\.000 mm proven, at most [01]\.[0-9]+ mm to Gearbox/'
 says '^  in its seat it may pass through features of those objects narrower than 1\.73 mm$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
@@ -251,7 +251,7 @@ assert abs(a["least_clearance"]["clearance_m"] - b["least_clearance"]["clearance
 assert a["seated"][0]["to_s"] == b["seated"][0]["to_s"]
 PYTHON
 "$bin/voxinfo" path mm.csv -o back.csv --quiet
-"$bin/voxinfo" path back.csv --json back.json | grep -q '^back.csv: 101 poses from 0 to 1 s; a way of 0.048 m' ||
+"$bin/voxinfo" path back.csv --json back.json | grep -q '^back.csv: 101 poses from 0 to 1 s; the frame'\''s origin travels 0.048 m' ||
   fail "voxinfo path does not say what is there"
 check 0 opened.vox cover.pshell back.csv --clearance 1mm "${felt[@]}"
 

@@ -235,7 +235,7 @@ expect_equal "the dip" "$(sed -n 5p dips.csv)" 1,0,0,0.004,1,0,0,0
 # without it the origin's, and that this is not how voxcheck moves it.
 printf 't_s,x_m,y_m,z_m,rz_deg\n0,0,0,0,0\n1,0,0,0,90\n' >pivot.csv
 "$voxinfo" path pivot.csv >out
-grep -q "a way of 0 m for the frame's origin, turns of 1.5708 rad" out || fail "origin: $(cat out)"
+grep -q "the frame's origin travels 0 m and turns 1.5708 rad" out || fail "origin: $(cat out)"
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --json pivot.json >out
 python3 - "$golden/v2.pshell" <<'PYTHON' || fail "centroid: $(cat out)"
 import json, math, re, subprocess, sys
@@ -243,7 +243,7 @@ report = json.load(open("pivot.json"))
 x, y, z = report["point_m"]
 way_m = math.sqrt(2) * math.hypot(x, y)
 assert way_m > 1e-3 and abs(report["way_m"] - way_m) < 1e-12 and report["high_m"][2] == report["low_m"][2], report
-told = re.search("a way of ([0-9.]+) m for the centroid", open("out").read())[1]
+told = re.search("the centroid travels ([0-9.]+) m", open("out").read())[1]
 assert abs(float(told) - way_m) < 1e-5 * way_m, told
 PYTHON
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err

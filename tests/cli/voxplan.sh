@@ -18,7 +18,7 @@ errs() { grep -qE -e "$1" err.txt || fail "no '$1' on stderr: $(cat err.txt)"; }
 # The cover goes up where no bolt holds it: by files alone, and by the meshes.
 plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --threads 2
 grep -qE '^path found in .* seated on Gearbox/Housing' out.txt || fail "$(cat out.txt)"
-grep -qE '^  in its seat for [0-9.]+ mm of a way of [0-9.]+ mm: least clearance there 0\.000 mm proven, .* to Gearbox/' out.txt || fail "$(cat out.txt)"
+grep -qE '^  in its seat for [0-9.]+ mm of a path of [0-9.]+ mm: least clearance there 0\.000 mm proven, .* to Gearbox/' out.txt || fail "$(cat out.txt)"
 grep -qE '^  objects that do not count may hide others within 6 mm of them; --exact sees these$' out.txt || fail "$(cat out.txt)"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet --json check.json ||
   fail "by files alone"
@@ -84,7 +84,7 @@ END
 
 # Bolts hold it; voxels of 1 mm feel their heads.
 plan 6 bolted.vox fine.pshell --clearance 2mm --time 1s -o no.csv --json no.json
-errs '^voxplan: fine.pshell: no path found in [0-9.]+ s \(best: out to [0-9.e+-]+ mm, blocked by [^)]*Gearbox/Lid/Bolt[^)]*\); which does not say'
+errs '^voxplan: fine.pshell: no path found in [0-9.]+ s \(best: out to [0-9.e+-]+ mm, blocked by [^)]*Gearbox/Lid/Bolt[^)]*\); which does not prove'
 [ ! -e no.csv ] || fail "a path is there"
 python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] and r["best"]["out_m"] < 0.02, r' || fail "no.json"
 

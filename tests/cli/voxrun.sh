@@ -112,7 +112,7 @@ expect 4 'none' floor.vox coarse.pshell "${fast[@]}"
 expect 0 'coarser' floor.vox coarse.pshell "${fast[@]}" --without-guarantee
 expect 2 'required' floor.vox
 expect 2 '--model' floor.vox ball.pshell --model fancy
-expect 2 'no force field' floor.vox ball.pshell --force fancy
+expect 2 'not a force field' floor.vox ball.pshell --force fancy
 expect 2 'tangent-plane force only' floor.vox ball.pshell --model paper --force level
 expect 2 'no offset layers' unlayered.vox ball.pshell "${fast[@]}" --force level --without-guarantee
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --force tangent-plane
@@ -180,7 +180,7 @@ for time in nans infs 1e300s 1e400s; do
   expect 2 "--duration: " floor.vox ball.pshell "${fast[@]}" --duration $time
 done
 for way in 0,0,1001m 0,0,1e9m -1e8,1e8,0m; do
-  expect 2 '--pull: is no way, or longer than 1000 m' floor.vox ball.pshell --as-fast-as-possible --pull=$way
+  expect 2 '--pull: must not be zero, and at most 1000 m long' floor.vox ball.pshell --as-fast-as-possible --pull=$way
 done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
 expect 2 'recording' floor.vox ball.pshell --replay run.flr --model paper
@@ -199,7 +199,7 @@ expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --expect ${part_sum^^},$oth
 expect 4 "floor.vox: has the SHA-256 $scene_sum, which is not expected" floor.vox ball.pshell "${fast[@]}" --expect $other
 expect 4 "ball.pshell: has the SHA-256 $part_sum, which is not expected" floor.vox ball.pshell "${fast[@]}" --expect $scene_sum
 for digest in '' , 12 ${scene_sum%?} ${scene_sum}0 ${scene_sum%?}g "$scene_sum;$part_sum"; do
-  expect 2 '--expect: (.* is no SHA-256|.*missing)' floor.vox ball.pshell "${fast[@]}" --expect "$digest"
+  expect 2 '--expect: (.* is not a SHA-256|.*missing)' floor.vox ball.pshell "${fast[@]}" --expect "$digest"
 done
 # A file that is damaged besides is not looked into, and the next scene is held to the same digests.
 cp floor.vox rotten.vox && printf x | dd of=rotten.vox bs=1 seek=100 conv=notrunc status=none

@@ -191,7 +191,7 @@ errs 'the paper.s has no seat'
 run 2 opened.vox cover.pshell --motion out.csv --force level
 errs 'leave out --force'
 run 2 lean.vox cover.pshell --motion out.csv
-errs 'the part starts inside the scene, and a scene without stored distances cannot tell a seat from a penetration; bake'
+errs 'the part starts inside the scene, and a scene without stored distances cannot distinguish a seat from a penetration; bake'
 
 # Apart from its seat, it may start anywhere but in the scene.
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,0mm

@@ -318,8 +318,8 @@ expect 4 cut.vox cut.vox
 expect 4 wrong.pshell wrong.pshell
 expect 2 'a second voxmap' bay.vox moved.vox
 expect 2 --units "$data/skin.stl"
-expect 2 'no picture size' bay.vox --size 10
-expect 2 'is no cut' bay.vox --cut z200
+expect 2 'not a picture size' bay.vox --size 10
+expect 2 'is not a cut' bay.vox --cut z200
 expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'nothing to show'

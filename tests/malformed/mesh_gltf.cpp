@@ -55,7 +55,7 @@ TEST(DamagedGlb, IsRefusedAtItsContainer) {
 }
 
 TEST(DamagedGltf, IsRefusedAtItsJson) {
-  expect_error(read_bytes("{", ".gltf"), kUnreadable, "JSON byte 2", "no valid JSON");
+  expect_error(read_bytes("{", ".gltf"), kUnreadable, "JSON byte 2", "not valid JSON");
   expect_error(read_bytes("[]", ".gltf"), kUnreadable, "JSON", "object");
   expect_error(read_bytes("{}", ".gltf"), kUnreadable, "asset", "missing");
   expect_error(read_changed(R"("version":"2.0")", R"("version":"1.0")"), kUnsupported, "asset",
@@ -66,7 +66,7 @@ TEST(DamagedGltf, IsRefusedAtItsJson) {
       read_changed(R"("nodes":[{)", R"("extensionsRequired":["EXT_of_tomorrow"],"nodes":[{)"),
       kUnsupported, "extensionsRequired", "EXT_of_tomorrow");
   const std::string deep = std::string(100'000, '[');
-  expect_error(read_bytes(deep, ".gltf"), kUnreadable, "JSON byte 100001", "no valid JSON");
+  expect_error(read_bytes(deep, ".gltf"), kUnreadable, "JSON byte 100001", "not valid JSON");
 }
 
 TEST(DamagedGltf, NamesTheElementThatIsMissing) {
@@ -111,7 +111,7 @@ TEST(DamagedGltf, ChecksCountsAgainstTheBytes) {
   expect_error(read_changed(R"("type":"VEC3")", R"("type":"VEC2")"), kUnreadable, "accessors[0]",
                "2 components instead of 3");
   expect_error(read_changed(R"("componentType":5125)", R"("componentType":5126)"), kUnreadable,
-               "accessors[1]", "no list of vertex numbers");
+               "accessors[1]", "not a list of vertex numbers");
   expect_error(read_changed(R"("componentType":5125)", R"("componentType":5130)"), kUnreadable,
                "accessors[1]", "unknown type");
 }

@@ -139,7 +139,7 @@ TEST(DamagedPly, NamesTheHeadersLine) {
                ".ply", kUnreadable, "line 7", "lacks vertex_indices");
   expect_error(ply(kPlyVertices + "element face 1\nproperty list uchar float vertex_indices\n",
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-               ".ply", kUnreadable, "line 7", "no list of integers");
+               ".ply", kUnreadable, "line 7", "not a list of integers");
   expect_error(ply("element nothing 5\n" + kPlyVertices, "0 0 0\n1 0 0\n0 1 0\n"), ".ply",
                kUnreadable, "line 3", "has none among its properties");
 }

@@ -100,7 +100,7 @@ double way_to_touch_m(const Pose& from, const glm::dvec3& direction) {
   return -1;
 }
 
-// One collision and the way back.
+// One collision the same path backward.
 struct Strike {
   Pose from, deep, aside;
   double begin_s, strike_s, slide_s;

@@ -161,11 +161,11 @@ TEST(StepLosses, AnOddUnitIsTold) {
     const auto warnings =
         warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step");
     ASSERT_EQ(warnings.size(), 1u) << unit;
-    expect_in(" is no sensible unit of length: look at the size", warnings[0]);
+    expect_in(" is not a plausible unit of length: look at the size", warnings[0]);
   }
   const auto angle = warnings_of(replaced(box, ".RADIAN.", ".SECOND."), ".step");
   ASSERT_EQ(angle.size(), 1u);
-  expect_in(" is no sensible unit of angle", angle[0]);
+  expect_in(" is not a plausible unit of angle", angle[0]);
   for (const char* unit : {"SI_UNIT($,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"}) {
     EXPECT_TRUE(warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step").empty());
   }

@@ -120,7 +120,7 @@ TEST(Trace, RefusesWhatItCannotRead) {
     line.replace(line.find(",10,"), 4, count);
     const auto counted = read_text(kHeader + "\n" + line);
     ASSERT_FALSE(counted) << count;
-    EXPECT_EQ(counted.error().what, "contacts is no count");
+    EXPECT_EQ(counted.error().what, "contacts is not a whole number of zero or more");
   }
 }
 

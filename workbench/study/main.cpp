@@ -27,7 +27,7 @@ constexpr Listed kCommands[] = {
     {"voxinfo", "says what a baked file is; verifies, samples and exports it"},
     {"voxrun", "runs the haptic loop; voxrun doctor checks the machine"},
     {"voxcheck", "proves that a part keeps its clearance along a path"},
-    {"voxplan", "finds a way for a part out of where it is installed"},
+    {"voxplan", "finds a path that takes a part out of its installed position"},
     {"voxview", "shows meshes, baked files and runs"},
 };
 

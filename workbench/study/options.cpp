@@ -59,18 +59,18 @@ OptionParser::OptionParser(CLI::App& study) {
       "how deep distances are kept, as of voxelize: for a part that lies deeper in its "
       "seat; default 4 voxels");
   study.add_option("--path", options_.path,
-                   "the way that is checked: a CSV, a trace or a recording of voxrun");
+                   "the path to check: a CSV, a trace or a recording of voxrun");
   study.add_option("--pull", options_.pull,
                    "x,y,z: where a hand pulls the part to, in place of a path, such as 0,0,60mm");
   study.add_option("--time", options_.time,
-                   "without --path and --pull: how long voxplan looks for a way out; default 60s");
+                   "without --path and --pull: how long voxplan searches for a path; default 60s");
   command::add_count(study, "--seed", seed_,
                      "of the random numbers of that search, as of voxplan; default 1", 0,
                      1'000'000'000);
   study.add_option("--clearance", options_.clearance,
                    "that is required of the exact surfaces, default 12.7mm");
   study.add_option("--seat", options_.seat,
-                   "where the part is installed, world_from_part, or none; default 0,0,0m");
+                   "installed pose of the part, world_from_part, or the word none; default 0,0,0m");
   study.add_option("--seat-depth", options_.seat_depth,
                    "how much deeper than installed the part may go into the objects of its seat, "
                    "beside the deviations of the meshes; default: 0");
@@ -84,8 +84,8 @@ OptionParser::OptionParser(CLI::App& study) {
                      "accept up to this many lost faces of a STEP or IGES file, as voxelize does",
                      0, 1'000'000);
   study.add_option("--units", options_.units,
-                   "unit of the meshes (mm, cm, m, in, ...): needed where their format defines "
-                   "none, overrides one that it defines");
+                   "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
+                   "unit; replaces the unit that the format defines");
   study
       .add_option("--up", options_.up,
                   "y keeps the axes of glTF files, which are y up, as voxelize does (default z)")
@@ -112,11 +112,11 @@ Result<Options> OptionParser::finish() const {
   options.node = named.nodes.front();
   if (!options.path.empty() && !options.pull.empty()) {
     return usage("--path", "and --pull exclude each other",
-                 "give the way that is checked, or where the part is pulled to");
+                 "give the path to check, or the displacement that the part is pulled by");
   }
   if (options.searches() && options.seat == "none") {
-    return usage("--seat", "none, and no way that the part begins at",
-                 "give --path, or the seat that it shall come out of");
+    return usage("--seat", "no seat and no path are given",
+                 "give --path, or the seat that the part should leave");
   }
   if (Status sound = check_numbers(options); !sound) return sound.error();
   if (options.files_alone && !options.seat_depth.empty()) {

@@ -112,7 +112,7 @@ std::string facts_table(const Page& page) {
   for (const Json& s : v["seated"]) {
     table += row("in its seat",
                  text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()) + ", " +
-                     mm(s["way_m"]) + " of a way of " + mm(v["way_m"]) + "; " + clearance(s) +
+                     mm(s["way_m"]) + " of a path of " + mm(v["way_m"]) + "; " + clearance(s) +
                      " to " + name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {

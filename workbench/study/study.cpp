@@ -309,8 +309,8 @@ Status Study::check() {
   sentence_ = checked->output;
   if (!held_.empty() && clear_) {
     sentence_ =
-        "the straight path is clear by the meshes; a simulated hand did not feel its way: " +
-        held_ + "\n" + sentence_;
+        "the straight path is clear by the meshes; a simulated hand did not find a path: " + held_ +
+        "\n" + sentence_;
   } else if (!held_.empty()) {
     std::string by;
     for (const std::string& name : blockers(verdict_)) {
@@ -399,9 +399,10 @@ Status Study::report() const {
 Status Study::judge() const {
   if (clear_) return {};
   if (path_.empty()) {
-    return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node, sentence_,
-                 "the same search finds none again; try a longer --time, another --seed, a smaller "
-                 "--clearance or --voxel-size, or give a path of your own with --path or --pull"};
+    return Error{
+        ErrorCode::kAnswerIsNo, options_.assembly, options_.node, sentence_,
+        "the same search finds no path again; try a longer --time, another --seed, a smaller "
+        "--clearance or --voxel-size, or give a path of your own with --path or --pull"};
   }
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
                held_.empty() ? "its path is not clear" : held_, "see " + in("report.html")};

@@ -73,16 +73,16 @@ Status plan_for(const Options& options) {
   }
   if (planned->search.found) return {};
   return Error{ErrorCode::kAnswerIsNo, options.part, "", not_found_text(report),
-               "which does not say that there is none: try a longer --time, another --seed, a "
+               "which does not prove that there is no path: try a longer --time, another --seed, a "
                "smaller --clearance or smaller voxels"};
 }
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Finds a way for a part, out of where it is installed or to a pose, with a clearance that is "
-      "proven all along",
+      "Finds a path for a part, out of its installed position or to a pose, with a clearance that "
+      "is proven for the whole path",
       "voxplan"};
-  app.footer("Exit status 0: found; 6: none found in that time.");
+  app.footer("Exit status 0: a path was found; 6: no path was found in that time.");
   command::set_version(app, "OMPL " FORCELAYER_OMPL_VERSION);
   OptionParser parser(app);
   command::arrange_help(

@@ -33,8 +33,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
       "world_from_part where it starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. There it may be "
       "near the objects that it touches, until it has left them");
   app.add_option("--goal", goal_,
-                 "world_from_part where it shall go; default: anywhere beside the scene, the "
-                 "part's box outside of the scene's");
+                 "target pose, world_from_part; default: anywhere beside the scene, with the "
+                 "part's box outside of the scene's box");
   app.add_option("--clearance", clearance_,
                  "that is proven along the path, for the exact surfaces; default 12.7mm");
   app.add_option("--allow", options_.allow,
@@ -46,7 +46,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
                  "of its random numbers: another one, another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));
   app.add_option("--threads", options_.threads,
-                 "that share the work; default all; no path depends on it")
+                 "worker threads, default all; the path found does not depend on their number")
       ->check(CLI::Range(1u, kMostThreads));
   options_.speed_mps = 0.1;
   command::add_number(app, "--speed", options_.speed_mps, "of the part along the path, m/s",

@@ -55,7 +55,7 @@ class HeaderReader {
     } else if (keyword == "comment" || keyword == "obj_info") {
       cursor_.skip_to_line_end();
     } else if (!keyword.empty()) {
-      fail(in_quotes(keyword) + " is no line of a PLY header");
+      fail(in_quotes(keyword) + " is not a line of a PLY header");
     }
     end_line();
   }

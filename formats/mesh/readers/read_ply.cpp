@@ -217,7 +217,7 @@ class PlyReader {
     if (indices < 0) fail_properties(element, "lacks vertex_indices");
     const PlyProperty& list = element.properties[static_cast<std::size_t>(indices)];
     if (!list.is_list || !is_integer(list.type)) {
-      fail_properties(element, "has vertex_indices that are no list of integers");
+      fail_properties(element, "has vertex_indices that are not a list of integers");
     }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       item_ = i;

@@ -135,7 +135,7 @@ const forcelayer_plugin* load(const char* library, PluginLink& link) {
       reinterpret_cast<forcelayer_plugin_entry_function>(dlsym(handle, "forcelayer_plugin_entry"));
   const forcelayer_plugin* plugin = entry != nullptr ? entry(FORCELAYER_PLUGIN_ABI) : nullptr;
   if (entry == nullptr) {
-    fail(link, "is no plugin: it has no function forcelayer_plugin_entry");
+    fail(link, "is not a plugin: it has no function forcelayer_plugin_entry");
   } else if (plugin == nullptr) {
     fail(link, "does not speak version 1 of the interface");
   } else if (plugin->open == nullptr || plugin->close == nullptr ||

@@ -144,13 +144,13 @@ Status PluginDevice::launch() {
   if (memory < 0 || ftruncate(memory, sizeof(PluginLink)) != 0 ||
       fcntl(memory, F_ADD_SEALS, kSeals) != 0) {
     if (memory >= 0) close(memory);
-    return failed(options_, "there is no memory to share with its process");
+    return failed(options_, "no memory could be shared with its process");
   }
   void* const mapped =
       mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
   if (mapped == MAP_FAILED) {
     close(memory);
-    return failed(options_, "there is no memory to share with its process");
+    return failed(options_, "no memory could be shared with its process");
   }
   link_ = new (mapped) PluginLink;
   link_->stale_s = options_.stale_s;

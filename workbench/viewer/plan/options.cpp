@@ -41,7 +41,7 @@ Status read_size(const std::string& text, ViewOptions& options) {
   const int read = std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &end);
   for (const int side : {options.width, options.height}) {
     if (read != 2 || side < kSmallestPicture || side > kLargestPicture) {
-      return usage("--size", "'" + text + "' is no picture size",
+      return usage("--size", "'" + text + "' is not a picture size",
                    "give pixels as 1600x1000, each 64 to 8192");
     }
   }
@@ -58,8 +58,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "an earlier .vox: show the gains and losses of the force layer since");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines none, "
-                 "overrides one that it defines");
+                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
+                 "unit; replaces the unit that the format defines");
   app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
   app.add_option("--turntable", options_.turntable,

@@ -82,7 +82,7 @@ Result<PoseReceiver> listen_at(const std::string& text) {
   unsigned number = 0;
   const auto [end, code] = std::from_chars(port.data(), port.data() + port.size(), number);
   if (code != std::errc{} || end != port.data() + port.size() || number > 65535) {
-    return Error{ErrorCode::kUsage, "", "--listen", "'" + text + "' is no port",
+    return Error{ErrorCode::kUsage, "", "--listen", "'" + text + "' is not a port number",
                  "give PORT or ADDRESS:PORT, as 7000"};
   }
   return PoseReceiver::open(static_cast<std::uint16_t>(number), address);

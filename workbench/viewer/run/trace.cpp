@@ -177,12 +177,13 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
       if (place >= cells.size()) return bad_line(path, number, "too few cells");
       const std::string_view cell = cells[place];
       if (!read_number(cell, values[n])) {
-        return bad_line(path, number, "'" + std::string(cell) + "' is no number");
+        return bad_line(path, number, "'" + std::string(cell) + "' is not a number");
       }
     }
     for (const std::size_t n : kCounts) {
       if (is_count(values[n])) continue;
-      return bad_line(path, number, std::string(kColumns[n]) + " is no count");
+      return bad_line(path, number,
+                      std::string(kColumns[n]) + " is not a whole number of zero or more");
     }
     rows.push_back(row_of(values));
     rows.back().clearance = clearance.of(cells);

@@ -222,7 +222,8 @@ class Window {
     if (feed_.receiver && !moment_) {
       lines.push_back("waiting for a run: voxrun ... --udp " + options_.listen);
     }
-    if (silent_) lines.push_back("no pose for a second: the run has ended or hangs");
+    if (silent_)
+      lines.push_back("no pose received for a second: the run has ended or has stopped responding");
     if (playback_) {
       lines.push_back(text_of("%s, %g x    frame %zu of %zu",
                               playback_->playing() ? "playing" : "paused", speed_,

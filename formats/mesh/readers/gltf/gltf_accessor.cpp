@@ -188,7 +188,7 @@ std::vector<std::uint32_t> GltfDocument::read_indices(std::uint64_t accessor_ind
                                 found.component_type == kUnsignedShort ||
                                 found.component_type == kUnsignedInt;
   if (found.components != 1 || !unsigned_integer || found.normalized) {
-    fail(ErrorCode::kMeshUnreadable, found.where, "is no list of vertex numbers");
+    fail(ErrorCode::kMeshUnreadable, found.where, "is not a list of vertex numbers");
   }
   const std::vector<double> numbers = read_numbers(accessor_index, 1);
   return {numbers.begin(), numbers.end()};  // exact: 32-bit integers are doubles

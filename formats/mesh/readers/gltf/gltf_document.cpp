@@ -136,7 +136,7 @@ void GltfDocument::parse_json(std::string_view text) {
   try {
     json_ = mesh::parse_json<nlohmann::json>(text, repeated);
   } catch (const nlohmann::json::parse_error& error) {
-    fail(ErrorCode::kMeshUnreadable, "JSON " + at_byte(error.byte), "no valid JSON");
+    fail(ErrorCode::kMeshUnreadable, "JSON " + at_byte(error.byte), "not valid JSON");
   }
   if (!json_.is_object()) fail(ErrorCode::kMeshUnreadable, "JSON", "not a JSON object");
   if (!repeated.empty()) {

@@ -74,7 +74,7 @@ std::string odd_unit(const Handle(XSControl_WorkSession) & session) {
     const bool is_other = (is_si_length && si->Name() != StepBasic_sunMetre) ||
                           (is_si_angle && si->Name() != StepBasic_sunRadian);
     if (is_other || model->Check(i, Standard_True)->NbFails() > 0) {
-      return step_name(model, entity) + " is no sensible unit of " +
+      return step_name(model, entity) + " is not a plausible unit of " +
              (is_length ? "length: look at the size; --units says what its numbers are"
                         : "angle: look at cones");
     }

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Lists every sentence that a command can print, for a reader who goes through them in one sitting.
+
+  scripts/list_messages.py [--sample N --seed S]
+
+Takes the string literals of the product's sources. Adjacent literals are one message, a value that the program puts in
+is shown as {}. Literals of fewer than three words (names, formats, keys) are left out.
+"""
+import argparse
+import pathlib
+import random
+import re
+
+ROOMS = ("formats", "pointshell", "voxelize", "runtime", "workbench")
+# A comment, a character, a raw string, a string, or one other character.
+TOKEN = re.compile(
+    r'//[^\n]*|/\*.*?\*/|\'(?:\\.|[^\'\\\n])\'|R"(\w*)\((.*?)\)\1"|"((?:\\.|[^"\\\n])*)"|#\s*include[^\n]*|\s+|.', re.DOTALL)
+ESCAPES = {r"\n": "\n", r"\"": '"', r"\\": "\\", r"\t": " "}
+
+
+def messages_of(text):
+    """Yields (line, message) for each run of adjacent literals, and of literals joined by + or <<."""
+    line, start, parts, between = 1, 0, [], ""
+    for token in TOKEN.finditer(text):
+        word = token.group(0)
+        literal = token.group(2) if token.group(2) is not None else token.group(3)
+        if literal is not None:
+            if token.group(2) is None:
+                literal = re.sub(r"\\.", lambda e: ESCAPES.get(e.group(0), e.group(0)), literal)
+            if parts and between:
+                parts.append("{}")
+            start = start or line
+            parts.append(literal)
+            between = ""
+        elif parts and not word.isspace() and not word.startswith("//"):
+            between += word
+            # A value between two literals: `"a" + value + "b"`, `"a" << value << "b"`.
+            joined = re.match(r"^(\+|<<)", between)
+            if not joined or re.search(r"[;{}]", between) or len(between) > 120:
+                yield start, "".join(parts)
+                start, parts, between = 0, [], ""
+        line += word.count("\n")
+    if parts:
+        yield start, "".join(parts)
+
+
+def list_messages(root):
+    for room in ROOMS:
+        for path in sorted((root / room).rglob("*")):
+            if path.suffix not in (".h", ".cpp", ".c"):
+                continue
+            for line, message in messages_of(path.read_text()):
+                text = " ".join(message.split())
+                if len(re.findall(r"[A-Za-z]{2,}", text)) >= 3 and " " in text:
+                    yield f"{path.relative_to(root)}:{line}", text
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sample", type=int, help="this many, drawn at random")
+    parser.add_argument("--seed", type=int, default=1, help="of the draw (default: 1)")
+    options = parser.parse_args()
+    found = list(list_messages(pathlib.Path(__file__).resolve().parent.parent))
+    if options.sample is not None:
+        found = random.Random(options.seed).sample(found, min(options.sample, len(found)))
+    for place, text in found:
+        print(f"{place}: {text}")
+
+
+if __name__ == "__main__":
+    main()
