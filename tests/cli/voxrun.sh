@@ -213,6 +213,7 @@ expect 2 'requires --replay' floor.vox ball.pshell --on-new-scene
 rm -f bad.json bad.csv
 expect 4 'none' floor.vox coarse.pshell "${fast[@]}" --json bad.json --trace bad.csv
 grep -q '"error"' bad.json && [ ! -e bad.csv ] || fail "output left behind"
+: >out.txt  # of the command before: it would end the wait before this one has begun
 "$bin/voxrun" floor.vox ball.pshell --start 0.1m,0.1m,0.2m --json signal.json >out.txt 2>err.txt &
 for _ in $(seq 200); do [ -s out.txt ] && break; sleep 0.05; done
 sleep 0.5
@@ -225,6 +226,7 @@ grep -q 'ended by signal 15' err.txt || fail "no reason after SIGTERM: $(cat err
 # Before the first frame there is nothing to write, and old files stay.
 mkdir early
 cp signal.json early/run.json
+: >out.txt
 LD_PRELOAD=$bin/fault_shim.so FAULT_LOCK_MS=3000 "$bin/voxrun" floor.vox ball.pshell --motion press.csv --json early/run.json \
   --trace early/run.csv --save-path early/path.csv --record early/run.flr >out.txt 2>err.txt &
 for _ in $(seq 200); do [ -s out.txt ] && break; sleep 0.05; done
