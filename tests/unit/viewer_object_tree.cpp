@@ -43,11 +43,11 @@ TEST(ObjectTree, HidesAndIsolatesWhatIsChosen) {
   tree.isolate();
   EXPECT_EQ(tree.hidden(), (std::vector<std::string>{kNames[0], kNames[2], kNames[3], kNames[4]}));
   tree.isolate();
-  EXPECT_TRUE(tree.all_shown());
+  EXPECT_TRUE(tree.hidden().empty());
   tree.hide({"rack", "nothing"});
   EXPECT_EQ(tree.hidden(), std::vector<std::string>{"rack"});
   tree.show_all();
-  EXPECT_TRUE(tree.all_shown());
+  EXPECT_TRUE(tree.hidden().empty());
 }
 
 TEST(ObjectTree, ClosedGroupsHoldTheirRows) {

@@ -33,10 +33,6 @@ std::size_t ObjectTree::child_of(std::size_t parent, std::string_view label) {
   return node;
 }
 
-bool ObjectTree::all_shown() const {
-  return std::all_of(shown_.begin(), shown_.end(), [](char shown) { return shown != 0; });
-}
-
 std::vector<std::string> ObjectTree::hidden() const {
   std::vector<std::string> names;
   for (std::size_t n = 0; n < shown_.size(); ++n) {

@@ -28,7 +28,6 @@ class ObjectTree {
 
   bool empty() const { return shown_.empty(); }
   bool is_shown(std::size_t object) const { return shown_[object] != 0; }
-  bool all_shown() const;
   std::vector<std::string> hidden() const;  // names
 
   std::vector<Row> rows() const;  // without those in closed groups

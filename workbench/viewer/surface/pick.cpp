@@ -88,10 +88,4 @@ std::string_view object_of(const Voxmap& voxmap, const std::array<std::int64_t, 
   return voxmap.object_name(voxmap.nearest_object(voxel[0], voxel[1], voxel[2]));
 }
 
-std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut,
-                           const HiddenObjects& hidden) {
-  const auto voxel = interior_on(voxmap, ray, cut, hidden);
-  return voxel ? object_of(voxmap, *voxel) : std::string_view();
-}
-
 }  // namespace forcelayer::viewer

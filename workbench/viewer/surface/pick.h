@@ -30,8 +30,4 @@ double entry_of(const Voxmap& voxmap, const Ray& ray, const std::array<std::int6
 // The name of the object that a voxel is nearest to; empty where none is known.
 std::string_view object_of(const Voxmap& voxmap, const std::array<std::int64_t, 3>& voxel);
 
-// The same of the voxel that interior_on() finds; empty where there is none.
-std::string_view object_on(const Voxmap& voxmap, const Ray& ray, const std::optional<Cut>& cut,
-                           const HiddenObjects& hidden = {});
-
 }  // namespace forcelayer::viewer
