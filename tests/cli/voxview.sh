@@ -167,6 +167,15 @@ assert told["clearance_m"] > 0 and told["object"], told
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done
+# A recording says which model felt the contacts.
+"${run[@]}" 3s --as-fast-as-possible --model paper --trace paper.csv --record paper.rec
+"$bin/voxview" draw bay.vox part.pshell --replay paper.rec --at 2.2s "${tiny[@]}"
+"$python" - <<'END' || fail "contacts of the paper's model"
+import csv, json
+shown = json.load(open("facts.json"))["moment"]
+row = min(csv.DictReader(open("paper.csv")), key=lambda r: abs(float(r["t_s"]) - shown["t_s"]))
+assert int(row["contacts"]) == shown["contacts"] > 0, (row["contacts"], shown)
+END
 # The hand's outline: where the hand asks for the part, drawn from a place far from the world's origin; none without a hand.
 for moment in "--trace trace.csv --at 2.2s" "--part-pose 0.28m,0,0.5m"; do
   "$bin/voxview" draw bay.vox part.pshell --part "$data/part.obj" --part-units mm $moment --show handle --plain --view-from 0,-1,0 \

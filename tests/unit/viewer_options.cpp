@@ -21,17 +21,15 @@ Result<viewer::ViewOptions> parsed(const std::string& line) {
 
 TEST(ViewOptions, ReadsAPictureOfARun) {
   const auto options = parsed(
-      "bay.json bay.vox part.pshell --trace run.csv --at 2500ms --grip 0,0,1m --size 640x480 "
-      "--units mm --force level --view-from 1,2,3 --focus scene --cut y>-5mm --show meshes,shell");
+      "bay.json bay.vox part.pshell --trace run.csv --at 2500ms --size 640x480 "
+      "--units mm --view-from 1,2,3 --focus scene --cut y>-5mm --show meshes,shell");
   ASSERT_TRUE(options) << to_line(options.error());
   EXPECT_EQ(options->inputs.inputs.size(), 3u);
   EXPECT_EQ(options->run, "run.csv");
   EXPECT_EQ(options->at_s, 2.5);
-  EXPECT_EQ(options->handle_from_part->position_m, glm::dvec3(0, 0, 1));
   EXPECT_EQ(options->width, 640);
   EXPECT_EQ(options->height, 480);
   EXPECT_EQ(options->inputs.unit_m, 0.001);
-  EXPECT_EQ(options->force, ForceKind::kLevel);
   EXPECT_EQ(options->to_eye, glm::dvec3(1, 2, 3));
   EXPECT_EQ(options->focus, viewer::Focus::kScene);
   EXPECT_EQ(options->cut->axis, 1);
@@ -61,8 +59,6 @@ TEST(ViewOptions, RefusesWhatMakesNoSense) {
                            "a.vox --show none",
                            "a.vox --view-from 0,0,0",
                            "a.vox --pixels-per-voxel -1",
-                           "a.vox --model new",
-                           "a.vox --force strong",
                            "a.vox --units parsec",
                            "a.vox --json x.json",
                            "a.vox --focus sky"}) {
@@ -78,7 +74,6 @@ TEST(ViewOptions, ANumberThatIsNoneIsRefusedByName) {
     const char* option;
   } cases[] = {{"a.vox --part-pose nan,0,0", "--part-pose"},
                {"a.vox --part-pose 1e300m,0,0", "--part-pose"},
-               {"a.vox --trace t.csv --grip 0,0,infm", "--grip"},
                {"a.vox --trace t.csv --at nans", "--at"},
                {"a.vox --listen 9000 --duration 1e300s", "--duration"},
                {"a.vox --view-from nan,0,1", "--view-from"}};

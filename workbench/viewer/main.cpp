@@ -53,7 +53,7 @@ Status plan_live(const ViewOptions& options, const ViewScene& scene, PoseReceive
     return Error{ErrorCode::kReadFailed, "", "--listen " + options.listen, "no pose came",
                  "start voxrun with --udp and this port"};
   }
-  Moment moment = moment_of(*row, options.handle_from_part.value_or(grip));
+  Moment moment = moment_of(*row, grip);
   return add_moment(options, scene, {}, std::move(moment), plan);
 }
 
@@ -150,8 +150,7 @@ int main(int argc, char** argv) {
         {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
          "--cut"}},
        {"A run and its moment",
-        {"--trace", "--at", "--listen", "--path", "--duration", "--part-pose", "--grip", "--model",
-         "--force"}},
+        {"--trace", "--at", "--listen", "--path", "--duration", "--part-pose"}},
        {"The eye", {"--view-from", "--focus"}},
        {"Output", {"--screenshot", "--turntable", "--size", "--scale"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"

@@ -88,12 +88,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   app.add_option("--part-pose", texts_.part_pose,
                  "world_from_part, as of a start: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
-  app.add_option("--grip", texts_.grip, "handle_from_part, where voxrun was given one")->needs(run);
-  app.add_option("--model", texts_.model,
-                 "model of the contacts: default, or paper for the method of 1999");
-  app.add_option(
-      "--force", texts_.force,
-      "field of the contacts: tangent-plane, level or distance; default: the model's own");
   app.add_option("--view-from", texts_.view_from,
                  "direction towards the eye, as 1,-1,0.5; default: where most is seen");
   app.add_option("--focus", texts_.focus, "part or scene; auto is the part where there is one")
@@ -146,10 +140,7 @@ Status ViewOptionParser::read_units(ViewOptions& options) const {
 Status ViewOptionParser::read_moment(ViewOptions& options) const {
   const auto pose = pose_of("--part-pose", texts_.part_pose);
   if (!pose) return pose.error();
-  const auto grip = pose_of("--grip", texts_.grip);
-  if (!grip) return grip.error();
   options.world_from_part = *pose;
-  options.handle_from_part = *grip;
   if (!texts_.at.empty()) {
     const auto at_s = command::parse_duration(texts_.at);
     if (!at_s) return about("--at", at_s.error());
@@ -159,19 +150,6 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
     const auto duration_s = command::parse_duration(texts_.duration);
     if (!duration_s) return about("--duration", duration_s.error());
     options.duration_s = *duration_s;
-  }
-  if (!texts_.model.empty()) {
-    const auto model = parse_model(texts_.model);
-    if (!model)
-      return usage("--model", "no model '" + texts_.model + "'", "choose default or paper");
-    options.model = *model;
-  }
-  if (!texts_.force.empty()) {
-    options.force = parse_force(texts_.force);
-    if (!options.force) {
-      return usage("--force", "no force '" + texts_.force + "'",
-                   "choose tangent-plane, level or distance");
-    }
   }
   return {};
 }

@@ -34,13 +34,10 @@ struct ViewOptions {
   std::optional<double> scale;      // of words and marks; empty: the screen's
   std::string run;                  // trace or recording
   std::optional<double> at_s;
-  std::string path;                      // of the part, to draw; empty: none
-  std::string listen;                    // [ADDRESS:]PORT of a pose stream
-  std::optional<double> duration_s;      // of the window, or of listening before a picture
-  std::optional<Pose> world_from_part;   // --part-pose
-  std::optional<Pose> handle_from_part;  // --grip
-  Model model = kDefaultModel;
-  std::optional<ForceKind> force;
+  std::string path;                     // of the part, to draw; empty: none
+  std::string listen;                   // [ADDRESS:]PORT of a pose stream
+  std::optional<double> duration_s;     // of the window, or of listening before a picture
+  std::optional<Pose> world_from_part;  // --part-pose
   std::optional<glm::dvec3> to_eye;
   Focus focus = Focus::kAuto;
   std::optional<int> pixels_per_voxel;
@@ -68,7 +65,7 @@ class ViewOptionParser {
 
  private:
   struct Texts {
-    std::string units, part_units, size = "1600x1000", at, duration, part_pose, grip, model, force;
+    std::string units, part_units, size = "1600x1000", at, duration, part_pose;
     std::string view_from, focus = "auto", cut, shown, color = "one";
     std::string measure, measure_object, measure_words;
     int pixels_per_voxel = 0;

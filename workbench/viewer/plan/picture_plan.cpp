@@ -9,6 +9,8 @@
 #include "formats/command/spelling/spelling.h"
 #include "formats/mesh/node_names.h"
 #include "formats/path/path_file.h"
+#include "runtime/stream/recording.h"
+#include "runtime/stream/replay.h"
 #include "workbench/viewer/plan/legend.h"
 
 namespace forcelayer::viewer {
@@ -59,7 +61,7 @@ Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
     }
     const NotableRows notable = notable_rows(rows);
     const std::size_t at = options.at_s ? row_at(rows, *options.at_s) : notable.usual();
-    moment = moment_of(rows[at], options.handle_from_part.value_or(grip_of(rows.front())));
+    moment = moment_of(rows[at], grip_of(rows.front()));
     moment->name = notable.name_of(at);
   }
   return moment;
@@ -215,11 +217,18 @@ WorldBox box_of(const ViewScene& scene) {
 Result<std::unique_ptr<ContactViewSource>> make_contact_source(const ViewOptions& options,
                                                                const ViewScene& scene,
                                                                const std::vector<TraceRow>& rows) {
-  const ForceKind force = options.force.value_or(field::usual_force(options.model, *scene.voxmap));
-  auto field = field::make_force_field(options.model, force, *scene.voxmap);
+  Model model = kDefaultModel;
+  ForceKind force = field::usual_force(model, *scene.voxmap);
+  if (!options.run.empty() && stream::is_recording(options.run)) {
+    const auto recording = stream::Recording::open(options.run);
+    if (!recording) return recording.error();
+    model = recording->run().parameters.model;
+    force = recording->run().parameters.force;
+  }
+  auto field = field::make_force_field(model, force, *scene.voxmap);
   if (!field) return field.error();
-  auto source = std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, options.model,
-                                                    std::move(*field));
+  auto source =
+      std::make_unique<ContactViewSource>(*scene.voxmap, *scene.shell, model, std::move(*field));
   if (!rows.empty()) {
     source->find_seat(rows.front().world_from_part);
   } else if (options.world_from_part) {

@@ -74,7 +74,7 @@ class Window {
       playback_.emplace(feed_.rows);
       notable_ = notable_rows(feed_.rows);
       if (plan.moment && plan.moment->time_s) playback_->seek(*plan.moment->time_s);
-      grip_ = options.handle_from_part.value_or(grip_of(feed_.rows.front()));
+      grip_ = grip_of(feed_.rows.front());
     }
     cut_ = plan.cut;
     moment_ = plan.moment;
@@ -207,9 +207,6 @@ class Window {
 
   void set_row(const TraceRow& row) {
     moment_ = moment_of(row, grip_);
-    if (options_.handle_from_part) {
-      moment_->world_from_target = row.world_from_handle * *options_.handle_from_part;
-    }
     if (contact_source_) find_contacts(*contact_source_, *moment_);
   }
 
