@@ -91,10 +91,6 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                        length_text(tessellation.wanted_deflection_mm) +
                        " were asked of OpenCASCADE: the guarantee is less by it");
   }
-  if (tessellation.healed > 0) {
-    warnings.push_back(path + ": " + counted(tessellation.healed, "face") +
-                       " mended by OpenCASCADE (ShapeFix) to get triangles");
-  }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": tessellated to " + length_text(tessellation.deflection_mm) +
                        ", because faces fail at " + length_text(tessellation.wanted_deflection_mm));

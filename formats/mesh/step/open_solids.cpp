@@ -12,7 +12,7 @@
 
 #include "formats/mesh/step/entities/lost_pieces.h"
 #include "formats/mesh/step/iges/iges_losses.h"
-#include "formats/mesh/step/mending.h"
+#include "formats/mesh/step/sewing.h"
 
 namespace forcelayer::mesh {
 namespace {

@@ -26,8 +26,8 @@
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/names.h"
 #include "formats/mesh/step/face_report.h"
-#include "formats/mesh/step/mending.h"
 #include "formats/mesh/step/references.h"
+#include "formats/mesh/step/sewing.h"
 #include "formats/mesh/step/tessellator.h"
 
 namespace forcelayer::mesh {

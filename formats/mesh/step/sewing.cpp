@@ -1,10 +1,8 @@
-#include "formats/mesh/step/mending.h"
+#include "formats/mesh/step/sewing.h"
 
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
-#include <Precision.hxx>
-#include <ShapeFix_Face.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_MapOfShape.hxx>
@@ -36,20 +34,6 @@ std::size_t root_of(std::size_t i, std::vector<std::size_t>& parents) {
 }
 
 }  // namespace
-
-TopoDS_Shape mend_face(const TopoDS_Face& face, const Handle(ShapeBuild_ReShape) & context,
-                       double largest_tolerance_mm) {
-  try {
-    const Handle(ShapeFix_Face) fix = new ShapeFix_Face(face);
-    fix->SetContext(context);
-    fix->SetPrecision(Precision::Confusion());
-    fix->SetMaxTolerance(std::max(largest_tolerance_mm, Precision::Confusion()));
-    fix->Perform();
-    return context->Apply(face);
-  } catch (const Standard_Failure&) {
-    return {};
-  }
-}
 
 std::optional<SewnShape> sew_loose_faces(const TopoDS_Shape& shape, double tolerance_mm) {
   SewnShape sewn;

@@ -1,8 +1,6 @@
-// Mends faces that OpenCASCADE does not tessellate as they are, and joins those that stand loose.
+// Joins faces that stand loose.
 #pragma once
 
-#include <ShapeBuild_ReShape.hxx>
-#include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <cstdint>
 #include <optional>
@@ -10,12 +8,6 @@
 #include <vector>
 
 namespace forcelayer::mesh {
-
-// The face after ShapeFix_Face: one face or several, none where it fails. What becomes of its edges
-// is noted in `context`, which applies it to the rest of the shape. Tolerances grow to at most
-// `largest_tolerance_mm`.
-TopoDS_Shape mend_face(const TopoDS_Face& face, const Handle(ShapeBuild_ReShape) & context,
-                       double largest_tolerance_mm);
 
 // A shape whose loose faces are sewn.
 struct SewnShape {

@@ -7,7 +7,6 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <Poly_Triangulation.hxx>
-#include <ShapeBuild_ReShape.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
@@ -19,7 +18,7 @@
 #include "formats/mesh/step/cost/triangle_forecast.h"
 #include "formats/mesh/step/edge_cover.h"
 #include "formats/mesh/step/holes.h"
-#include "formats/mesh/step/mending.h"
+#include "formats/mesh/step/sewing.h"
 #include "formats/mesh/step/sliver.h"
 #include "formats/mesh/step/spline_deviation.h"
 
@@ -139,11 +138,10 @@ class ShapeTessellation {
   // triangles theirs.
   Tessellation best() {
     tessellate(shape_, deflection_mm_);
-    Attempt best = attempt(shape_, deflection_mm_);
+    Attempt best = attempt(deflection_mm_);
     for (const double share : kFinerDeflections) try_deflection(share * deflection_mm_, best);
     drop_slivers(best);
     for (const double share : kCoarserDeflections) try_deflection(share * deflection_mm_, best);
-    try_mended(best);
     best.made.wanted_deflection_mm = deflection_mm_;
     for (const TopoDS_Face& face : best.failed) {
       best.made.lost.push_back(lost_face(face, shape_));
@@ -153,20 +151,18 @@ class ShapeTessellation {
 
  private:
   struct Attempt {
-    TopoDS_Shape shape;
     Tessellation made;
     Faces failed;  // not tessellated, and not dropped
   };
 
-  // Tessellates `shape` once, at this deflection.
-  Attempt attempt(const TopoDS_Shape& shape, double deflection_mm) const {
+  // What the shape has once it is tessellated at this deflection.
+  Attempt attempt(double deflection_mm) const {
     Attempt result;
-    result.shape = shape;
     result.made.mesh.single_precision = false;
     result.made.deflection_mm = deflection_mm;
     result.made.deviation_mm = deflection_mm;
     std::vector<Triangle> closing;
-    for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    for (TopExp_Explorer face(shape_, TopAbs_FACE); face.More(); face.Next()) {
       const TopoDS_Face& current = TopoDS::Face(face.Current());
       if (is_tessellated(current, deflection_mm)) {
         const std::size_t before = result.made.mesh.triangles.size();
@@ -215,7 +211,7 @@ class ShapeTessellation {
     if (best.failed.empty() || !succeeds_alone(best.failed, deflection_mm)) return;
     BRepTools::Clean(shape_);
     tessellate(shape_, deflection_mm);
-    keep_better(attempt(shape_, deflection_mm), best);
+    keep_better(attempt(deflection_mm), best);
   }
 
   // Faces that were dropped before are dropped again, where they fail again.
@@ -242,52 +238,6 @@ class ShapeTessellation {
                               covers_edges(triangles_of(face), face,
                                            reach_mm(std::max(deflection_mm, made->Deflection())),
                                            kPolygonTolerance * deflection_mm_));
-  }
-
-  void try_mended(Attempt& best) const {
-    try {
-      for (const double share : {1.0, 0.5, 0.25, 2.0, 4.0}) {
-        if (best.failed.empty()) return;
-        try_mended(share * deflection_mm_, best);
-      }
-    } catch (const Standard_Failure&) {
-      // Mending is a favor: without it the face is lost, and said to be.
-    }
-  }
-
-  void try_mended(double deflection_mm, Attempt& best) const {
-    Faces mendable;
-    for (const TopoDS_Face& face : best.failed) {
-      const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
-      const TopoDS_Shape mended = mend_face(face, context, deflection_mm_);
-      if (mended.IsNull()) continue;
-      BRepTools::Clean(mended);
-      tessellate(mended, deflection_mm);
-      if (is_sound(mended, face, deflection_mm)) mendable.push_back(face);
-    }
-    if (mendable.empty()) return;
-    const Handle(ShapeBuild_ReShape) context = new ShapeBuild_ReShape;
-    for (const TopoDS_Face& face : mendable) mend_face(face, context, deflection_mm_);
-    const TopoDS_Shape whole = context->Apply(shape_);
-    BRepTools::Clean(whole);
-    tessellate(whole, deflection_mm);
-    for (const TopoDS_Face& face : mendable) {
-      if (!is_sound(context->Apply(face), face, deflection_mm)) return;
-    }
-    Attempt other = attempt(whole, deflection_mm);
-    other.made.healed = mendable.size();
-    other.made.deviation_mm = std::max(other.made.deviation_mm, reach_mm(deflection_mm));
-    keep_better(std::move(other), best);
-  }
-
-  // Whether the triangles of a mended face stand for all of the face that it was.
-  bool is_sound(const TopoDS_Shape& mended, const TopoDS_Face& face, double deflection_mm) const {
-    std::uint64_t faces = 0;
-    for (TopExp_Explorer piece(mended, TopAbs_FACE); piece.More(); piece.Next(), ++faces) {
-      if (!is_tessellated(TopoDS::Face(piece.Current()), deflection_mm)) return false;
-    }
-    return faces > 0 && covers_edges(triangles_of(mended), face, reach_mm(deflection_mm),
-                                     kPolygonTolerance * deflection_mm_);
   }
 
   // How far the edges of a face may be from triangles that do not end at them.

@@ -30,7 +30,6 @@ struct Tessellation {
   std::vector<LostFace> lost;
   std::uint64_t dropped = 0;    // faces without area that need no triangles
   double dropped_reach_mm = 0;  // no point of those is farther from their edges
-  std::uint64_t healed = 0;     // faces that were mended first
   std::uint64_t sewn = 0;       // loose faces that were joined first
   double sewn_gap_mm = 0;       // how far an edge so joined may be from its faces
   double sewing_tolerance_mm = 0;
@@ -49,8 +48,7 @@ struct Tessellation {
 // deflections; the whole shape each time, so that faces still meet at their edges. A face that then
 // still has none is dropped where that leaves no hole: all its edges belong to faces that have
 // triangles, and no point of it is farther than a deflection from them. For what is left coarser
-// deflections are tried, and then mending (ShapeFix). Before all that, loose faces are sewn within
-// a deflection.
+// deflections are tried. Before all that, loose faces are sewn within a deflection.
 class StepTessellator {
  public:
   StepTessellator(const SourceFile& file, double deflection_mm)

@@ -8,10 +8,10 @@
 #include <TColStd_HArray2OfReal.hxx>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <gp_GTrsf.hxx>
 #include <map>
-
-#include "formats/mesh/step/iges/iges_numbers.h"
+#include <string>
 
 namespace forcelayer::mesh {
 namespace {
@@ -71,10 +71,30 @@ Matrix matrix_of(const gp_GTrsf& a_from_b) {
   return matrix;
 }
 
+// The transformation matrices that entries of the directory name (field 7), by entry: OpenCASCADE
+// forgets one that is not there.
+std::map<int, int> matrix_entries_of(std::string_view text) {
+  constexpr std::size_t kMatrix = 48, kField = 8, kSection = 72, kLine = 73;  // columns
+  const auto number_at = [](std::string_view line, std::size_t column) {
+    return std::atoi(std::string(line.substr(column, kField)).c_str());
+  };
+  std::map<int, int> matrices;
+  bool is_first = true;  // of the two lines of an entry
+  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = text.substr(begin, end - begin);
+    if (line.size() < kLine || line[kSection] != 'D') continue;
+    const int matrix = number_at(line, kMatrix);
+    if (is_first && matrix != 0) matrices[number_at(line, kLine)] = matrix;
+    is_first = !is_first;
+  }
+  return matrices;
+}
+
 class IgesPlacings {
  public:
   IgesPlacings(const Handle(IGESData_IGESModel) & model, std::string_view text)
-      : model_(model), matrix_entries_(iges_matrix_entries(text)) {}
+      : model_(model), matrix_entries_(matrix_entries_of(text)) {}
 
   IgesMisplaced settle() {
     IgesMisplaced misplaced;
