@@ -197,7 +197,7 @@ FIGURES = [
     Figure(LOOP, "wake-up p99", "loop", "loop", {"figure": "wakeup_p99_us"}, "value", same, of_machine=True),
     Figure("0.133 voxel in narrow gaps", "least guarantee, voxels", "gaps", "narrow_gaps", {"map": "lean", "case": "block in slot"},
            "guaranteed_voxels", between(0.132, 0.134, "to the rounding of poses")),
-    Figure("0.4677 mm at 5 mm, which is 0.0935 voxel", "least guarantee, m", "stability", "stability",
+    Figure("0.4677 mm, which is 0.0935 voxel", "least guarantee, m", "stability", "stability",
            {"campaign": "cases", "case": "slide-stairs", "model": "paper"}, "guaranteed_m", between(0.0004677, 0.0004678, "to the rounding of poses")),
     gap("A slot must be 5.7 voxels wider", "full", "block in slot", 5.6, 6.0), gap("a hole 5.8 voxels wider", "full", "peg in hole", 5.7, 6.0),
     gap("5.6 voxels in a slot", "lean", "block in slot", 5.5, 6.0), gap("6.0 voxels in a hole", "lean", "peg in hole", 5.9, 6.1),
