@@ -3,6 +3,7 @@
 #include <charconv>
 #include <filesystem>
 
+#include "formats/voxinfo/occupied_boxes.h"
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
@@ -62,7 +63,7 @@ Status export_voxmap_csv(const Voxmap& map, const std::string& out) {
   auto csv = BufferedOutput::create(out);
   if (!csv) return csv.error();
   csv->append("i,j,k,value\n");
-  for_each_region(map.view(), [&](const VoxmapRegion& region) {
+  for_each_region_where(map.view(), occupied_boxes(map), [&](const VoxmapRegion& region) {
     if (!region.is_brick) {
       const VoxelValue value = static_cast<VoxelValue>(uniform_value(region.entry));
       if (value != VoxelValue::kFree) append_uniform_box(*csv, region, value);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/voxinfo/export.h"
+#include "formats/voxinfo/occupied_boxes.h"
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
@@ -78,7 +79,7 @@ class BrickFaces {
 // Calls use(const BrickFaces&) for every 8^3 box that holds force-layer voxels.
 template <typename Use>
 void for_each_surface_brick(const Voxmap& map, Use use) {
-  for_each_region(map.view(), [&](const VoxmapRegion& region) {
+  for_each_region_where(map.view(), occupied_boxes(map), [&](const VoxmapRegion& region) {
     if (region.is_brick) {
       use(BrickFaces(map, region));
       return;

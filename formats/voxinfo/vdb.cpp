@@ -6,6 +6,7 @@
 #include <streambuf>
 
 #include "formats/voxinfo/export.h"
+#include "formats/voxinfo/occupied_boxes.h"
 #include "formats/voxinfo/output.h"
 #include "formats/voxmap_walk.h"
 
@@ -50,7 +51,8 @@ openvdb::Coord coord(const std::array<std::int64_t, 3>& voxel) {
 // A grid of the elements that are not `background`, as value(element).
 template <typename Grid, std::uint32_t kBits, typename Value>
 typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeView<kBits>& view,
-                             std::uint32_t background, Value value) {
+                             const OccupiedBoxes<kBits>& occupied, std::uint32_t background,
+                             Value value) {
   using Stored = typename Grid::ValueType;
   const auto stored = [&](std::uint32_t element) { return static_cast<Stored>(value(element)); };
   auto grid = Grid::create(stored(background));
@@ -59,7 +61,7 @@ typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeVi
   // OpenVDB's index is a voxel's center.
   transform->postTranslate(openvdb::Vec3d(0.5 * voxel_size_m));
   grid->setTransform(transform);
-  for_each_region(view, [&](const VoxmapRegion& region) {
+  for_each_region_where(view, occupied, [&](const VoxmapRegion& region) {
     const openvdb::Coord low = coord(region.low);
     if (!region.is_brick) {
       const std::uint32_t element = TreeView<kBits>::uniform(region.entry, 1).code;
@@ -83,17 +85,22 @@ typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeVi
 openvdb::GridPtrVec make_grids(const Voxmap& map) {
   const auto itself = [](std::uint32_t element) { return element; };
   const double s = map.voxel_size_m();
-  openvdb::GridPtrVec grids{make_grid<openvdb::Int32Grid>("voxmap", s, map.view(), 0, itself)};
+  openvdb::GridPtrVec grids{
+      make_grid<openvdb::Int32Grid>("voxmap", s, map.view(), occupied_boxes(map), 0, itself)};
   if (map.distances() != nullptr) {
     const VoxmapHeader& h = map.header();
     grids.push_back(make_grid<openvdb::FloatGrid>(
-        "distance_m", s, *map.distances(), kMostDistanceCode, [&](std::uint32_t code) {
+        "distance_m", s, *map.distances(),
+        OccupiedBoxes(*map.distances(), map.distance_counts(), kMostDistanceCode),
+        kMostDistanceCode, [&](std::uint32_t code) {
           // Code 0 has no lower bound: here it stands for the step that it ends.
           return (static_cast<double>(code) - h.distance_zero_code) * h.distance_quantum_m;
         }));
   }
   if (map.objects() != nullptr) {
-    grids.push_back(make_grid<openvdb::Int32Grid>("object", s, *map.objects(), 0, itself));
+    grids.push_back(make_grid<openvdb::Int32Grid>(
+        "object", s, *map.objects(), OccupiedBoxes(*map.objects(), map.object_counts(), 0), 0,
+        itself));
   }
   return grids;
 }

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "formats/voxinfo/occupied_boxes.h"
 #include "formats/voxmap_walk.h"
 #include "tests/support/dense_voxmap.h"
 
@@ -162,6 +163,57 @@ TEST(VoxmapTree, WalkCoversTheDirectoryAndAgreesWithLookUp) {
   expect_walk_agrees(map->view(), tree.values);
   expect_walk_agrees(*map->distances(), tree.distances);
   expect_walk_agrees(*map->objects(), tree.objects);
+}
+
+// A walk over what is not free finds every such voxel, as one over all does.
+TEST(VoxmapTree, OccupiedBoxesHaveAllThatIsNotBackground) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    std::mt19937_64 random(seed);
+    const RandomMap tree(random);
+    const AlignedBytes bytes = tree.bytes();
+    const auto map = Voxmap::from_bytes(bytes.bytes(), "random tree");
+    ASSERT_TRUE(map) << to_line(map.error());
+    const auto occupied = occupied_boxes(*map);
+    for_each_region(map->view(), [&](const VoxmapRegion& region) {
+      const bool is_free = !region.is_brick && uniform_value(region.entry) == 0;
+      if (is_free && region.edge_voxels == kBrickEdge) return;  // not worth a look
+      ASSERT_EQ(occupied(region.low, region.edge_voxels), !is_free);
+    });
+  }
+}
+
+// A file of 0.8 MB that describes 200,000 cells of stored nodes and bricks, all of them free but
+// one: visiting all would take hours.
+TEST(VoxmapTree, OccupiedBoxesLeaveOutNodesThatAreAllFree) {
+  constexpr std::uint32_t kCells = 60;
+  std::vector<std::uint32_t> directory(kCells * kCells * kCells, 1), upper(2 * kNodeEntries, 1),
+      lower(2 * kNodeEntries, 1), bricks(2 * 16 * kValueBits, 0);
+  directory[directory.size() / 2] = 0;  // cell 0 of nodes and bricks holds a voxel
+  upper[70] = 0;
+  lower[300] = 0;
+  bricks[5] = 1;
+  VoxmapContent content;
+  VoxmapHeader& h = content.header;
+  h.voxel_size_m = 0.001;
+  h.offset_layers = 1;
+  h.directory_dims = {kCells, kCells, kCells};
+  h.dims_voxels = {1, 1, 1};
+  for (std::int64_t& high : h.valid_max_voxel) high = 512 * kCells;
+  h.interior_voxels = 1;
+  content.values = {directory, upper, lower, bricks};
+  const AlignedBytes bytes(voxmap_bytes(content));
+  const auto map = Voxmap::from_bytes(bytes.bytes(), "free");
+  ASSERT_TRUE(map) << to_line(map.error());
+  std::uint64_t regions = 0, voxels = 0;
+  for_each_region_where(map->view(), occupied_boxes(*map), [&](const VoxmapRegion& region) {
+    ++regions;
+    ASSERT_TRUE(region.is_brick);
+    for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
+      voxels += map->view().brick_code(region.entry, n) != 0;
+    }
+  });
+  EXPECT_EQ(regions, kNodeEntries);
+  EXPECT_EQ(voxels, 1u);
 }
 
 }  // namespace
