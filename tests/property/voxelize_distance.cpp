@@ -159,6 +159,75 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
   }
 }
 
+// Objects that are scaled, turned and moved to where they stand, at real voxel sizes, open sheets
+// and closed bodies: every voxel has the value of the text (voxmap_format.md, sections 1 and 10).
+// 0.035 / 0.005 is above 7 by rounding, and means 7.
+TEST(DistanceBake, TurnedObjectsHaveTheValuesOfTheText) {
+  int enclosed = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const double s = seed % 2 == 0 ? 0.005 : 0.003;
+    const double depth_m = std::array{0.035, 0.0, 0.007, 0.0152}[seed % 4];
+    mesh::Affine placing;
+    const double a = reference::real(random, 0, 6), b = reference::real(random, 0, 6);
+    const double turn[3][3] = {{std::cos(a), -std::sin(a) * std::cos(b), std::sin(a) * std::sin(b)},
+                               {std::sin(a), std::cos(a) * std::cos(b), -std::cos(a) * std::sin(b)},
+                               {0, std::sin(b), std::cos(b)}};
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t column = 0; column < 3; ++column) {
+        placing.linear[row * 3 + column] = s * turn[row][column];
+      }
+      placing.translation[row] = reference::real(random, -3, 3);
+    }
+    std::vector<mesh::Mesh> meshes;
+    for (int n = 0; n < 3; ++n) {
+      const mesh::Vec3d middle{reference::real(random, -4, 4), reference::real(random, -4, 4),
+                               reference::real(random, -4, 4)};
+      meshes.push_back(reference::random_object(random, middle, reference::real(random, 2, 8)));
+    }
+    std::vector<LatticeMesh> corners;
+    for (const mesh::Mesh& mesh : meshes) {
+      LatticeMesh& to = corners.emplace_back();
+      for (const mesh::Triangle& triangle : mesh.triangles) {
+        lattice::LatticeTriangle& placed = to.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+          const mesh::Vec3d world = mesh::apply(placing, mesh.vertices[triangle[k]]);
+          for (std::size_t d = 0; d < 3; ++d) {
+            placed[k][d] = static_cast<std::int64_t>(std::nearbyint(world[d] / s * 1024));
+          }
+        }
+      }
+    }
+    const auto layers = static_cast<std::uint32_t>(seed % 3);
+    const auto sets = reference::united_scene(corners, {}, 20);
+    const auto objects = reference::objects_of(meshes, placing);
+    const auto values = [](const BakedScene& scene, const lattice::VoxelIndex& v) {
+      return scene.map().value(v[0], v[1], v[2]);
+    };
+    const BakedScene chebyshev(objects, reference::options_with(layers, s));
+    const auto expected = reference::offset_scene(sets, static_cast<int>(layers));
+    voxelize::BakeOptions options = reference::options_with(layers + 1, s, Metric::kEuclidean);
+    if (depth_m > 0) options.compliance = {{depth_m, 4}};
+    const BakedScene euclidean(objects, options);
+    const double depth = std::max(1.0, depth_m / s);
+    const Layers with_depth(
+        sets.interior, sets.geometry, static_cast<int>(std::ceil(depth - 1e-9)),
+        [&](const lattice::VoxelIndex& v) {
+          return distance_from(corners, reference::center_of(v));
+        },
+        layers + 888.0 / 1024);
+    sets.geometry.for_each([&](const lattice::VoxelIndex& v) {
+      if (HasFatalFailure()) return;
+      enclosed += sets.interior.at(v);
+      ASSERT_EQ(static_cast<std::uint8_t>(values(chebyshev, v)), expected.at(v));
+      ASSERT_EQ(values(euclidean, v), with_depth.at(v));
+    });
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(enclosed, 0);
+}
+
 // Leaving the distances out changes no byte of the values.
 TEST(DistanceBake, LeanFilesHaveTheSameValues) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {

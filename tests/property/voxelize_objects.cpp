@@ -120,7 +120,7 @@ TEST(ObjectBake, EqualsTheReferenceOnRandomScenes) {
       ++voxels_of[found];
       const std::vector<double> distances = distances_from(meshes, reference::center_of(v));
       const double least = *std::min_element(distances.begin(), distances.end());
-      ASSERT_LE(distances[found - 1], least + double{distance::kDistanceErrorVoxels})
+      ASSERT_LE(distances[found - 1], least + double{distance::kKernelErrorVoxels})
           << "object " << found;
       for (std::uint32_t other = 1; other < found; ++other) {
         ASSERT_GT(distances[other - 1], least + double{distance::kEquallyNearVoxels} - kTolerance)
@@ -246,7 +246,7 @@ TEST(ObjectBake, TheOrderOfObjectsGivesTheNumbersAlone) {
       if (here == count + 1 - there) return;
       const std::vector<double> distances = distances_from(meshes, reference::center_of(v));
       ASSERT_NEAR(distances[here - 1], distances[count - there],
-                  double{distance::kDistanceErrorVoxels});
+                  double{distance::kKernelErrorVoxels});
       ASSERT_LT(here, count + 1 - there) << "of equally near ones the first";
     });
     if (HasFatalFailure()) return;

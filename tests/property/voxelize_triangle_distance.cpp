@@ -496,7 +496,7 @@ double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offs
     if (square > 0) fall += normal[d] * way[d] / std::sqrt(square);
     length += way[d] * way[d];
   }
-  constexpr double kTouching = distance::kDistanceErrorVoxels;
+  constexpr double kTouching = distance::kKernelErrorVoxels;
   // A triangle without area has any plane through it.
   const double share =
       square > 0 ? std::min(1.0, 2.1 * kTouching / std::max(std::abs(fall), 1e-9)) : 1;
@@ -504,7 +504,7 @@ double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offs
 }
 
 // A free line is at least this far from a triangle, voxels: the threshold less the kernels' error.
-constexpr double kLeastFree = 0.9 * double{distance::kDistanceErrorVoxels};
+constexpr double kLeastFree = 0.9 * double{distance::kKernelErrorVoxels};
 
 std::vector<LinesOfSight::Offset> any_offsets(Random& random) {
   std::vector<LinesOfSight::Offset> offsets(

@@ -16,7 +16,7 @@ namespace {
 
 // The largest distance that decides a code, of voxels outside the solid and of those inside.
 float outer_reach(const CodeScale& scale) {
-  return static_cast<float>(scale.least_of(kMostDistanceCode)) + kDistanceErrorVoxels;
+  return static_cast<float>(scale.least_of(kMostDistanceCode)) + kKernelErrorVoxels;
 }
 float inner_reach(const CodeScale& scale) {
   return static_cast<float>(std::max(0.0, -scale.least_of(1)));

@@ -138,7 +138,7 @@ constexpr std::size_t kNumbers = 4;
 constexpr float kRounding = 1e-4f * static_cast<float>(lattice::kSnapUnits), kTurn = 0.01f;
 
 // A triangle that is nearer by this surely counts as nearer.
-constexpr float kNearerBy = 2 * kDistanceErrorVoxels * static_cast<float>(lattice::kSnapUnits);
+constexpr float kNearerBy = 2 * kKernelErrorVoxels * static_cast<float>(lattice::kSnapUnits);
 
 // The way to points from their feet, their nearest points in a triangle, and its squared length.
 // Not rounded as NearestTriangles does.
@@ -387,7 +387,7 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
     const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
     // Rounded down, and before that less what the arithmetic may be off.
     const V steps =
-        hn::Mul(hn::Sub(d, set(kDistanceErrorVoxels)), set(static_cast<float>(1 / scale.quantum)));
+        hn::Mul(hn::Sub(d, set(kKernelErrorVoxels)), set(static_cast<float>(1 / scale.quantum)));
     const auto code = hn::Add(hn::ConvertTo(kI, hn::Floor(steps)), hn::Set(kI, scale.zero_code));
     const auto stored = hn::Min(hn::Max(code, hn::Zero(kI)), hn::Set(kI, 255));
     hn::StoreU(hn::DemoteTo(kBytes, stored), kBytes, out + n);
@@ -437,7 +437,7 @@ void NearEighths::find(TriangleList triangles, const std::array<int, 3>& low, in
   for (std::size_t d = 0; d < 3; ++d) {
     cells.first[d] = static_cast<float>(low[d]) * kUnits + cells.step / 2;
   }
-  cells.around = (half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
+  cells.around = (half_diagonal(edge) + kKernelErrorVoxels) * kUnits;
   cells.span = static_cast<float>(edge - 1) / 2 * kUnits;
   cells.reach = reach;
   const std::size_t count = triangles.size(), numbers = kNumbers * kEighths * count;

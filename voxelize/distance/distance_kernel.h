@@ -18,7 +18,9 @@
 
 namespace forcelayer::distance {
 
-inline constexpr float kDistanceErrorVoxels = 1e-3f;  // ten times the bound above
+// No distance that a kernel computes errs by more: ten times the bound above. The error of a stored
+// code is twice that (kDistanceErrorVoxels of voxmap_format.h), as a writer may lose more.
+inline constexpr float kKernelErrorVoxels = 1e-3f;
 
 // Half the diagonal of the box around the voxel centers of a cube.
 constexpr float half_diagonal(int edge_voxels) {
@@ -68,7 +70,7 @@ class NearEighths {
 
   // As bits, the eighths in which triangle i of the list may be the nearest to a place, within the
   // reach. In every other eighth, and for every place within reach, another triangle is nearer by
-  // more than kDistanceErrorVoxels.
+  // more than kKernelErrorVoxels.
   unsigned eighths(std::size_t i) const { return bits_[i]; }
 
   const std::uint8_t* bits() const { return bits_.data(); }  // [triangles], and 8 zero bytes

@@ -140,8 +140,8 @@ bool center_is_nearer(const lattice::LatticeTriangle& triangle, const lattice::V
 CenterGrowth::CenterGrowth(const SceneTriangles& triangles, std::int64_t radius_units)
     : triangles_(triangles), radius_units_(radius_units) {
   const float radius = static_cast<float>(radius_units) / kUnits;
-  reach_ = radius + kDistanceErrorVoxels;
-  const float surely = (radius - kDistanceErrorVoxels) * kUnits, maybe = reach_ * kUnits;
+  reach_ = radius + kKernelErrorVoxels;
+  const float surely = (radius - kKernelErrorVoxels) * kUnits, maybe = reach_ * kUnits;
   surely_near_.fill(surely * surely);
   maybe_near_.fill(maybe * maybe);
 }

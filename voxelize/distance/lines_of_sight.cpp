@@ -17,7 +17,7 @@ namespace forcelayer::distance::HWY_NAMESPACE {
 namespace {
 
 // A line this near to a triangle counts as crossing it.
-constexpr float kTouching = kDistanceErrorVoxels * static_cast<float>(lattice::kSnapUnits);
+constexpr float kTouching = kKernelErrorVoxels * static_cast<float>(lattice::kSnapUnits);
 
 // As bits, the lines that cross none of the triangles, nor touch one.
 //

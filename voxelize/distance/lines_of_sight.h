@@ -26,7 +26,7 @@ class LinesOfSight {
   void begin(const std::array<int, 3>& low, TriangleList around, const std::array<int, 3>& voxel);
 
   // As bits, the free lines of those to the voxels at `offsets`, kMostLines at most. A line that
-  // comes nearer than kDistanceErrorVoxels to a triangle, or by rounding may, is not free.
+  // comes nearer than kKernelErrorVoxels to a triangle, or by rounding may, is not free.
   std::uint32_t free(std::span<const Offset> offsets);
 
  private:

@@ -20,7 +20,7 @@ inline constexpr std::size_t kBrickVoxels = 512;
 // Objects whose distances differ by less than this, in voxels, count as equally near, and the voxel
 // gets the lowest of their numbers. It is above the error of the kernels' distances, so that
 // surfaces that touch are not speckled, and below the margin of the search's lists.
-inline constexpr float kEquallyNearVoxels = kDistanceErrorVoxels / 2;
+inline constexpr float kEquallyNearVoxels = kKernelErrorVoxels / 2;
 
 // Whether a code stands for a measured distance: it is neither the lowest ("or less") nor the
 // highest ("or more").

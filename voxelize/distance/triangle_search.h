@@ -121,14 +121,14 @@ class CellSearch {
   // The largest distance of a triangle from a cell's middle at which it can be within reach of one
   // of the cell's voxel centers, lattice units.
   static float limit_of(float reach_voxels, int edge) {
-    return (reach_voxels + half_diagonal(edge) + kDistanceErrorVoxels) * kUnits;
+    return (reach_voxels + half_diagonal(edge) + kKernelErrorVoxels) * kUnits;
   }
 
   // The node's cells of 16 voxels that have a voxel center within `reach_voxels` of the triangle's
   // bounding box, as bits.
   static std::uint64_t cells_beside(const PreparedTriangle& t, float reach_voxels) {
     constexpr std::uint64_t kFirst[3] = {0xffff, 0x000f000f000f000f, 0x1111111111111111};
-    const float around = (reach_voxels + kDistanceErrorVoxels) * kUnits;
+    const float around = (reach_voxels + kKernelErrorVoxels) * kUnits;
     std::uint64_t cells = ~std::uint64_t{0};
     for (std::size_t d = 0; d < 3; ++d) {
       const float least = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - around;
