@@ -57,7 +57,7 @@ struct BakedShell {
 using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
 
 // Errors: kMeshEmpty; kBakeTooLarge where the shell is more than memory or the format holds. The
-// same shell for any number of threads. `expected_s`, as cost.h tells it, makes the progress more
+// same shell for any number of threads. `expected_s`, from cost.h, makes the progress more
 // even; 0: not known.
 Result<BakedShell> bake_shell(part::Part part, const ShellOptions& options,
                               const BakeProgress& progress, double expected_s = 0);

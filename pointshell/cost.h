@@ -1,4 +1,4 @@
-// About what a bake will take, told before it begins.
+// A forecast of a bake's time, memory and points.
 #pragma once
 
 #include "pointshell/bake.h"

@@ -337,7 +337,7 @@ void build_map(SceneVoxels& scene, const SceneRegion& region, const std::vector<
   }
 }
 
-// Names the objects that the map tells apart.
+// Names the objects that the map distinguishes.
 void add_names(Objects objects, const BakeOptions& options, Bake& bake) {
   if (!stores_objects(options, objects.size())) return;
   bake.header.object_count = static_cast<std::uint32_t>(objects.size());

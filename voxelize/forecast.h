@@ -27,7 +27,7 @@ struct Forecast {
 };
 
 // "the scene is 745 m across: --units mm?": the likeliest mistake is meters that are millimeters.
-// Nothing where `what` is no larger than made things are, or the unit is none of about a meter.
+// Nothing where `what` is no larger than made things are, or the unit is not about a meter.
 std::optional<std::string> unit_question(const char* what, const mesh::Box& box_m,
                                          double largest_unit_m);
 

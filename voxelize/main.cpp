@@ -39,7 +39,7 @@ namespace forcelayer::voxelize {
 namespace {
 
 // On the progress line: when reading ends and writing begins.
-// Reading tells no time: how long the rest takes is not known before its end.
+// Reading forecasts no time: how long the rest takes is not known before its end.
 constexpr double kReadingDone = 0.09, kWritingDone = 0.95;
 
 struct Arguments {

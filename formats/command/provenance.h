@@ -9,7 +9,7 @@
 
 namespace forcelayer::command {
 
-// How many faces the bake was told to do without (--missing-faces); 0 where the text, the JSON that
+// How many faces the user agreed to miss (--missing-faces); 0 where the text, the JSON that
 // voxelize and pointshell write, does not say.
 std::uint64_t missing_faces_in(std::string_view provenance);
 

@@ -76,7 +76,7 @@ Result<double> scaled(const NumberAndRest& split, const Unit& unit) {
   long long exponent = unit.exponent;
   if (e != std::string_view::npos) {
     const std::size_t sign = split.text[e + 1] == '+' ? 1 : 0;
-    int own = 0;  // stays where it is none: of a zero, which any exponent may follow
+    int own = 0;  // stays 0 for a zero, which any exponent may follow
     std::from_chars(split.text.data() + e + 1 + sign, split.text.data() + split.text.size(), own);
     exponent += own;
   }

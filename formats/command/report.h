@@ -12,7 +12,7 @@ namespace forcelayer::command {
 // Version of the reports' common keys (README.md).
 inline constexpr int kReportSchema = 1;
 
-// Notes which report the command line asks for, so that a failure before begin_report() is told
+// Notes which report the command line asks for, so that a failure before begin_report() is reported
 // there too: with no inputs, and only where that replaces nothing but a report. parse_arguments()
 // calls it.
 void expect_report(int argc, char** argv);

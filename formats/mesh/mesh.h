@@ -100,8 +100,8 @@ struct Assembly {
 inline constexpr std::uint64_t kMostMeasuredVertices = 200'000'000;
 void measure_instances(Assembly& assembly);
 
-// How far the reading of a file with exact surfaces is: told before they are tessellated, and then
-// after each node.
+// How far the reading of a file with exact surfaces is: reported before they are tessellated, and
+// then after each node.
 struct ReadingProgress {
   double share_done = 0;
   double expected_triangles = 0;  // of the whole file, forecast

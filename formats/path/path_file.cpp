@@ -58,7 +58,7 @@ std::string parse_line(std::string_view line, const PathColumns& columns,
   return "has " + std::to_string(cells) + " cells, not the header's " + std::to_string(wanted);
 }
 
-// The kind of a file that is none of ours, by its first line; nullptr: it may be.
+// The kind of a file that Forcelayer did not write, by its first line; nullptr: it may be.
 const char* other_kind(std::string_view line) {
   static constexpr struct {
     char begin[5], name[12];

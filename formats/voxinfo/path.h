@@ -17,7 +17,7 @@ struct PathRequest {
 };
 
 // Prints the path's facts, and writes it anew where an output is named. Errors: those of
-// read_path(), of Pshell::open() and of writing; kUsage for a period that is none.
+// read_path(), of Pshell::open() and of writing; kUsage for an invalid period.
 Status handle_path(const PathRequest& request);
 
 }  // namespace forcelayer::voxinfo

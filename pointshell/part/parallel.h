@@ -25,8 +25,8 @@ void parallel_for_each_index(std::size_t count, std::size_t grain, const Body& b
 // Called with the share of some work that is done, in [0, 1]; may be empty.
 using Progress = std::function<void(double share_done)>;
 
-// Counts what threads have done of `all`, and tells its share: one thread at a time, the others go
-// on.
+// Counts what threads have done of `all`, and reports the fraction done: one thread at a time, the
+// others go on.
 class DoneWork {
  public:
   DoneWork(const Progress& progress, double all) : progress_(progress), all_(all) {}

@@ -37,7 +37,7 @@ Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
   from_mesh_ = window == Window::kMesh
                    ? 1
                    : reach_voxels(voxmap.header()) - kHalfDiagonal - quantum_ - kWriterError;
-  // Codes may end where the voxels of the mesh are not yet told apart from those inside.
+  // Codes may end before the voxels of the mesh differ from those inside.
   const VoxmapHeader& h = voxmap.header();
   counts_lowest_ = window == Window::kMesh && (h.distance_zero_code - 1) * quantum_ < kDeepest;
   low_ = std::max(0.0, from_mesh_ - kHalfDiagonal);

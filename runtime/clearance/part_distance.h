@@ -24,7 +24,7 @@ struct LeastDistance {
 // For one thread at a time.
 class PartDistance {
  public:
-  // Map, shell and table outlive this. Distances beyond `cap_voxels` are not told apart.
+  // Map, shell and table outlive this. All distances beyond `cap_voxels` count as that.
   PartDistance(const Voxmap& voxmap, const Pshell& shell, const LeftOut& left_out,
                double cap_voxels);
 

@@ -172,7 +172,7 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
   return found;
 }
 
-// Refuses what cannot be told.
+// Refuses a path that double precision or the scene's data cannot answer.
 Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath& path,
                      const CheckRequest& request) {
   // Not finite for a path that overflows.

@@ -6,7 +6,7 @@
 namespace forcelayer::clearance {
 namespace {
 
-// How finely the walk tells, in voxels of travel: how far below the least distance of its samples
+// Resolution of the walk, in voxels of travel: how far below the least distance of its samples
 // what is proven for the whole path may lie; the ends of a piece that is too near; what happens
 // inside of one; and the shortest way that it cuts.
 constexpr double kLeastTolerance = 0.05;

@@ -39,7 +39,7 @@ struct WalkLimits {
   double least_voxels = 0;     // the least distance found so far; only lesser ones are looked for
 };
 
-// How far the shell points are at the ends of a way, as far as it was told before; unknown below 0.
+// How far the shell points are at the ends of a way, as far as it is known; unknown below 0.
 struct KnownEnds {
   static constexpr double kUnknown = -1;
   LeastDistance first{kUnknown}, last{kUnknown};

@@ -101,7 +101,7 @@ typedef struct forcelayer_result {
 /* Bits of forcelayer_state.faults. The part stays where it was, and the output is zero. */
 enum {
   FORCELAYER_FAULT_INVALID_INPUT = 1,    /* no reading that could be used */
-  FORCELAYER_FAULT_NON_FINITE_INPUT = 2, /* a pose that is none */
+  FORCELAYER_FAULT_NON_FINITE_INPUT = 2, /* an invalid pose */
   FORCELAYER_FAULT_NON_FINITE_STATE = 4, /* the motion overflowed */
   FORCELAYER_FAULT_FILE_LOST = 8         /* a baked file was cut short or written to */
 };
@@ -136,7 +136,7 @@ forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
  *   place alone: the hand holds the part there, without stretch
  *   both:       the handle pulls the part from its place to where the grip has it, and the output
  *               arms once the part is free of contact
- * 0 on success; not 0 for a pose that is none, and for a first reading that cannot be used. */
+ * 0 on success; not 0 for an invalid pose, and for a first reading that cannot be used. */
 int forcelayer_start(forcelayer_runtime* runtime, const double world_from_part[7],
                      const double handle_from_part[7], const forcelayer_reading* first, char* error,
                      size_t error_bytes);

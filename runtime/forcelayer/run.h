@@ -141,7 +141,7 @@ class Run {
 
   // Registers the part at rest, before the first step(), or to begin anew. `first` is where the
   // handle is now. With neither place nor grip in `start`, the part's frame is the handle's.
-  // Errors: kUsage for a pose that is none; kDeviceRefused for a reading with which a run cannot
+  // Errors: kUsage for an invalid pose; kDeviceRefused for a reading with which a run cannot
   // begin: absent, not calibrated, or so far outside the workspace that its unit must be wrong.
   Status start(const PartStart& start, const DeviceSample& first);
   bool started() const;

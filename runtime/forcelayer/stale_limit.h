@@ -10,7 +10,7 @@ inline constexpr double kStaleLimitS = 0.005;
 // feels it for so long at most.
 inline constexpr double kStaleCeilingS = 0.05;
 
-// Periods of a device without a reading that are none of its faults, and the slowest device with
+// Periods of a device without a reading that are not its fault, and the slowest device with
 // motors: its periods of that number are the longest stale limit.
 inline constexpr double kStalePeriods = 2.5;
 inline constexpr double kLeastMotorsHz = kStalePeriods / kStaleCeilingS;

@@ -75,7 +75,7 @@ struct StepReport {
   glm::dvec3 nearest_point_m{0};     // kProven: the shell point nearest to the scene, world
   std::uint32_t nearest_object = 0;  // kProven: the object nearest to that point; 0: not known
   // The objects that it pushes against, the one with the largest force first; of more than these,
-  // the strongest. Only those that the scene's file names. `default` alone tells them.
+  // the strongest. Only those that the scene's file names. Model `default` only.
   std::array<TouchedObject, 4> touched{};
 };
 

@@ -22,7 +22,7 @@ constexpr float kMostBetweenVoxels = 0.3f;
 // eight centers have that code, the interpolated distance can be this much too large.
 constexpr double kUntoldVoxels = 0.35;
 
-// Without distances a point in the interior is told from no other: a seat looks like a penetration.
+// Without distances all points in the interior are alike: a seat looks like a penetration.
 Error no_distances(bool stored) {
   if (stored) {
     return {ErrorCode::kUsage, "", "start",

@@ -1,5 +1,5 @@
 // The gate decides over time when the output may carry force, and how much of it. It is a state
-// machine that knows no device, wrench or step; the output stage tells it about each frame.
+// machine that knows no device, wrench or step; the output stage reports each frame to it.
 //
 // | state   | gain            | leaves to                                                         |
 // |---------|-----------------|-------------------------------------------------------------------|

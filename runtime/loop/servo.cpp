@@ -11,9 +11,9 @@
 namespace forcelayer::loop {
 namespace {
 
-// A stretch below these, at the device, is none: four encoder steps (25 um, 0.013 degrees), which a
-// still hand moves a handle between registration and a frame. The springs' pull at such a stretch
-// is below a twentieth of the device's rating, and the ramp lets it in.
+// A stretch below these, at the device, counts as zero: four encoder steps (25 um, 0.013 degrees),
+// which a still hand moves a handle between registration and a frame. The springs' pull at such a
+// stretch is below a twentieth of the device's rating, and the ramp lets it in.
 constexpr double kNoStretchM = 1e-4;
 constexpr double kNoStretchRad = 1e-3;
 

@@ -54,7 +54,8 @@ class Simulation {
 
   // Seats the part: from here on registered() opens the seat on the objects that the part touches
   // at `world_from_center` (runtime/guard/seat.h), or none where it touches nothing. The paper's
-  // model has none. Not beside step(). Errors: kUsage where no seat can be told from a penetration.
+  // model has none. Not beside step(). Errors: kUsage if a seat cannot be distinguished from a
+  // penetration.
   Status find_seat(const Pose& world_from_center);
   std::span<const guard::SeatObject> seat() const;
   const std::optional<Pose>& world_from_seat() const { return world_from_seat_; }

@@ -106,7 +106,7 @@ std::vector<std::string> object_names(const Scene& scene) {
   return names;
 }
 
-// The numbers of objects by their names; throws Failure for a name that is none.
+// The numbers of objects by their names; throws Failure for an unknown name.
 clearance::LeftOut numbers_of(const Scene& scene, const std::vector<std::string>& names) {
   clearance::LeftOut left_out(scene.map.header().object_count + std::size_t{1});
   for (const std::string& name : names) {

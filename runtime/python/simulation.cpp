@@ -174,7 +174,7 @@ class Stepper {
     const VelocityNumbers* moving = velocity ? &row_of<6>(*velocity, "handle_velocity") : nullptr;
     require_start();
     require_idle();
-    Evolving next = moment_->evolving;  // where a pose is none, nothing has happened
+    Evolving next = moment_->evolving;  // if a pose is invalid, nothing has happened
     Frame frame;
     if (!advance(next, handle, moving, frame)) check_done(0, "world_from_handle", kNoPose);
     moment_->evolving = next;
@@ -198,7 +198,7 @@ class Stepper {
     require_idle();
     auto rows = empty_rows<FrameRow>(handles.size());
     FrameRow* const out = rows.mutable_data();
-    auto next = std::make_shared<Moment>(*moment_);  // where a pose is none, nothing has happened
+    auto next = std::make_shared<Moment>(*moment_);  // if a pose is invalid, nothing has happened
     std::int64_t done = kAllDone;
     running_ = true;
     {
@@ -476,7 +476,7 @@ A structured array with a row for each frame:
     faults              0: none
     outside_map, seat_open, saturated   True or False
 
-Where a pose is none, nothing has happened. Other Python threads run meanwhile.
+If a pose is invalid, nothing has happened. Other Python threads run meanwhile.
 
 >>> import numpy
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))

@@ -58,7 +58,7 @@ inline Extent extent_of(const PlacedDisc& disc, const Leeway& most, float along)
 }
 
 // The share of `most` that the disc lies on the free side of a brick's bound; `corner` is the
-// brick's, as the disc's center is told.
+// brick's, as the disc's center is given.
 float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most,
              const std::array<float, 3>& corner) {
   float along = 0, center = -bound.offset, length2 = 0;

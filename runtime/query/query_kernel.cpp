@@ -161,7 +161,7 @@ HWY_INLINE std::uint32_t upper_end(const KernelMap& map, std::int32_t x, std::in
   return map.upper_nodes[std::size_t{entry} * kNodeEntries + slot];
 }
 
-// Down to the entries of 64^3 voxels; `in_brick` tells which of them have a child.
+// Down to the entries of 64^3 voxels; `in_brick` marks those that have a child.
 HWY_INLINE TreeEnd descend_to_lower_nodes(const KernelMap& map, const Int3& voxel, Mask valid) {
   const I i;
   const U u;

@@ -35,7 +35,7 @@ class QueryWorkers {
   // For the helpers, once; returns warnings (real_time.h).
   std::vector<std::string> take_real_time_priority();
 
-  // Whether they were told to be.
+  // Whether they should be.
   bool awake() const noexcept { return awake_.load(std::memory_order_relaxed) != 0; }
   unsigned helpers() const { return static_cast<unsigned>(threads_.size()); }
 

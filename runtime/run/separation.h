@@ -28,7 +28,7 @@ struct DistanceGuard {
 SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell,
                                          double pose_error_m, const DistanceGuard& guard);
 
-// An error where one of the two bounds is none, with what would mend that. `part`: the shell's
+// An error where one of the two bounds does not exist, with the way to fix it. `part`: the shell's
 // path, for the error. Errors: kFilesDoNotMatch.
 Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
                          const DistanceGuard& guard, const std::string& part);

@@ -31,7 +31,7 @@ nlohmann::ordered_json issue(const Options& options, const char* check, const ch
 // A list with one for each warning noted so far.
 nlohmann::ordered_json warning_issues(const Options& options);
 
-// Where a failure is told, in place of an earlier verdict. `options` are looked at then.
+// Where a failure is reported, instead of an earlier verdict. `options` are looked at then.
 std::vector<FailureFile> failure_files(const Options& options, int argc, char** argv);
 
 }  // namespace forcelayer::voxcheck

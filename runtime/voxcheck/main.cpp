@@ -94,8 +94,8 @@ double off_seat_m(const Pose& world_from_seat, const Pshell& part,
   return std::min(off_m(0), off_m(path.poses() - 1));
 }
 
-// Warns of a seat that is none, that is not on the path or that is the part itself, and of a path
-// that passes because it is of another scene.
+// Warns of a seat that touches nothing, that is not on the path or that is the part itself, and of
+// a path that passes because it is of another scene.
 void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& part,
                     const clearance::CenterPath& path, const clearance::CheckResult& result) {
   const auto warn = [&](const std::string& text) { command::warn(text, options.quiet); };

@@ -41,7 +41,7 @@ std::string exact_text(const Report& report, const ExactViolation& exact) {
               1e3 * exact.worst.exact_m, ceil_nm_in_mm(report.exact->margin_m));
 }
 
-// In its seat a part is told by its shell points, to either side of which the covering radius is
+// In its seat a part is known by its shell points, to either side of which the covering radius is
 // not looked at.
 double narrowest_felt_m(const Report& report) { return 2 * report.part.header().covering_radius_m; }
 
@@ -146,7 +146,7 @@ std::vector<std::string> overlap_texts(const Report& report) {
   return texts;
 }
 
-// How deep the part goes into the objects of its seat, as far as that is told.
+// How deep the part goes into the objects of its seat, as far as that is known.
 std::string seat_depth_text(const Report& report) {
   if (report.result.seated.empty()) return "";
   if (!is_seat_settled(report)) {

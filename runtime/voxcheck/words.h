@@ -38,7 +38,7 @@ std::string place_text(const clearance::CheckedMoment& moment);
 std::string most_text(const clearance::CheckedMoment& moment);
 
 // A line: how long the part is in its seat in that stretch, and how near it comes to what there.
-// `exact_m`: measured by the meshes; else the bounds are told.
+// `exact_m`: measured by the meshes; else the bounds are given.
 std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
                           std::size_t stretch, std::optional<double> exact_m);
 

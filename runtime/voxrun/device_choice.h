@@ -24,7 +24,7 @@ Result<ChosenDevice> choose_device(const Options& options, const std::atomic<int
 
 // Waits for a reading that a run can begin with: where the device has the handle, its rotation made
 // unit. Errors: kDeviceFailed where none comes, kDeviceRefused where it is not calibrated or its
-// pose is none, or cannot be in meters.
+// pose is invalid, or cannot be in meters.
 Result<Pose> wait_for_pose(devices::Device& device, const std::atomic<int>& stop);
 
 }  // namespace forcelayer::voxrun

@@ -23,7 +23,7 @@ struct NodeDistances {
   std::vector<std::uint8_t> codes =
       std::vector<std::uint8_t>(512 * kBrickVoxels);  // [bricks][voxels]; undefined elsewhere
   masks::NodeRows grown;                              // of CenterGrowth, outside the solid
-  const NodeObjects* objects = nullptr;               // null where they are not told apart
+  const NodeObjects* objects = nullptr;               // null where the map has no objects
 
   const std::uint8_t* brick(unsigned n) const { return codes.data() + n * kBrickVoxels; }
   // Eight voxels along z of brick n, row = x*8 + y, as bits: the solid ones.
@@ -40,7 +40,7 @@ class DistanceCodes {
  public:
   // Voxels outside `kept` have the highest code. The surface grows by `growth_units`
   // (CenterGrowth); 0: it does not grow. `numbers` are the objects' numbers in the file, ascending,
-  // from 1 on; without them objects are not told apart.
+  // from 1 on; without them the map has no objects.
   DistanceCodes(std::vector<const scan::SnappedObject*> objects,
                 const lattice::VoxelIndex& scene_origin, const masks::MaskTree& geometry,
                 const masks::MaskTree& interior, const CodeScale& scale, const masks::KeptBox& kept,

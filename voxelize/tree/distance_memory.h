@@ -18,7 +18,7 @@ namespace forcelayer::tree {
 
 // A node of both trees.
 struct MeasuredNode {
-  BuiltNode distances, objects;  // nothing of objects where they are not told apart
+  BuiltNode distances, objects;  // no objects where the map has none
 };
 
 class DistanceMemory {

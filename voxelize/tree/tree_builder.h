@@ -14,7 +14,7 @@
 
 namespace forcelayer::tree {
 
-// Is told the share of the nodes that are done, by one thread at a time; may be empty.
+// Receives the fraction of the nodes that are done, by one thread at a time; may be empty.
 using NodeProgress = std::function<void(double share_done)>;
 
 // The offset scene as a tree over `directory_dims` directory cells from the scene's origin. Uniform

@@ -27,9 +27,9 @@ using voxcheck::ExactRequest;
 using voxcheck::ExactSeat;
 using voxcheck::ExactViolation;
 
-// In voxels: how closely the least distance is told, and where a stretch begins and ends.
+// In voxels: resolution of the least distance, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
-// How closely a depth elsewhere than in a seat is told, and how wide cracks of a mesh may be that
+// Resolution of a depth elsewhere than in a seat, and how wide cracks of a mesh may be that
 // do not open it.
 constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
 // The same of a depth in a seat, as a fraction of deviations and rounding.
@@ -427,7 +427,7 @@ class ExactCheck {
     bool seated = false;
     std::optional<Sample> inside;
   };
-  std::optional<Side> side_;  // of the part, told last
+  std::optional<Side> side_;  // of the part, found last
 };
 
 }  // namespace

@@ -46,7 +46,7 @@ class ExactWalk {
   ExactWalk(const clearance::CenterPath& path, const MeshPair& everything, const MeshPair& seated,
             double rounding_m);
 
-  // From here on tells how far a search is, as a share of it.
+  // From here on reports how far a search is, as a fraction of it.
   void tell(Progress progress) { progress_ = std::move(progress); }
 
   const Sample& at(const Moment& moment, bool seated, double hint_m = kNothingM);

@@ -12,7 +12,7 @@
 namespace forcelayer::exact {
 namespace {
 
-// How closely depths are told that decide nothing.
+// Resolution of depths that decide nothing.
 constexpr double kWithinFraction = 1.0 / 64;
 
 // Whether a surface that does not meet the solid lies inside of it: one place tells.

@@ -35,7 +35,7 @@ class SeatWalk {
   // that passes through the other is deep in it.
   bool is_settled() const;
 
-  // From here on tells how far deeper_than() is, as a share of it.
+  // From here on reports how far deeper_than() is, as a fraction of it.
   void tell(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
   // A stretch of which it is not proven that no place is deeper than allowed.

@@ -34,7 +34,7 @@ class Steps {
   static Result<Steps> open(const std::string& memory, bool quiet);
 
   // Runs a step to its end, and prints its command and output. Errors: kFileNotFound for a program
-  // or an input that is not there. A step that fails is forgotten, and its status told.
+  // or an input that is not there. A step that fails is forgotten, and its status reported.
   Result<StepEnd> run(const Step& step);
 
   // Those of this time, in their order.

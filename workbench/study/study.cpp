@@ -71,7 +71,7 @@ class Study {
   Status report() const;
   Status judge() const;
 
-  // A step that must not fail; `or_no`: the answer no is none.
+  // A step that must not fail; `or_no`: the answer no is not a failure.
   Result<StepEnd> run(const Step& step, bool or_no = false);
 
   const Options& options_;

@@ -21,7 +21,7 @@ struct SearchRequest {
   std::uint64_t seed = 1;  // the same way for the same seed, whatever the threads
   unsigned threads = 1;
   double most_s = 60;
-  std::function<double()> clock_s = steady_s;  // by which the time is told
+  std::function<double()> clock_s = steady_s;  // the clock that limits the search
   // Makes the check of each hand, in the order of their numbers.
   std::function<Result<std::unique_ptr<PoseCheck>>(const Problem&)> make_check = PoseCheck::create;
   // Told in and between rounds, by one thread at a time.

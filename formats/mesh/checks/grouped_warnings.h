@@ -12,7 +12,7 @@ class GroupedWarnings {
   // `kind`: the plural of what `place` is, "files" or "nodes".
   explicit GroupedWarnings(std::string kind) : kind_(std::move(kind)) {}
 
-  // A second warning of the same text and place is none.
+  // A second warning of the same text and place is left out.
   void add(const std::string& place, const std::string& text);
 
   // "a.stl: TEXT", or "a.stl and 65 other files: TEXT", in the order of their first places.

@@ -153,7 +153,7 @@ int wait_until(Clock::time_point end) {
 }
 
 // Hands on the progress of the child until it begins to send its result, or the deadline is past.
-// How long OpenCASCADE takes is not known well beforehand, so a long wait is told.
+// How long OpenCASCADE takes is not known well beforehand, so a long wait is announced.
 void follow_progress(int result, int progress, const std::string& path, const ReadOptions& options,
                      Clock::time_point deadline) {
   const auto slow = Clock::now() + std::chrono::seconds(kToldAfterS);

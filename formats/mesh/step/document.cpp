@@ -155,7 +155,7 @@ void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& los
   fail_losses(file, losses.text, losses.mend);
 }
 
-// Faces that are missing leave edges open, and are told themselves.
+// Missing faces leave edges open, and are reported themselves.
 void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
                   StepDocument& document) {
   if (!document.losses.pieces.empty()) return;

@@ -6,8 +6,8 @@
 namespace forcelayer::mesh {
 namespace {
 
-// In deflections: a gap between edges and faces that is told. The coarsest deflection that is tried
-// is as large.
+// In deflections: a gap between edges and faces that is reported. The coarsest deflection that is
+// tried is as large.
 constexpr double kNotableGap = 4;
 
 std::string length_text(double length_mm) {

@@ -6,14 +6,14 @@
 namespace forcelayer::mesh {
 
 // No point of `face` is farther than this, in millimeters, from some point of its edges; infinite
-// where that cannot be told. `tolerance_mm`: of the polygons that stand for the edges; it is part
+// where that is not known. `tolerance_mm`: of the polygons that stand for the edges; it is part
 // of the result.
 //
 // The bound is the diagonal of the face's box, or the width of its outline where that is less: the
 // outline is cut at its two farthest points, and the segments between points of the two halves at
 // equal shares of their lengths sweep over every point of the face, which is thus nearer to the
 // outline than the longest segment is long. That holds for a face that lies within its outline (a
-// sphere with a slit does not), which its area tells.
+// sphere with a slit does not), as its area shows.
 double reach_from_edges(const TopoDS_Face& face, double tolerance_mm);
 
 }  // namespace forcelayer::mesh

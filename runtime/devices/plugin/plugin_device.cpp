@@ -302,7 +302,7 @@ void PluginDevice::stop() noexcept {
   process_ = -1;
 }
 
-// The end of the process tells the trouble, unless stop() asked for it.
+// The end of the process is the error, unless stop() asked for it.
 DeviceTrouble PluginDevice::trouble() const {
   if (link_ == nullptr) return {};
   if (overwritten_) {

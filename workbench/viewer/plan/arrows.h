@@ -19,7 +19,7 @@ struct Arrows {
   double per_depth = 1;
 };
 
-// The most arrows that can be told apart on a part.
+// Number of arrows that a reader can distinguish on a part.
 inline constexpr std::size_t kMostArrows = 100;
 
 // Points in the interior have a mark of their own in place of an arrow.

@@ -96,7 +96,7 @@ struct Layers {
     window->SetSize(width, height);
     world->SetBackground(kBackground[0], kBackground[1], kBackground[2]);
     world->SetUseDepthPeeling(1);
-    world->SetMaximumNumberOfPeels(4);  // two sheets a peel; more cannot be told apart
+    world->SetMaximumNumberOfPeels(4);  // two sheets a peel; more look alike
     marks->SetLayer(1);
     words->SetLayer(2);
     for (vtkRenderer* renderer : {world.Get(), marks.Get(), words.Get()}) {

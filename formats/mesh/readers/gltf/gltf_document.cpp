@@ -39,7 +39,7 @@ std::uint32_t uint32_at(std::string_view bytes, std::uint64_t offset) {
   return value;
 }
 
-// The bytes of a base64 text; false where it is none.
+// The bytes of a base64 text; false if it is not base64.
 bool decode_base64(std::string_view text, std::string& bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
