@@ -42,7 +42,7 @@ bool all_within(const Voxel& middle, std::int64_t reach, const Take& take) {
   return true;
 }
 
-// What the text says of a file, voxel by voxel.
+// The rules of the text for a file, voxel by voxel.
 class Text {
  public:
   explicit Text(const Voxmap& map) : map_(map), h_(map.header()), known_(known_box(h_)) {

@@ -52,7 +52,7 @@ double distance_to(const std::vector<Solid>& solids, const glm::dvec3& point) {
   return nearest;
 }
 
-// What a file says of its objects, beside the voxels.
+// The objects of a file, beside its voxels.
 struct Objects {
   std::vector<std::uint16_t> nearest;  // [voxel], hints too
   std::vector<std::string> names;

@@ -155,7 +155,7 @@ class ShapeTessellation {
     Faces failed;  // not tessellated, and not dropped
   };
 
-  // What the shape has once it is tessellated at this deflection.
+  // The triangles of the shape, tessellated at this deflection.
   Attempt attempt(double deflection_mm) const {
     Attempt result;
     result.made.mesh.single_precision = false;
