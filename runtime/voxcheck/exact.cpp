@@ -42,13 +42,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.scene = options.scene;
   request.part = options.part;
   request.path = options.path;
-  request.meshes = options.meshes;
-  request.part_meshes = options.part_meshes;
-  request.without = options.without;
-  request.unit_m = options.unit_m;
-  request.part_unit_m = options.part_unit_m ? options.part_unit_m : options.unit_m;
-  request.allow_outside = options.allow_outside;
-  request.sandbox = options.sandbox;
+  name_meshes(options, request);
   request.required_m = options.clearance_m;
   request.least_s = result.least.time_s;
   if (std::isfinite(result.least.most_m) && !result.at_least) {
@@ -147,24 +141,8 @@ void take(const ExactAnswer& answer, bool some_are_allowed, CheckResult& result)
   result.at_least = false;
 }
 
-}  // namespace
-
-Result<ExactAnswer> settle_exactly(const Options& options, const clearance::LeftOut& allowed,
-                                   CheckResult& result) {
-  const auto end =
-      command::run_program("voxcheck-exact", {}, text_of(request_of(options, allowed, result)),
-                           command::ProgramOutput::kTaken, "forcelayer-tools");
-  if (!end) return end.error();
-  if (end->status != 0) {
-    return Error{ErrorCode::kInternal, "", "--exact",
-                 "voxcheck-exact ended with status " + std::to_string(end->status), ""};
-  }
-  auto answer = exact_answer(end->output);
-  if (!answer) return answer;
-  take(*answer, is_any(allowed), result);
-  return answer;
-}
-
+// Adds those objects of the seat that are as far away as required where the part is installed, by
+// the meshes. Whether there are any: the path has to be checked again.
 bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::LeftOut& far_in_seat) {
   std::vector<std::uint32_t> far;
   for (const ExactSeat& seat : answer.seat) {
@@ -174,6 +152,49 @@ bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::Left
   }
   far_in_seat = clearance::with_objects(std::move(far_in_seat), far);
   return !far.empty();
+}
+
+}  // namespace
+
+void name_meshes(const MeshOptions& options, ExactRequest& request) {
+  request.meshes = options.meshes;
+  request.part_meshes = options.part_meshes;
+  request.without = options.without;
+  request.unit_m = options.unit_m;
+  request.part_unit_m = options.part_unit_m ? options.part_unit_m : options.unit_m;
+  request.allow_outside = options.allow_outside;
+  request.sandbox = options.sandbox;
+}
+
+Result<ExactAnswer> ask_program(const ExactRequest& request) {
+  const auto end = command::run_program("voxcheck-exact", {}, text_of(request),
+                                        command::ProgramOutput::kTaken, "forcelayer-tools");
+  if (!end) return end.error();
+  if (end->status != 0) {
+    return Error{ErrorCode::kInternal, "", "--exact",
+                 "voxcheck-exact ended with status " + std::to_string(end->status), ""};
+  }
+  return exact_answer(end->output);
+}
+
+Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& part,
+                                           const clearance::CenterPath& path,
+                                           clearance::CheckRequest request, const Options& options,
+                                           const AskExactly& ask) {
+  while (true) {
+    auto checked = clearance::check_path(scene, part, path, request);
+    if (!checked) {
+      Error error = checked.error();
+      if (error.file.empty()) error.file = options.scene;
+      return error;
+    }
+    auto answer = ask(request_of(options, request.allowed, *checked));
+    if (!answer) return answer.error();
+    take(*answer, is_any(request.allowed), *checked);
+    if (!leave_out_far(*answer, options.clearance_m, request.far_in_seat)) {
+      return ExactCheckResult{std::move(*checked), std::move(*answer)};
+    }
+  }
 }
 
 }  // namespace forcelayer::voxcheck

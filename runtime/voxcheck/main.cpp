@@ -156,7 +156,7 @@ Status check(const Options& options) {
                                   show};
   std::optional<clearance::CheckResult> result;
   std::optional<ExactAnswer> exact;
-  do {
+  if (options.meshes.empty()) {
     auto checked = clearance::check_path(*scene, *part, path, request);
     line.clear();
     if (!checked) {
@@ -165,12 +165,16 @@ Status check(const Options& options) {
       return error;
     }
     result = std::move(*checked);
-    if (options.meshes.empty()) break;
-    auto settled = settle_exactly(options, *allowed, *result);
+  } else {
+    auto settled = check_with_meshes(*scene, *part, path, request, options, [&](const auto& asked) {
+      line.clear();  // voxcheck-exact has its own
+      return ask_program(asked);
+    });
+    line.clear();
     if (!settled) return settled.error();
-    exact = std::move(*settled);
-    // The meshes may tell of the seat what the files cannot: then once more.
-  } while (leave_out_far(*exact, options.clearance_m, request.far_in_seat));
+    result = std::move(settled->checked);
+    exact = std::move(settled->exact);
+  }
   warn_of_places(options, *scene, *part, path, *result);
   if (exact) {
     for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
-#include <tuple>
 
 #include "formats/command/arguments.h"
 #include "formats/command/quantity.h"
@@ -33,11 +32,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                  "again");
   app.add_flag("--felt-seat", options_.felt_seat,
                "a seat that no meshes settle is clear where shell points feel nothing, although "
-               "features narrower than twice the covering radius are not felt");
-  app.add_option(
-      "--seat-depth", seat_depth_,
-      "with --exact: how much deeper than installed the part may go into the objects that "
-      "it is seated on, beside the deviations of the meshes; default: 0");
+               "thin walls and rods are not felt; the report says how thin");
   app.add_option("--allow", options_.allow,
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
@@ -45,24 +40,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
   command::add_choice(app, "--fail-on", options_.fail_on, {"far"},
                       "far: a part that is never near the scene is not clear either; the path may "
                       "be in another unit");
-  app.add_option("--exact", options_.meshes,
-                 "what the scene was baked from: settles with the meshes themselves what the files "
-                 "leave open; repeatable")
-      ->allow_extra_args(false);
-  app.add_option("--part", options_.part_meshes, "and what the part was baked from; repeatable")
-      ->allow_extra_args(false);
-  app.add_option("--without", options_.without,
-                 "nodes that the bake of the scene left out; repeatable")
-      ->allow_extra_args(false);
-  app.add_option("--units", options_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
-                 "unit; replaces the unit that the format defines");
-  app.add_option("--part-units", options_.part_units, "unit of --part, if it differs");
-  app.add_flag("--allow-outside", options_.allow_outside,
-               "a manifest may name meshes outside its own folder");
-  command::add_flag(app, "--sandbox", options_.sandbox,
-                    "read each mesh file in a process of its own, as voxelize does; "
-                    "--sandbox=memory=2GiB,time=30s sets its limits for a file");
+  meshes_.declare(app, options_,
+                  "what the scene was baked from: settles with the meshes themselves what the "
+                  "files leave open; repeatable");
   app.add_option("--threads", options_.threads,
                  "worker threads, default all; the answer does not depend on their number")
       ->check(CLI::Range(1u, kMostThreads));
@@ -93,36 +73,7 @@ Result<Options> OptionParser::finish() const {
     return Error{ErrorCode::kUsage, "", "--clearance", "must not be negative", ""};
   }
   options.clearance_m = *clearance;
-  for (const auto& [option, text, unit_m] :
-       {std::tuple("--units", &options.units, &options.unit_m),
-        std::tuple("--part-units", &options.part_units, &options.part_unit_m)}) {
-    if (text->empty()) continue;
-    const auto unit = command::parse_unit(*text);
-    if (!unit) return about(option, unit.error());
-    *unit_m = *unit;
-  }
-  if (options.meshes.empty() != options.part_meshes.empty()) {
-    return Error{ErrorCode::kUsage, "", options.meshes.empty() ? "--exact" : "--part",
-                 "is missing: both surfaces are needed",
-                 "give --exact SCENE_MESHES --part PART_MESHES"};
-  }
-  if (!seat_depth_.empty()) {
-    const auto depth = command::parse_length(seat_depth_);
-    if (!depth) return about("--seat-depth", depth.error());
-    if (!(*depth >= 0)) {
-      return Error{ErrorCode::kUsage, "", "--seat-depth", "must not be negative", ""};
-    }
-    options.seat_depth_m = *depth;
-  }
-  if (options.meshes.empty()) {
-    for (const auto& [option, is_given] :
-         {std::pair("--without", !options.without.empty()),
-          std::pair("--seat-depth", options.seat_depth_m.has_value()),
-          std::pair("--sandbox", !options.sandbox.empty())}) {
-      if (is_given)
-        return Error{ErrorCode::kUsage, "", option, "goes with --exact alone", "leave it out"};
-    }
-  }
+  if (Status read = meshes_.finish(options); !read) return read.error();
   if (!seat_.empty()) {
     const auto seat = command::parse_pose(seat_);
     if (!seat) return about("--seat", seat.error());

@@ -111,6 +111,7 @@ bool Body::close_cracks(double most_m) {
   for (crack_m_ = kNarrowest * most_m; crack_m_ <= most_m; crack_m_ *= 2) {
     if (has_only_cracks(crack_m_)) return true;
   }
+  crack_m_ = 0;  // it is open: no crack widens what it may go through
   return false;
 }
 

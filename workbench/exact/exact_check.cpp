@@ -14,6 +14,7 @@
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/path_source.h"
 #include "workbench/exact/exact_walk.h"
+#include "workbench/exact/seat_meshes.h"
 #include "workbench/exact/seat_walk.h"
 #include "workbench/exact/stored_side.h"
 #include "workbench/exact/surfaces.h"
@@ -29,11 +30,8 @@ using voxcheck::ExactViolation;
 
 // In voxels: resolution of the least distance, and where a stretch begins and ends.
 constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
-// Resolution of a depth elsewhere than in a seat, and how wide cracks of a mesh may be that
-// do not open it.
-constexpr double kDepthVoxels = 1.0 / 32, kCrackVoxels = 1.0 / 8;
-// The same of a depth in a seat, as a fraction of deviations and rounding.
-constexpr double kSeatWithin = 1.0 / 8;
+// Resolution of a depth elsewhere than in a seat.
+constexpr double kDepthVoxels = 1.0 / 32;
 constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
 
 class ExactCheck {
@@ -319,19 +317,9 @@ class ExactCheck {
     }
   }
 
-  // How much deeper than installed the part may go: by what deviations, rounding and cracks leave
-  // open, and by what the user allows.
-  double seat_margin_m(const Other& object) {
-    double crack_m = 0;
-    for (const Bodies* bodies : {&part_bodies(), &object.bodies}) {
-      for (const auto& body : *bodies) crack_m = std::max(crack_m, body->crack_m());
-    }
-    return margin_m_ + 2 * crack_m;
-  }
-
   void settle(std::uint32_t number, const Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const double margin_m = seat_margin_m(object);
+    const double margin_m = seat_margin_m(part_bodies(), object.bodies, margin_m_);
     SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kSeatWithin * margin_m);
     seat.settled = walk.is_settled() || !meet(object.distance);
     walk.tell(shown("measuring the depth in the seat", answer.seat.size(), request_.seat.size()));
@@ -432,23 +420,38 @@ class ExactCheck {
 
 }  // namespace
 
-Result<ExactAnswer> check_exactly(const ExactRequest& request) {
-  const auto voxmap = open_scene(request.scene);
+Result<Meshes> read_meshes(const ExactRequest& request, bool quiet) {
+  auto voxmap = open_scene(request.scene);
   if (!voxmap) return voxmap.error();
-  const auto shell = open_part(request.part);
+  auto shell = open_part(request.part);
   if (!shell) return shell.error();
-  std::vector<std::string> warnings;
-  command::ProgressLine line(request.quiet);
+  command::ProgressLine line(quiet);
   line.show("reading the meshes", 0);
-  const auto scene = read_scene_surface(request, *voxmap, warnings);
+  std::vector<std::string> warnings;
+  auto scene = read_scene_surface(request, *voxmap, warnings);
   if (!scene) return scene.error();
-  const auto part = read_part_surface(request, *shell, warnings);
+  auto part = read_part_surface(request, *shell, warnings);
   if (!part) return part.error();
+  return Meshes{std::move(*voxmap), std::move(*shell), std::move(*scene), std::move(*part),
+                std::move(warnings)};
+}
+
+Result<ExactAnswer> check_exactly(const Meshes& meshes, const std::vector<PathRow>& rows,
+                                  const ExactRequest& request) {
+  command::ProgressLine line(request.quiet);
+  auto answer =
+      ExactCheck(request, meshes.voxmap, meshes.shell, rows, meshes.scene, meshes.part, line)
+          .answer();
+  if (answer) answer->warnings = meshes.warnings;
+  return answer;
+}
+
+Result<ExactAnswer> check_exactly(const ExactRequest& request) {
+  const auto meshes = read_meshes(request, request.quiet);
+  if (!meshes) return meshes.error();
   const auto rows = voxcheck::read_part_path(request.path, request.scene, request.part);
   if (!rows) return rows.error();
-  auto answer = ExactCheck(request, *voxmap, *shell, *rows, *scene, *part, line).answer();
-  if (answer) answer->warnings = std::move(warnings);
-  return answer;
+  return check_exactly(*meshes, *rows, request);
 }
 
 }  // namespace forcelayer::exact

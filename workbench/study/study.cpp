@@ -51,6 +51,7 @@ class Study {
 
   std::vector<std::string> left_out() const;
   void add_reading(Step& step) const;
+  void add_meshes(Step& step) const;
   void add_bake_reading(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
@@ -139,6 +140,19 @@ void Study::add_reading(Step& step) const {
   step.arguments.insert(step.arguments.end(), {"--units", options_.units});
 }
 
+// The meshes settle what the files leave open.
+void Study::add_meshes(Step& step) const {
+  const auto add = [&](const std::vector<std::string>& more) {
+    step.arguments.insert(step.arguments.end(), more.begin(), more.end());
+  };
+  add({"--exact", options_.assembly, "--part", part_mesh()});
+  add(left_out());
+  if (!options_.seat.empty() && !options_.seat_depth.empty()) {
+    add({"--seat-depth", options_.seat_depth});
+  }
+  add_reading(step);
+}
+
 // The reports of the baked files.
 void Study::add_bake_reading(Step& step) const {
   add_reading(step);
@@ -197,6 +211,7 @@ Step Study::plan_step() const {
   for (const std::string& object : options_.allow) {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
+  if (!options_.files_alone) add_meshes(step);
   if (!options_.time.empty()) {
     step.arguments.insert(step.arguments.end(), {"--time", options_.time});
   }
@@ -217,14 +232,7 @@ Step Study::check_step() const {
   };
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
-  if (!options_.files_alone) {
-    add({"--exact", options_.assembly, "--part", part_mesh()});
-    add(left_out());
-    if (!options_.seat.empty() && !options_.seat_depth.empty()) {
-      add({"--seat-depth", options_.seat_depth});
-    }
-    add_reading(step);
-  }
+  if (!options_.files_alone) add_meshes(step);
   add({"--json", in("verdict.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
   if (!options_.no_pictures) {

@@ -380,6 +380,9 @@ bool Hand::Parts::leave_seat_straight() {
   };
   const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
   for (const glm::dvec3& d : free_directions(check->floors(start))) go(along(d), Turns::kNever);
+  if (problem.seat_meshes != nullptr) {
+    for (const glm::dvec3& d : problem.seat_meshes->directions()) go(along(d), Turns::kNever);
+  }
   for (int n = 0; n < kAxes; ++n) go(along(direction(n)), Turns::kNever);
   if (!nearest.empty()) {
     leave_seat({start, nearest.back()});

@@ -12,7 +12,9 @@
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/command/version.h"
+#include "formats/mesh/sandbox/sandbox.h"
 #include "runtime/run/baked_files.h"
+#include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/words.h"
@@ -30,6 +32,14 @@ Status write_path(const std::string& file, const std::vector<PathRow>& rows) {
     if (Status s = writer->add(row); !s) return s;
   }
   return writer->finish();
+}
+
+voxcheck::ExactRequest mesh_request(const Options& options) {
+  voxcheck::ExactRequest request;
+  request.scene = options.scene;
+  request.part = options.part;
+  voxcheck::name_meshes(options, request);
+  return request;
 }
 
 Status plan_for(const Options& options) {
@@ -50,10 +60,18 @@ Status plan_for(const Options& options) {
   if (!allowed) return allowed.error();
   const Problem problem{*scene, *part, options.clearance_m,
                         options.world_from_seat * part_from_center(*part), *allowed};
+  std::optional<exact::Meshes> meshes;
+  if (!options.meshes.empty()) {
+    auto read = exact::read_meshes(mesh_request(options), options.quiet);
+    if (!read) return read.error();
+    for (const std::string& warning : read->warnings) command::warn(warning, options.quiet);
+    meshes = std::move(*read);
+  }
   command::ProgressLine line(options.quiet);
-  const auto planned = plan(problem, options, [&](double share, double out_m) {
-    line.show(command::text("out to %.3g mm", 1e3 * out_m), share);
-  });
+  const auto planned =
+      plan(problem, options, meshes ? &*meshes : nullptr, [&](double share, double out_m) {
+        line.show(command::text("out to %.3g mm", 1e3 * out_m), share);
+      });
   line.clear();
   if (!planned) {
     Error error = planned.error();
@@ -87,7 +105,10 @@ int run(int argc, char** argv) {
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked", {"--seat", "--goal", "--clearance", "--allow"}},
+      {{"What is asked", {"--seat", "--goal", "--clearance", "--allow", "--seat-depth"}},
+       {"The meshes",
+        {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
+         "--sandbox"}},
        {"The search", {"--time", "--seed", "--threads"}},
        {"Output", {"--output", "--speed"}}},
       "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        out of where it is "
@@ -101,7 +122,9 @@ int run(int argc, char** argv) {
     if (!options) return options.error();
     const command::OutputFile outputs[] = {{"--output", &options->path, command::FileKind::kTable},
                                            {"--json", &options->json, command::FileKind::kReport}};
-    const std::string inputs[] = {options->scene, options->part};
+    std::vector<std::string> inputs{options->scene, options->part};
+    inputs.insert(inputs.end(), options->meshes.begin(), options->meshes.end());
+    inputs.insert(inputs.end(), options->part_meshes.begin(), options->part_meshes.end());
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     return plan_for(*options);
   });
@@ -110,4 +133,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace forcelayer::voxplan
 
-int main(int argc, char** argv) { return forcelayer::voxplan::run(argc, argv); }
+int main(int argc, char** argv) {
+  if (const auto status = forcelayer::mesh::run_as_sandbox(argc, argv)) return *status;
+  return forcelayer::voxplan::run(argc, argv);
+}

@@ -41,6 +41,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
                  "an object that may be near, by its name or the end of it; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
+  meshes_.declare(app, options_,
+                  "what the scene was baked from: only a path is taken that the meshes settle, as "
+                  "by voxcheck --exact; repeatable");
   app.add_option("--time", time_, "after which the search is given up; default 60s");
   app.add_option("--seed", options_.seed,
                  "of its random numbers: another one, another path; default 1")
@@ -63,6 +66,7 @@ Result<Options> OptionParser::finish() const {
     return Error{ErrorCode::kUsage, "", "--clearance", "must not be negative", ""};
   }
   options.clearance_m = *clearance;
+  if (Status read = meshes_.finish(options); !read) return read.error();
   const auto time = command::parse_duration(time_);
   if (!time) return about("--time", time.error());
   options.most_s = *time;

@@ -8,14 +8,11 @@
 
 #include "forcelayer/pose.h"
 #include "formats/result.h"
-
-namespace CLI {
-class App;
-}  // namespace CLI
+#include "runtime/voxcheck/mesh_options.h"
 
 namespace forcelayer::voxplan {
 
-struct Options {
+struct Options : voxcheck::MeshOptions {
   std::string scene, part, path;
   Pose world_from_seat;                 // of the part: where it starts
   std::optional<Pose> world_from_goal;  // of the part; none: anywhere outside of the scene
@@ -39,6 +36,7 @@ class OptionParser {
 
  private:
   Options options_;
+  voxcheck::MeshOptionParser meshes_;
   std::string clearance_, seat_, goal_, time_;
 };
 

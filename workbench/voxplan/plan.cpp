@@ -7,7 +7,9 @@
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "runtime/run/start_check.h"
+#include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/words.h"
 #include "workbench/voxplan/check/pose_check.h"
 #include "workbench/voxplan/destination.h"
 #include "workbench/voxplan/hand.h"
@@ -56,10 +58,48 @@ Pose worst_pose(const Problem& problem, const std::vector<PathRow>& rows,
   return path.world_from_center(path.at(checked.violations.front().worst.time_s));
 }
 
+// The seat by the meshes. None where the part starts clear of all objects.
+Result<std::unique_ptr<exact::SeatMeshes>> seat_of(const Problem& problem, const Options& options,
+                                                   const exact::Meshes& meshes) {
+  const auto check = PoseCheck::create(problem);
+  if (!check) return check.error();
+  const std::vector<std::uint32_t> objects = (*check)->seat_objects();
+  if (objects.empty()) return std::unique_ptr<exact::SeatMeshes>();
+  auto seat = std::make_unique<exact::SeatMeshes>(
+      meshes.scene, meshes.part, problem.scene.voxel_size_m(), objects, problem.world_from_start,
+      options.seat_depth_m.value_or(0));
+  if (seat->never_settled().empty()) return seat;
+  return Error{ErrorCode::kAnswerIsNo, options.part, "",
+               "no path found: the part touches " +
+                   voxcheck::listed_names(problem.scene, seat->never_settled()) +
+                   ", and neither mesh is closed, so the meshes settle no path",
+               "close one of the meshes, or search without --exact"};
+}
+
+// The verdict of voxcheck --exact on a path.
+Result<clearance::CheckResult> settled(const Problem& problem, const std::vector<PathRow>& rows,
+                                       const Options& options, const exact::Meshes& meshes) {
+  voxcheck::Options asked;
+  static_cast<voxcheck::MeshOptions&>(asked) = options;
+  asked.scene = options.scene;
+  asked.part = options.part;
+  asked.clearance_m = options.clearance_m;
+  asked.world_from_seat = options.world_from_seat;
+  asked.quiet = true;
+  const clearance::CheckRequest request{problem.clearance_m, options.threads, problem.allowed,
+                                        options.world_from_seat};
+  auto checked = voxcheck::check_with_meshes(
+      problem.scene, problem.part, clearance::CenterPath(rows, problem.part), request, asked,
+      [&](const auto& question) { return exact::check_exactly(meshes, rows, question); });
+  if (!checked) return checked.error();
+  return std::move(checked->checked);
+}
+
 }  // namespace
 
-Result<Plan> plan(const Problem& problem, const Options& options,
+Result<Plan> plan(const Problem& given, const Options& options, const exact::Meshes* meshes,
                   const std::function<void(double, double)>& progress) {
+  Problem problem = given;
   const double begin_s = steady_s();
   const bool quiet = options.quiet;
   if (Status s = check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat, quiet); !s) {
@@ -82,6 +122,13 @@ Result<Plan> plan(const Problem& problem, const Options& options,
                  "is missing, and all sides of the scene are cropped: beyond them nothing is known",
                  "give it, or bake the scene without --roi"};
   }
+  std::unique_ptr<exact::SeatMeshes> seat;
+  if (meshes != nullptr) {
+    auto read = seat_of(problem, options, *meshes);
+    if (!read) return read.error();
+    seat = std::move(*read);
+    problem.seat_meshes = seat.get();
+  }
   Plan made;
   SearchRequest request;
   request.seed = options.seed;
@@ -96,7 +143,8 @@ Result<Plan> plan(const Problem& problem, const Options& options,
     // Should the smoothest not prove clear as a whole, another may.
     for (const WholeWay& way : *smooth) {
       made.rows = rows_of(problem, way.in_seat, way.beyond, options.speed_mps);
-      auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
+      auto checked = meshes != nullptr ? settled(problem, made.rows, options, *meshes)
+                                       : proven(problem, made.rows, Rule::kInSeat, options.threads);
       if (!checked) return checked.error();
       made.checked = std::move(*checked);
       if (made.checked.clear()) return std::optional<Pose>();

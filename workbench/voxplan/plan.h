@@ -7,6 +7,7 @@
 #include "formats/path/path_file.h"
 #include "formats/result.h"
 #include "runtime/clearance/path_check.h"
+#include "workbench/exact/exact_check.h"
 #include "workbench/voxplan/check/problem.h"
 #include "workbench/voxplan/options.h"
 #include "workbench/voxplan/search.h"
@@ -20,8 +21,10 @@ struct Plan {
   double seconds = 0;
 };
 
-// Errors: kUsage where the part cannot start or end where it is asked to; those of check_path().
-Result<Plan> plan(const Problem& problem, const Options& options,
+// Where `meshes` are given, only a path is found that they settle. Errors: kUsage where the part
+// cannot start or end where it is asked to; kAnswerIsNo where the meshes can settle no path; those
+// of check_path() and exact::check_exactly().
+Result<Plan> plan(const Problem& problem, const Options& options, const exact::Meshes* meshes,
                   const std::function<void(double share_of_time, double out_m)>& progress);
 
 }  // namespace forcelayer::voxplan

@@ -38,7 +38,9 @@ std::string found_text(const Report& report) {
     line += voxcheck::seat_way_text(report.problem.scene, checked, n, {});
   }
   if (!checked.seated.empty()) {
-    line += "  its seat is felt by shell points alone: voxcheck --exact settles it\n";
+    line += report.options.meshes.empty()
+                ? "  its seat is felt by shell points alone: voxcheck --exact settles it\n"
+                : "  the meshes settle it: in its seat no surface passes through another\n";
   }
   return line + voxcheck::hidden_text(hidden_within_m(report));
 }
@@ -63,6 +65,7 @@ Json report_json(const Report& report) {
   json["schema_version"] = 1;
   json["found"] = result.found;
   json["required_clearance_m"] = report.options.clearance_m;
+  json["settled_by"] = report.options.meshes.empty() ? "files" : "meshes";
   json["missing_faces"] = voxcheck::missing_faces(report.problem.scene, report.problem.part);
   if (result.found) {
     json["path"] = report.options.path;

@@ -18,7 +18,8 @@ using Hands = std::vector<std::unique_ptr<Hand>>;
 
 // The way of the first hand that is done and whose way proves clear. What the others learn of ways
 // that do not: where.
-Status take_proven(const Hands& hands, const SearchRequest& request, SearchResult& result) {
+Status take_proven(const Problem& problem, const Hands& hands, const SearchRequest& request,
+                   SearchResult& result) {
   for (const auto& hand : hands) {
     if (!hand->is_done()) continue;
     if (request.unproven_at) {
@@ -26,6 +27,7 @@ Status take_proven(const Hands& hands, const SearchRequest& request, SearchResul
       if (!at) return at.error();
       if (*at) {
         ++result.refused;
+        result.is_start_refused |= travel_between_m(problem, problem.world_from_start, **at) == 0;
         for (const auto& other : hands) other->refuse(**at);
         continue;
       }
@@ -62,9 +64,9 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     request.progress(std::min(1.0, (now_s - begin_s) / request.most_s), result.out_m);
   };
   // All hands do the same work in a round, so that the clock does not choose the way.
-  if (Status s = take_proven(hands, request, result); !s) return s.error();
+  if (Status s = take_proven(problem, hands, request, result); !s) return s.error();
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
-  while (!result.found && request.clock_s() < end_s) {
+  while (!result.found && !result.is_start_refused && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kHands), kHands,
                          [&](std::size_t, std::size_t n) {
                            hands[n]->work(kPosesARound, [&] {
@@ -80,7 +82,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
       if (notes) hand->note_farthest();
       result.out_m = std::max(result.out_m, hand->out_m());
     }
-    if (Status s = take_proven(hands, request, result); !s) return s.error();
+    if (Status s = take_proven(problem, hands, request, result); !s) return s.error();
     // Planners give up at once where the start itself is refused: more time would find nothing.
     std::uint64_t tested = 0;
     for (const auto& hand : hands) tested += hand->poses_tested();

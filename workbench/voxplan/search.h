@@ -27,7 +27,7 @@ struct SearchRequest {
   // Told in and between rounds, by one thread at a time.
   std::function<void(double share_of_time, double out_m)> progress;
   // A pose at which a way that was found does not prove clear: the search goes on for one that does
-  // not lead by it. None where it proves.
+  // not lead by it, unless it is the start: then all do. None where it proves.
   std::function<Result<std::optional<Pose>>(const Way& in_seat, const Way& beyond)> unproven_at;
 };
 
@@ -44,6 +44,7 @@ struct SearchResult {
   std::uint64_t motions_kept = 0;  // as a whole
   double kept_m = 0;               // their travel
   std::uint64_t refused = 0;       // ways that did not prove clear
+  bool is_start_refused = false;   // none proves clear, at the start itself
   double seconds = 0;
 };
 

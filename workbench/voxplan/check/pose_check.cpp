@@ -13,6 +13,9 @@ using clearance::Moment;
 using clearance::SeatStretch;
 
 constexpr double kRefusedVoxels = 1;  // of travel around a pose that is refused
+// Between two poses at which the meshes are asked where they touch. Thinner walls may be passed
+// here; the whole way is proven by the meshes before it is taken.
+constexpr double kMeshStepVoxels = 1.0 / 16;
 
 // As far as check_path() looks: with a lesser cap a search tells some distances less, and the part
 // could not even be where it starts.
@@ -74,11 +77,23 @@ bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::LeastDistance& kno
   const double required = required_.voxels();
   known = part(rule).at(pose, 0, required, required);
   if (known.voxels < required) return false;
-  return rule == Rule::kClear || !has_seat() || !seat_->is_pushed_in(pose, problem_.allowed);
+  if (rule == Rule::kClear || !has_seat()) return true;
+  if (problem_.seat_meshes != nullptr) return problem_.seat_meshes->leeway_m(pose) >= 0;
+  return !seat_->is_pushed_in(pose, problem_.allowed);
+}
+
+std::vector<std::uint32_t> PoseCheck::seat_objects() const {
+  if (!has_seat()) return {};
+  std::vector<std::uint32_t> objects = seat_->near_objects(required_);
+  std::erase_if(objects, [&](std::uint32_t object) {
+    return object < problem_.allowed.size() && problem_.allowed[object] != 0;
+  });
+  return objects;
 }
 
 void PoseCheck::refuse(const Pose& pose) {
   const double from_start_m = travel_between_m(problem_, problem_.world_from_start, pose);
+  if (!(from_start_m > 0)) return;
   refused_.push_back(
       {pose, std::min(kRefusedVoxels * problem_.scene.voxel_size_m(), from_start_m / 2)});
 }
@@ -89,17 +104,22 @@ bool PoseCheck::is_refused(const Pose& pose) const {
   });
 }
 
-// Up to where no pose of a motion is refused, told to half the way within which one is.
+// Up to where no pose of a motion is refused, told to half the way within which one is. From a pose
+// the motion may go on for as long as it cannot come within that way of a refused one.
 double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
   const double way_m = travel_between_m(problem_, from, to);
   double share = 1;
   for (const Refused& refused : refused_) {
     if (travel_between_m(problem_, from, refused.pose) > way_m + refused.within_m) continue;
-    const double step = std::min(1.0, refused.within_m / (2 * way_m));
-    for (double at = 0; at < share; at += step) {
-      if (travel_between_m(problem_, pose_between(from, to, at), refused.pose) < refused.within_m) {
-        share = std::max(0.0, at - step);
+    double kept = 0;
+    for (double at = 0; at < share;) {
+      const double off_m = travel_between_m(problem_, pose_between(from, to, at), refused.pose);
+      if (off_m < refused.within_m) {
+        share = kept;
+        break;
       }
+      kept = at;
+      at += std::max(off_m - refused.within_m, refused.within_m / 2) / way_m;
     }
   }
   return share;
@@ -139,11 +159,30 @@ double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, b
   end = walk.kept_until(begin, end, or_nothing, known);
   tested_ += walk.tested();
   if (share_of(end) == 0 || rule == Rule::kClear || !has_seat()) return share_of(end);
+  if (problem_.seat_meshes != nullptr) {
+    const double share = share_by_meshes(from, to, share_of(end));
+    return or_nothing && share < 1 ? 0 : share;
+  }
   const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
   if (!pushed) return share_of(end);
   // It was tested in steps of half a voxel: the last but one was right.
   const double steps = path.travel_m({1, 0}) / (0.5 * problem_.scene.voxel_size_m());
   return or_nothing ? 0 : std::max(0.0, share_of(*pushed) - 1.001 / std::max(1.0, steps));
+}
+
+// From pose to pose: each as far as no point of the part can have come deeper, and a step at least.
+double PoseCheck::share_by_meshes(const Pose& from, const Pose& to, double most) {
+  const double way_m = travel_between_m(problem_, from, to);
+  const double step_m = kMeshStepVoxels * problem_.scene.voxel_size_m();
+  double kept = 0;
+  for (double share = 0;;) {
+    ++tested_;
+    const double leeway_m = problem_.seat_meshes->leeway_m(pose_between(from, to, share));
+    if (leeway_m < 0) return kept;
+    kept = share;
+    if (share == most) return most;
+    share = way_m > 0 ? std::min(most, share + std::max(leeway_m, step_m) / way_m) : most;
+  }
 }
 
 double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to) {
@@ -174,7 +213,9 @@ std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
   for (int n = 0; n < 8; ++n) {
     const Pose there = pose_between(from, to, std::min(1.0, share + n * step));
     // The seat first: beside its objects, another one counts as up to 1.7 voxels nearer than it is.
-    if (rule == Rule::kInSeat && has_seat()) {
+    if (rule == Rule::kInSeat && problem_.seat_meshes != nullptr) {
+      if (const auto object = problem_.seat_meshes->blocked_by(there)) return *object;
+    } else if (rule == Rule::kInSeat && has_seat()) {
       if (const auto pushed = seat_->pushed_in(there, problem_.allowed)) return pushed->object;
     }
     part(rule).forget();

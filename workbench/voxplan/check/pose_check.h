@@ -17,7 +17,8 @@
 namespace forcelayer::voxplan {
 
 // kClear: the clearance is proven to all objects. kInSeat: to all but those of the seat, into which
-// no shell point is pushed deeper than it may.
+// no shell point is pushed deeper than it may; with Problem::seat_meshes, into which the part goes
+// no deeper by the meshes, as far as poses a sixteenth of a voxel apart tell.
 enum class Rule { kInSeat, kClear };
 
 class PoseCheck {
@@ -50,6 +51,8 @@ class PoseCheck {
   // Where the floors of the seat are at a pose. Empty without a seat.
   const std::vector<clearance::SeatStretch::Floor>& floors(const Pose& pose);
 
+  // The objects that may be nearer than required while the part is in its seat, but allowed ones.
+  std::vector<std::uint32_t> seat_objects() const;
   bool has_seat() const { return seat_ && !seat_->objects().empty(); }
   std::uint64_t poses_tested() const { return tested_ + (seat_ ? seat_->looked_up() : 0); }
   std::uint64_t motions_tested() const { return motions_tested_; }
@@ -72,6 +75,7 @@ class PoseCheck {
   double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                          clearance::KnownEnds& known);
   bool is_refused(const Pose& pose) const;
+  double share_by_meshes(const Pose& from, const Pose& to, double most);
   double share_not_refused(const Pose& from, const Pose& to) const;
 
   const Problem& problem_;

@@ -10,6 +10,7 @@
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/front.h"
+#include "workbench/exact/seat_meshes.h"
 
 namespace forcelayer::voxplan {
 
@@ -23,6 +24,8 @@ struct Problem {
   double clearance_m = 0;      // between the exact surfaces
   Pose world_from_start;       // of the part's centroid frame: its seat, where it touches something
   clearance::LeftOut allowed;  // objects that may be near
+  // Where meshes are given: they tell where the part may be in its seat, and not its shell points.
+  const exact::SeatMeshes* seat_meshes = nullptr;
 };
 
 // The part's centroid frame in the part's.

@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# voxplan and study with meshes: a clip of thin sheet leaves its tab where the meshes let it, whatever its shell points
+# feel; the search goes on where the meshes refuse a path; a part that is caged in does not come out.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+
+# A clip over a tab, both 1.5 mm thick with 0.1 mm of air between them: it lifts off, up to z. In `caged` it cannot.
+python3 - <<'END'
+def boxes(name, *all):
+    with open(name, "w") as obj:
+        for low, high in all:
+            for n in range(8):
+                obj.write("v %g %g %g\n" % tuple((low, high)[n >> axis & 1][axis] for axis in range(3)))
+            for face in (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3):
+                obj.write("f %d %d %d %d\n" % face)
+t, g = 1.5, 0.1
+a = t / 2 + g
+tab = (-t / 2, -30, -60), (t / 2, 30, 0)
+boxes("tab.obj", tab)
+with open("clip.obj", "w") as obj:  # one solid
+    outline = [(-a - t, -20), (-a, -20), (-a, g), (a, g), (a, -20), (a + t, -20), (a + t, g + t), (-a - t, g + t)]
+    for y in -10, 10:
+        for x, z in outline:
+            obj.write(f"v {x} {y} {z}\n")
+    n = len(outline)
+    for i in range(n):
+        obj.write(f"f {i + 1} {(i + 1) % n + 1} {(i + 1) % n + 1 + n} {i + 1 + n}\n")
+    obj.write("f 1 8 3 2\nf 3 8 7 4\nf 4 7 6 5\n" + "f 9 10 11 16\nf 11 12 15 16\nf 12 13 14 15\n")
+low, high = (-a - t - 1, -12, -22), (a + t + 1, 12, 4)
+w = 0.4
+walls = []
+for axis in range(3):
+    for side in range(2):
+        box = [[l - w for l in low], [h + w for h in high]]
+        box[1 - side][axis] = (low[axis] if side == 0 else box[1][axis]) if side == 0 else box[1 - side][axis]
+        if side == 0:
+            box[1][axis] = low[axis]
+        else:
+            box[0][axis] = high[axis]
+        walls.append(tuple(map(tuple, box)))
+boxes("cage.obj", *walls)
+END
+# Both in one assembly, as glTF: its y is up.
+python3 - <<'END'
+import base64, json, struct
+def mesh(name):
+    corners, faces = [], []
+    for line in open(name):
+        kind, *words = line.split()
+        if kind == "v":
+            x, y, z = map(float, words)
+            corners.append((x / 1e3, z / 1e3, -y / 1e3))
+        else:
+            numbers = [int(word) if int(word) > 0 else len(corners) + 1 + int(word) for word in words]
+            faces += [[n - 1 for n in (numbers[0], numbers[i], numbers[i + 1])] for i in range(1, len(numbers) - 1)]
+    return corners, faces
+data, gltf = b"", {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": "Rig", "children": [1, 2]}],
+                   "meshes": [], "accessors": [], "bufferViews": []}
+for name, (corners, faces) in ("Tab", mesh("tab.obj")), ("Clip", mesh("clip.obj")):
+    points = b"".join(struct.pack("<3f", *c) for c in corners)
+    numbers = b"".join(struct.pack("<3I", *f) for f in faces)
+    view = len(gltf["bufferViews"])
+    gltf["bufferViews"] += [{"buffer": 0, "byteOffset": len(data), "byteLength": len(points)},
+                            {"buffer": 0, "byteOffset": len(data) + len(points), "byteLength": len(numbers)}]
+    data += points + numbers
+    low, high = [list(f(c[a] for c in corners) for a in range(3)) for f in (min, max)]
+    gltf["accessors"] += [{"bufferView": view, "componentType": 5126, "count": len(corners), "type": "VEC3", "min": low, "max": high},
+                          {"bufferView": view + 1, "componentType": 5125, "count": 3 * len(faces), "type": "SCALAR"}]
+    gltf["nodes"].append({"name": name, "mesh": len(gltf["meshes"])})
+    gltf["meshes"].append({"primitives": [{"attributes": {"POSITION": view}, "indices": view + 1}]})
+gltf["buffers"] = [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]
+json.dump(gltf, open("rig.gltf", "w"))
+END
+# plan STATUS ARGUMENTS...
+plan() {
+  local wanted=$1 status=0
+  shift
+  "$bin/voxplan" "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
+}
+"$bin/voxelize" tab.obj --units mm --voxel-size 1mm -o tab.vox --quiet
+"$bin/pointshell" clip.obj --units mm --voxel-size 1mm -o clip.pshell --quiet
+meshes=(--exact tab.obj --part clip.obj --units mm)
+plan 0 tab.vox clip.pshell --clearance 2mm "${meshes[@]}" --threads 2 -o up.csv --json up.json
+grep -q '^  the meshes settle it' out.txt || fail "$(cat out.txt)"
+python3 - <<'END' || fail "not straight up: $(cat up.csv)"
+import json
+assert json.load(open("up.json"))["settled_by"] == "meshes"
+rows = [[float(cell) for cell in line.split(",")] for line in open("up.csv").read().splitlines()[1:]]
+until = json.load(open("up.json"))["seated"][0]["to_s"]
+for row in rows:
+    if row[0] <= until:
+        assert max(map(abs, row[1:3] + row[5:])) < 1e-9, row
+assert max(row[3] for row in rows) > 0.022, rows
+END
+"$bin/voxcheck" tab.vox clip.pshell up.csv --clearance 2mm --seat 0,0,0m "${meshes[@]}" --quiet || fail "by the meshes"
+plan 0 tab.vox clip.pshell --clearance 2mm "${meshes[@]}" --threads 1 -o again.csv --quiet
+cmp up.csv again.csv || fail "the same seed, another path"
+
+# In a cage of sheet of 0.4 mm, through which shell points of 1 mm voxels go, it stays.
+"$bin/voxelize" tab.obj cage.obj --units mm --voxel-size 1mm --free-seed 2.9mm,0,-10mm -o caged.vox --quiet
+plan 6 caged.vox clip.pshell --clearance 0.2mm --exact tab.obj --exact cage.obj --part clip.obj --units mm --time 3s -o no.csv
+[ ! -e no.csv ] && grep -q 'no path found' err.txt || fail "$(cat out.txt err.txt)"
+
+# A study searches by the meshes, and its verdict is theirs.
+"$bin/forcelayer" study 'rig.gltf#Clip' --voxel-size 1mm --clearance 2mm -o study --no-pictures >out.txt 2>err.txt ||
+  fail "the study: $(cat out.txt err.txt)"
+grep -q '^\$ voxplan .*--exact rig.gltf --part .rig.gltf#Clip. --without Clip' out.txt || fail "no meshes: $(cat out.txt)"
+grep -q 'least clearance outside of its seat' study/verdict.txt || fail "$(cat study/verdict.txt)"
+
+# Two open meshes that meet: the meshes settle nothing, and it is said at once.
+python3 - <<'END'
+with open("sheet.obj", "w") as obj:
+    obj.write("v -30 -30 0\nv 30 -30 0\nv 0 30 0\nf 1 2 3\n")
+with open("tray.obj", "w") as obj:
+    for n in range(8):
+        obj.write("v %g %g %g\n" % tuple(((-6, -6, 0), (6, 6, 12))[n >> axis & 1][axis] for axis in range(3)))
+    for face in (1, 3, 4, 2), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6):
+        obj.write("f %d %d %d %d\n" % face)
+END
+"$bin/voxelize" sheet.obj --units mm --voxel-size 1mm -o sheet.vox --quiet
+"$bin/pointshell" tray.obj --units mm --voxel-size 1mm -o tray.pshell --quiet
+plan 6 sheet.vox tray.pshell --clearance 1mm --exact sheet.obj --part tray.obj --units mm --time 60s -o no.csv
+grep -q 'neither mesh is closed, so the meshes settle no path; close one of the meshes' err.txt || fail "$(cat err.txt)"
+
+plan 2 tab.vox clip.pshell --exact tab.obj -o x.csv
+grep -q '^voxplan: --part: is missing' err.txt || fail "$(cat err.txt)"
+plan 2 tab.vox clip.pshell --seat-depth 1mm -o x.csv
+grep -q '^voxplan: --seat-depth: goes with --exact alone' err.txt || fail "$(cat err.txt)"
+plan 4 tab.vox clip.pshell --clearance 2mm --exact clip.obj --part clip.obj --units mm -o x.csv
+grep -q 'was not baked from these meshes' err.txt || fail "$(cat err.txt)"
+[ ! -e x.csv ] || fail "x.csv is there"
+
+finish

@@ -1,0 +1,64 @@
+// Where a part may be in its seat, by the meshes: the short question of a search, pose by pose. It
+// allows what the check of a whole path allows (ExactCheck), and leaves to that what may happen
+// between two poses.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "workbench/exact/body.h"
+#include "workbench/exact/seat_walk.h"
+#include "workbench/exact/surfaces.h"
+
+namespace forcelayer::exact {
+
+// Cracks of a mesh that are narrower do not open it, in voxels.
+inline constexpr double kCrackVoxels = 1.0 / 8;
+// How closely a depth in a seat is found, as a fraction of seat_margin_m().
+inline constexpr double kSeatWithin = 1.0 / 8;
+
+// How much deeper than installed the part may go: by what deviations and rounding (`margin_m`) and
+// cracks leave open.
+double seat_margin_m(const Bodies& part, const Bodies& object, double margin_m);
+
+class SeatMeshes {
+ public:
+  // `objects` of the scene, by number, are the part's seat at `installed`, a pose of its centroid
+  // frame. There it may go deeper by `depth_m`. `part` is about its centroid.
+  SeatMeshes(const Surface& scene, const Surface& part, double voxel_size_m,
+             std::span<const std::uint32_t> objects, const Pose& installed, double depth_m);
+  ~SeatMeshes();
+
+  // How far each point of the part may travel from a pose until the part may be deeper in an object
+  // than it may; 0 where it touches one. Negative: it is deeper, or not proven to be no deeper. For
+  // many threads at a time.
+  double leeway_m(const Pose& world_from_center) const;
+
+  // The object that it is deepest in beyond what is allowed there; none where it may be there.
+  std::optional<std::uint32_t> blocked_by(const Pose& world_from_center) const;
+
+  // Objects that the meshes never settle: they and the part have no inside, and meet where the part
+  // is installed.
+  const std::vector<std::uint32_t>& never_settled() const { return never_settled_; }
+
+  // Directions in which a part may go straight, by its facets and those of its seat: along the
+  // normals of the largest, and along where two of them meet. In the world, at the installed pose.
+  const std::vector<glm::dvec3>& directions() const { return directions_; }
+
+ private:
+  struct Object;
+  double beyond_m(const Object& object, const Pose& world_from_center) const;
+
+  clearance::CenterPath path_;  // of one pose: a SeatWalk has one
+  Bodies part_;
+  std::vector<std::unique_ptr<Object>> objects_;
+  std::vector<std::uint32_t> never_settled_;
+  std::vector<glm::dvec3> directions_;
+};
+
+}  // namespace forcelayer::exact
