@@ -7,8 +7,6 @@
 #include <Interface_Static.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
-#include <Standard_ErrorHandler.hxx>
-#include <Standard_Failure.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
@@ -18,7 +16,6 @@
 #include <cstdio>
 
 #include "formats/file/mapped_file.h"
-#include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/hidden.h"
 #include "formats/mesh/step/entities/losses.h"
@@ -32,69 +29,15 @@
 namespace forcelayer::mesh {
 namespace {
 
-Handle(XSControl_WorkSession) session_of(const STEPCAFControl_Reader& reader) {
-  return reader.Reader().WS();
-}
-
-Handle(XSControl_WorkSession) session_of(const IGESCAFControl_Reader& reader) {
-  return reader.WS();
-}
-
-template <typename Reader>
-Handle(Interface_InterfaceModel) model_of(const Reader& reader) {
-  return session_of(reader)->Model();
-}
-
-constexpr const char* kAnotherWay =
-    "export the file again, or in another format: STEP or IGES, or triangles such as STL";
-
-[[noreturn]] void fail_crash(const SourceFile& file,
-                             const Handle(Interface_InterfaceModel) & model) {
-  const Handle(Standard_Transient) entity = crashing_entity(model);
-  fail_read(file, ErrorCode::kMeshUnreadable, "",
-            entity.IsNull() ? "OpenCASCADE crashes on it"
-                            : "OpenCASCADE crashes on " + entity_name(model, entity),
-            kAnotherWay);
-}
-
-// False where OpenCASCADE crashes.
-template <typename Step>
-bool survives(const Step& step) {
-  try {
-    OCC_CATCH_SIGNALS
-    step();
-    return true;
-  } catch (const Standard_Failure&) {
-    return false;
-  }
-}
-
-// False where OpenCASCADE does not do it.
-template <typename Reader, typename Step>
-bool do_or_fail(const SourceFile& file, Reader& reader, const Step& step) {
-  bool is_done = false;
-  if (!survives([&] { is_done = step(reader); })) fail_crash(file, model_of(reader));
-  return is_done;
-}
-
 template <typename Reader>
 void read(const SourceFile& file, Reader& reader) {
   reader.SetNameMode(true);
   reader.SetColorMode(false);
   reader.SetLayerMode(false);
   const OcctMessages messages;
-  bool is_done = false;
-  const bool crashes =
-      !survives([&] { is_done = reader.ReadFile(file.path.c_str()) == IFSelect_RetDone; });
-  if (crashes) fail_crash(file, model_of(reader));
-  if (is_done) return;
+  if (reader.ReadFile(file.path.c_str()) == IFSelect_RetDone) return;
   fail_read(file, ErrorCode::kMeshUnreadable, "",
             "OpenCASCADE cannot parse this file" + messages.reason(), "export the file again");
-}
-
-template <typename Reader>
-bool transfer(const SourceFile& file, Reader& reader, StepDocument& document) {
-  return do_or_fail(file, reader, [&](Reader& by) { return by.Transfer(document.document); });
 }
 
 [[noreturn]] void fail_shapes(const SourceFile& file, const OcctMessages& messages) {
@@ -193,7 +136,7 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
   }
   const std::vector<StepReference> references = take_references(session);
   const OcctMessages messages;
-  const bool has_shapes = transfer(file, reader, document);
+  const bool has_shapes = reader.Transfer(document.document);
   keep_losses(find_step_losses(session, document.document), reader, document);
   keep_references(file, references, reader, document);
   if (const std::string shape = shape_without_unit(session); !shape.empty()) {
@@ -240,7 +183,7 @@ void read_iges_file(const SourceFile& file, std::string_view text, StepDocument&
     fail_losses(file, damage, "export the file again, or as STEP");
   }
   const OcctMessages messages;
-  const bool has_shapes = transfer(file, reader, document);
+  const bool has_shapes = reader.Transfer(document.document);
   check_iges_units(reader.Model(), document);
   document.losses = find_iges_losses(reader.WS(), document.document);
   check_shapes(file, has_shapes, document.losses, messages);

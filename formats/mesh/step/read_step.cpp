@@ -21,7 +21,6 @@
 #include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
-#include "formats/mesh/step/crashes.h"
 #include "formats/mesh/step/document.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/names.h"
@@ -480,7 +479,6 @@ class StepReader {
 extern "C" void forcelayer_read_step(const SourceFile& file, Assembly& assembly) {
   static std::mutex mutex;  // OpenCASCADE keeps its reading parameters in globals
   const std::lock_guard lock(mutex);
-  const CrashesAreFailures crashes;
   Message::DefaultMessenger()->ChangePrinters().Clear();  // it reports on standard output
   try {
     assembly = StepReader(file).read();

@@ -7,7 +7,6 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <Poly_Triangulation.hxx>
-#include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -39,10 +38,9 @@ Handle(Poly_Triangulation) triangulation_of(const TopoDS_Face& face, TopLoc_Loca
   return made.IsNull() || made->NbTriangles() == 0 ? Handle(Poly_Triangulation)() : made;
 }
 
-// Faces that OpenCASCADE crashes or fails on get no triangles.
+// Faces that OpenCASCADE fails on get no triangles.
 void tessellate(const TopoDS_Shape& shape, double deflection_mm) {
   try {
-    OCC_CATCH_SIGNALS
     BRepMesh_IncrementalMesh(shape, deflection_mm, false, kAngularDeflectionRad, false);
   } catch (const Standard_Failure&) {
   }
