@@ -27,9 +27,22 @@ CouplingStretch coupling_stretch(const State& state, const CouplingTarget& targe
 
 GripTarget grip_target(const State& state, const StepInput& input) noexcept {
   const Pose& grip = state.handle_from_center;
-  return {input.world_from_handle.position_m,
-          input.world_from_handle.orientation * grip.orientation, input.handle_velocity,
-          -(glm::conjugate(grip.orientation) * grip.position_m)};
+  const Pose& hand = input.world_from_handle;
+  GripTarget target{hand.position_m, hand.orientation * grip.orientation, input.handle_velocity,
+                    -(glm::conjugate(grip.orientation) * grip.position_m)};
+  if (state.has_handle != 0) {
+    const Pose& last = state.world_from_handle;
+    target.shift_m = hand.position_m - last.position_m;
+    target.turn_rad = rotation_vector(hand.orientation * glm::conjugate(last.orientation));
+  }
+  return target;
+}
+
+GripTarget earlier(const GripTarget& target, double left_fraction) noexcept {
+  GripTarget before = target;
+  before.point_m -= left_fraction * target.shift_m;
+  before.orientation = rotation_by(-left_fraction * target.turn_rad) * target.orientation;
+  return before;
 }
 
 glm::dvec3 rotation_vector(const glm::dquat& rotation) noexcept {

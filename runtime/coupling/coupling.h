@@ -33,9 +33,15 @@ struct GripTarget {
   glm::dquat orientation{1, 0, 0, 0};  // of the part, world
   Twist velocity;                      // of the handle's origin, world axes
   glm::dvec3 lever_m{0};               // from the centroid to the grip, axes of the part
+  // How the hand came here since the frame before, world axes; zero in a first frame.
+  glm::dvec3 shift_m{0}, turn_rad{0};
 };
 
 GripTarget grip_target(const State& state, const StepInput& input) noexcept;
+
+// Where the target was while a fraction of the frame was still left, on the straight way of the
+// hand.
+GripTarget earlier(const GripTarget& target, double left_fraction) noexcept;
 
 // From the part's centroid to the grip, world axes.
 inline glm::dvec3 grip_arm_m(const GripTarget& target, const Pose& world_from_center) noexcept {

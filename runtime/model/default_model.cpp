@@ -79,6 +79,7 @@ struct DefaultModel::Motion {
   StepSystem system;
   coupling::Vector6 start{};     // velocity before
   coupling::Vector6 velocity{};  // velocity of the motion
+  coupling::GripTarget target;   // at the motion's end
   double energy_before_j = 0;
 };
 
@@ -188,13 +189,19 @@ void DefaultModel::refill_allowance(State& state, const coupling::GripTarget& ta
 
 // One frame: motions of at most s/2 until the time or the look-ups are used up. What is left of the
 // time then is not made up: the part lags, and follows in the next frames.
+//
+// Each motion is pulled to where the hand is when the motion ends. The hand comes evenly to its
+// pose at the end of the frame. A motion of a fraction of the frame that was pulled there already
+// would store a stretch of the spring that the hand makes only later. The part would spend it on
+// running ahead of the hand, and give its kinetic energy back in contact: energy for which nobody
+// worked.
 void DefaultModel::move(State& state, const coupling::GripTarget& target, double dt_s,
                         StepReport& report) noexcept {
   double remaining_s = dt_s;
   for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
     Motion motion = prepare(state, target, dt_s);
-    choose(motion, remaining_s);
-    if (!try_motion(state, motion, target, report)) {
+    choose(motion, state, remaining_s, dt_s);
+    if (!try_motion(state, motion, report)) {
       state.velocity = {};
       state.settled = 1;
       return;
@@ -216,26 +223,39 @@ DefaultModel::Motion DefaultModel::prepare(const State& state, const coupling::G
   motion.start = coupling::vector6(state.velocity.linear_mps, state.velocity.angular_radps);
   system.momentum = system.inertia * motion.start;
   system.translation = translation_;
+  system.dt_s = dt_s;
+  pull_to(target, state, motion);
+  return motion;
+}
+
+// Makes `target` what pulls the part in the motion.
+void DefaultModel::pull_to(const coupling::GripTarget& target, const State& state,
+                           Motion& motion) const noexcept {
+  StepSystem& system = motion.system;
+  motion.target = target;
   system.displacement = {coupling::grip_stretch_m(target, state.world_from_center),
                          target.velocity.linear_mps};
   system.angle = {angle_rad(state, target, state.world_from_center), target.velocity.angular_radps};
   system.rotation = rotation_at(system.angle.displacement, state.world_from_center.orientation);
-  system.dt_s = dt_s;
   motion.energy_before_j =
       kinetic_energy_j(mass_, state.world_from_center.orientation,
                        at_arm(state.velocity, system.arm_m)) +
       potential_j(system.displacement.displacement, system.angle.displacement, here_);
-  return motion;
 }
 
 // Solves for all of the remaining time; where that would travel beyond s/2, for an even share of
-// it.
-void DefaultModel::choose(Motion& motion, double remaining_s) noexcept {
+// it, at whose end the hand has not yet come to its pose of this frame.
+void DefaultModel::choose(Motion& motion, const State& state, double remaining_s,
+                          double dt_s) noexcept {
   solve_motion(motion, remaining_s);
   const double shares =
       std::ceil(travel_m(motion, remaining_s) /
                 (kTravelMargin * guard::kMaxTravelVoxels * parameters_.voxel_size_m));
-  if (shares > 1) solve_motion(motion, remaining_s / shares);
+  if (shares > 1) {
+    const double left_s = remaining_s - remaining_s / shares;
+    pull_to(coupling::earlier(motion.target, left_s / dt_s), state, motion);
+    solve_motion(motion, remaining_s / shares);
+  }
   limit_travel(motion);
 }
 
@@ -252,8 +272,8 @@ void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
 
 // Looks up where the motion leads and keeps it, or mends it until it can be kept. False: the part
 // stays where it is.
-bool DefaultModel::try_motion(State& state, Motion& motion, const coupling::GripTarget& target,
-                              StepReport& report) noexcept {
+bool DefaultModel::try_motion(State& state, Motion& motion, StepReport& report) noexcept {
+  const coupling::GripTarget& target = motion.target;
   const double dt_s = motion.system.dt_s;
   const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
@@ -270,7 +290,7 @@ bool DefaultModel::try_motion(State& state, Motion& motion, const coupling::Grip
         here_, glm::vec3(candidate.position_m - state.world_from_center.position_m), there_);
     double rise_j = 0;
     const bool clear = guard::accepts_pose(here_, there_);
-    if (clear && affordable(state, motion, target, candidate, kinetic_j, rise_j)) {
+    if (clear && affordable(state, motion, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad = angle_rad(state, target, candidate);
       state.world_from_center = here_pose_ = candidate;
@@ -291,13 +311,13 @@ bool DefaultModel::try_motion(State& state, Motion& motion, const coupling::Grip
   return false;
 }
 
-bool DefaultModel::affordable(const State& state, const Motion& motion,
-                              const coupling::GripTarget& target, const Pose& candidate,
+bool DefaultModel::affordable(const State& state, const Motion& motion, const Pose& candidate,
                               double kinetic_j, double& rise_j) const noexcept {
   if (here_.barred > 0) return true;  // led out: slow, and its energy is not the scene's
   if (here_.in_free_space() && there_.in_free_space()) return true;  // nothing to gain it from
-  const double energy_j = kinetic_j + potential_j(coupling::grip_stretch_m(target, candidate),
-                                                  angle_rad(state, target, candidate), there_);
+  const double energy_j =
+      kinetic_j + potential_j(coupling::grip_stretch_m(motion.target, candidate),
+                              angle_rad(state, motion.target, candidate), there_);
   const double travel = travel_m(motion, motion.system.dt_s);
   const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
   rise_j = energy_j + descent_j - motion.energy_before_j;

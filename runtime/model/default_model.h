@@ -47,12 +47,13 @@ class DefaultModel {
             StepReport& report) noexcept;
   Motion prepare(const State& state, const coupling::GripTarget& target,
                  double dt_s) const noexcept;
-  void choose(Motion& motion, double remaining_s) noexcept;
+  void pull_to(const coupling::GripTarget& target, const State& state,
+               Motion& motion) const noexcept;
+  void choose(Motion& motion, const State& state, double remaining_s, double dt_s) noexcept;
   void solve_motion(Motion& motion, double dt_s) noexcept;
-  bool try_motion(State& state, Motion& motion, const coupling::GripTarget& target,
-                  StepReport& report) noexcept;
-  bool affordable(const State& state, const Motion& motion, const coupling::GripTarget& target,
-                  const Pose& candidate, double kinetic_j, double& rise_j) const noexcept;
+  bool try_motion(State& state, Motion& motion, StepReport& report) noexcept;
+  bool affordable(const State& state, const Motion& motion, const Pose& candidate, double kinetic_j,
+                  double& rise_j) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
   Pose moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,
