@@ -27,7 +27,7 @@ class OccupiedBoxes {
                       [&](std::uint32_t lower) -> bool { return lower_[lower]; });
   }
 
-  // Of the box of a directory cell, or of an entry below it. True too for a brick that is empty.
+  // For the box of a directory cell, or of an entry below it. True too for a brick that is empty.
   bool operator()(const std::array<std::int64_t, 3>& low, std::int64_t edge) const {
     std::array<std::int64_t, 3> at;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -51,7 +51,7 @@ class OccupiedBoxes {
     return TreeView<kBits>::uniform(uniform, 1).code != background_;
   }
 
-  // Of each node, whether an entry differs, or a child of which is_occupied is true.
+  // For each node, whether an entry differs, or a child of which is_occupied is true.
   template <typename IsOccupied>
   std::vector<bool> occupied(const std::uint32_t* entries, std::uint64_t nodes,
                              const IsOccupied& is_occupied) const {
@@ -70,7 +70,7 @@ class OccupiedBoxes {
   std::vector<bool> lower_, upper_;  // [node]
 };
 
-// Of the voxels that are not free.
+// The voxels that are not free.
 inline OccupiedBoxes<kValueBits> occupied_boxes(const Voxmap& map) {
   return {map.view(), {map.upper_node_count(), map.lower_node_count(), 0, 0}, 0};
 }
