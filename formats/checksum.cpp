@@ -4,9 +4,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include <algorithm>
-#include <vector>
-
+#include "formats/file/file_bytes.h"
 #include "formats/section_table.h"
 
 namespace forcelayer {
@@ -15,18 +13,13 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-Result<std::uint64_t> checksum(const MappedFile& file, std::uint64_t offset, std::uint64_t bytes) {
-  constexpr std::uint64_t kPieceBytes = 256 * 1024;
-  std::vector<std::byte> buffer(std::min(bytes, kPieceBytes));
+Result<std::uint64_t> checksum_of_file(const std::filesystem::path& path) {
   XXH3_state_t state;
   XXH3_64bits_reset(&state);
-  while (bytes > 0) {
-    const auto piece = std::span(buffer).first(std::min(bytes, kPieceBytes));
-    if (Status read = file.read(offset, piece); !read) return read.error();
+  const Status read = read_in_pieces(path, [&](std::span<const std::byte> piece) {
     XXH3_64bits_update(&state, piece.data(), piece.size());
-    offset += piece.size();
-    bytes -= piece.size();
-  }
+  });
+  if (!read) return read.error();
   return XXH3_64bits_digest(&state);
 }
 

@@ -211,24 +211,19 @@ SurfaceDistanceTerms Pshell::surface_distance_terms() const {
 }
 
 Result<Pshell> Pshell::open(const std::filesystem::path& path, Verify verify) {
-  auto file = MappedFile::open_for_long(path);
+  auto file = FileBytes::read(path);
   if (!file) return file.error();
   return from_file(std::move(*file), path.string(), verify);
 }
 
-Result<Pshell> Pshell::from_file(MappedFile file, std::string_view name, Verify verify) {
-  auto shell = read(file.bytes(), name, verify, &file);
+Result<Pshell> Pshell::from_file(FileBytes file, std::string_view name, Verify verify) {
+  auto shell = from_bytes(file.bytes(), name, verify);
   if (shell) shell->file_ = std::move(file);
   return shell;
 }
 
 Result<Pshell> Pshell::from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                   Verify verify) {
-  return read(bytes, name, verify, nullptr);
-}
-
-Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                            const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kPshellHeaderRule); !s) return s.error();
   Pshell shell;
   shell.bytes_ = bytes;
@@ -240,7 +235,7 @@ Result<Pshell> Pshell::read(std::span<const std::byte> bytes, std::string_view n
   const auto sections = check_sections(bytes, name, kPshellHeaderRule, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
-    if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();
+    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
   }
   const auto& all = *sections;
   if (Status s = check_section_sizes(h, all, rules, name); !s) return s.error();

@@ -1,4 +1,4 @@
-// Reading .pshell files: mapped into memory, checked once, then read without checks.
+// Reading .pshell files: read into memory, checked once, then used without checks.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/pshell_format.h"
 #include "formats/result.h"
 #include "formats/surface_distance.h"
@@ -32,11 +32,11 @@ struct PshellView {
   const std::uint8_t* two_sided = nullptr;
 };
 
-// A mapped .pshell file. Movable; views and spans live as long as it does.
+// A .pshell file. Movable; views and spans live as long as it does.
 class Pshell {
  public:
   static Result<Pshell> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
-  static Result<Pshell> from_file(MappedFile file, std::string_view name,
+  static Result<Pshell> from_file(FileBytes file, std::string_view name,
                                   Verify verify = Verify::kStructure);
   static Result<Pshell> from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                    Verify verify = Verify::kStructure);
@@ -46,14 +46,11 @@ class Pshell {
   std::string_view provenance() const { return provenance_; }
   SurfaceDistanceTerms surface_distance_terms() const;  // valid while this lives
   std::span<const std::byte> bytes() const { return bytes_; }
-  const FileStamp& stamp() const { return file_.stamp(); }  // never changes for bytes in memory
 
  private:
   Pshell() = default;
-  static Result<Pshell> read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                             const MappedFile* file);
 
-  MappedFile file_;
+  FileBytes file_;
   std::span<const std::byte> bytes_;
   const PshellHeader* header_ = nullptr;
   PshellView view_;

@@ -65,8 +65,8 @@ PaddedLayout lay_out(const PshellContent& content) {
 
 Result<std::uint64_t> write_pshell(const std::filesystem::path& path,
                                    const PshellContent& content) {
-  const auto check = [](MappedFile file, std::string_view name) {
-    const auto shell = Pshell::from_file(std::move(file), name);
+  const auto check = [](std::span<const std::byte> bytes, std::string_view name) {
+    const auto shell = Pshell::from_bytes(bytes, name);
     return shell ? Status() : shell.error();
   };
   return write_layout(path, lay_out(content).layout, check);

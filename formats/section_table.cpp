@@ -297,12 +297,9 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
 }
 
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
-                               std::span<const SectionRule> rules, const MappedFile* file) {
+                               std::span<const SectionRule> rules) {
   for (const SectionEntry& entry : section_table(bytes)) {
-    const auto sum = file != nullptr ? checksum(*file, entry.offset, entry.bytes)
-                                     : checksum(bytes.subspan(entry.offset, entry.bytes));
-    if (!sum) return sum.error();
-    const std::uint64_t actual = *sum;
+    const std::uint64_t actual = checksum(bytes.subspan(entry.offset, entry.bytes));
     if (actual == entry.checksum) continue;
     const SectionRule* rule = find_rule(rules, entry.id, read_file_header(bytes).minor);
     return Error{ErrorCode::kChecksumMismatch, name,

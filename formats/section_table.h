@@ -20,9 +20,8 @@ namespace forcelayer {
 // XXH3-64 with seed 0.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-// The same for `bytes` bytes of a file that is kept open. Reads them in small pieces, so that the
-// process's memory does not grow.
-Result<std::uint64_t> checksum(const MappedFile& file, std::uint64_t offset, std::uint64_t bytes);
+// The same for a file, which is read in small pieces.
+Result<std::uint64_t> checksum_of_file(const std::filesystem::path& path);
 
 // The smallest multiple of kSectionAlignment that is not below `offset`.
 constexpr std::uint64_t aligned_offset(std::uint64_t offset) {
@@ -60,10 +59,9 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
                                                                const HeaderRule& header_rule,
                                                                std::span<const SectionRule> rules);
 
-// Checks every section's checksum against the table; the table has been checked. Where `bytes` are
-// a mapping of `file`, the sections are read from the file.
+// Checks every section's checksum against the table; the table has been checked.
 Status check_section_checksums(std::span<const std::byte> bytes, std::string_view name,
-                               std::span<const SectionRule> rules, const MappedFile* file);
+                               std::span<const SectionRule> rules);
 
 // Whether the file has a minor version that this reader does not know. Such a file may give meaning
 // to bytes that are reserved here, lengthen the header and add sections.

@@ -266,24 +266,19 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
 }  // namespace
 
 Result<Voxmap> Voxmap::open(const std::filesystem::path& path, Verify verify) {
-  auto file = MappedFile::open_for_long(path);
+  auto file = FileBytes::read(path);
   if (!file) return file.error();
   return from_file(std::move(*file), path.string(), verify);
 }
 
-Result<Voxmap> Voxmap::from_file(MappedFile file, std::string_view name, Verify verify) {
-  auto map = read(file.bytes(), name, verify, &file);
+Result<Voxmap> Voxmap::from_file(FileBytes file, std::string_view name, Verify verify) {
+  auto map = from_bytes(file.bytes(), name, verify);
   if (map) map->file_ = std::move(file);
   return map;
 }
 
 Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                   Verify verify) {
-  return read(bytes, name, verify, nullptr);
-}
-
-Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                            const MappedFile* file) {
   if (Status s = check_file_header(bytes, name, kVoxmapHeaderRule); !s) return s.error();
   Voxmap map;
   map.bytes_ = bytes;
@@ -295,7 +290,7 @@ Result<Voxmap> Voxmap::read(std::span<const std::byte> bytes, std::string_view n
   const auto sections = check_sections(bytes, name, kVoxmapHeaderRule, rules);
   if (!sections) return sections.error();
   if (verify == Verify::kStructureAndChecksums) {
-    if (Status s = check_section_checksums(bytes, name, rules, file); !s) return s.error();
+    if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
   }
   if (Status s = map.read_trees(*sections, name); !s) return s.error();
   map.compliance_ = elements_of<float>((*sections)[4]);

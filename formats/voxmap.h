@@ -1,4 +1,4 @@
-// Reading .vox files: mapped into memory, checked once, then read without checks.
+// Reading .vox files: read into memory, checked once, then used without checks.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/result.h"
 #include "formats/voxmap_format.h"
 
@@ -128,22 +128,21 @@ struct TreeCounts {
 };
 
 // How much of a file open() verifies. Structure is always checked: sizes, alignment, reserved bits,
-// and every entry's child index or value. With checksums, every byte of the file is read once, in
-// small pieces, so that the process's memory does not grow.
+// and every entry's child index or value. With checksums, every byte is looked at.
 enum class Verify { kStructure, kStructureAndChecksums };
 
-// A mapped .vox file. Movable; views and spans live as long as it does.
+// A .vox file. Movable; views and spans live as long as it does.
 class Voxmap {
  public:
-  // Maps and checks `path`. Errors: file codes (1xx) and baked-file codes (4xx) with section and
+  // Reads and checks `path`. Errors: file codes (1xx) and baked-file codes (4xx) with section and
   // byte or entry.
   static Result<Voxmap> open(const std::filesystem::path& path, Verify verify = Verify::kStructure);
 
-  // The same from a file that is kept open. `name` is for errors.
-  static Result<Voxmap> from_file(MappedFile file, std::string_view name,
+  // The same from a file that has been read. `name` is for errors.
+  static Result<Voxmap> from_file(FileBytes file, std::string_view name,
                                   Verify verify = Verify::kStructure);
 
-  // The same from bytes in memory, which must stay and be 64-byte aligned.
+  // The same from bytes that are someone else's: they must stay, unchanged, and be 64-byte aligned.
   static Result<Voxmap> from_bytes(std::span<const std::byte> bytes, std::string_view name,
                                    Verify verify = Verify::kStructure);
 
@@ -184,18 +183,15 @@ class Voxmap {
   std::span<const float> compliance() const { return compliance_; }
   std::string_view provenance() const { return provenance_; }  // JSON text
   std::span<const std::byte> bytes() const { return bytes_; }  // the whole file
-  const FileStamp& stamp() const { return file_.stamp(); }     // never changes for bytes in memory
 
  private:
   Voxmap() = default;
-  static Result<Voxmap> read(std::span<const std::byte> bytes, std::string_view name, Verify verify,
-                             const MappedFile* file);
   Status read_trees(std::span<const std::span<const std::byte>> sections, std::string_view name);
   Status read_names(std::span<const std::byte> names, std::string_view name);
   // The code of a distance; the highest outside of the directory. The map stores distances.
   std::uint32_t distance_code(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
-  MappedFile file_;
+  FileBytes file_;
   std::span<const std::byte> bytes_;
   const VoxmapHeader* header_ = nullptr;
   VoxmapView view_;

@@ -87,8 +87,8 @@ void add_object_name(std::string_view name, std::string& object_names) {
 
 Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
                                    const VoxmapContent& content) {
-  const auto check = [](MappedFile file, std::string_view name) {
-    const auto map = Voxmap::from_file(std::move(file), name);
+  const auto check = [](std::span<const std::byte> bytes, std::string_view name) {
+    const auto map = Voxmap::from_bytes(bytes, name);
     return map ? Status() : map.error();
   };
   const PackedTrees packed(content);

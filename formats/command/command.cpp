@@ -52,18 +52,6 @@ std::size_t append(std::span<char> line, std::size_t length, std::string_view te
 
 extern "C" void end_on_any_signal(int number) { end_on_signal(number); }
 
-// The kernel's answer to a read of a mapped file beyond its new end.
-extern "C" void end_on_bus_error(int) {
-  remove_temporary_files();
-  wipe_progress_line();
-  constexpr std::string_view kMessage =
-      ": an input file was cut short while it was being read; start again\n";
-  const char* const name = program_invocation_short_name;
-  bool said = ::write(2, name, std::strlen(name)) >= 0;
-  said = ::write(2, kMessage.data(), kMessage.size()) >= 0 && said;
-  _exit(exit_status(ErrorCode::kReadFailed));
-}
-
 }  // namespace
 
 // "voxelize: ended by SIGINT; nothing is left half-written": whatever was begun is removed, and a
@@ -89,7 +77,6 @@ void end_on_signal(int number) {
 
 void exit_cleanly_on_signals() {
   signal(SIGXFSZ, SIG_IGN);  // a file beyond the user's limit is a failed write with its own line
-  signal(SIGBUS, end_on_bus_error);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction current {};
     sigaction(number, nullptr, &current);

@@ -27,8 +27,7 @@ Status write_report(const std::string& path, const nlohmann::ordered_json& repor
 
 // From here on, SIGINT, SIGTERM, SIGHUP and SIGPIPE remove the temporary files of all AtomicFiles
 // and end the process with status 128+n, and a line that says so. A signal that the caller ignores
-// stays ignored. A write beyond the file-size limit is an error of that write. A mapped file that
-// is cut short ends the process with one line and status 1.
+// stays ignored. A write beyond the file-size limit is an error of that write.
 void exit_cleanly_on_signals();
 
 // Their action on a signal. Async-signal-safe.

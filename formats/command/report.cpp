@@ -13,7 +13,6 @@
 #include "formats/command/report_path.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
-#include "formats/file/mapped_file.h"
 #include "formats/file/named_file.h"
 #include "formats/section_table.h"
 
@@ -38,9 +37,7 @@ void (*tell_too)(const Error&) = nullptr;  // of also_tell_failures()
 Json hash_of(const std::string& path) {
   std::error_code failure;
   if (!fs::is_regular_file(path, failure)) return nullptr;
-  const auto file = MappedFile::open_for_long(path);
-  if (!file) return nullptr;
-  const auto hash = checksum(*file, 0, file->bytes().size());
+  const auto hash = checksum_of_file(path);
   if (!hash) return nullptr;
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(*hash));

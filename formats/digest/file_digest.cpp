@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "formats/file/file_bytes.h"
+
 namespace forcelayer::digest {
 namespace {
 
@@ -38,16 +40,10 @@ std::string sha256_of(std::span<const std::byte> bytes) {
   return sha.digits();
 }
 
-Result<std::string> sha256_of(const MappedFile& file) {
-  constexpr std::size_t kPieceBytes = 256 * 1024;
-  std::vector<std::byte> buffer(std::min(file.bytes().size(), kPieceBytes));
+Result<std::string> sha256_of_file(const std::filesystem::path& path) {
   Sha256 sha;
-  for (std::size_t at = 0; at < file.bytes().size();) {
-    const auto piece = std::span(buffer).first(std::min(file.bytes().size() - at, kPieceBytes));
-    if (Status read = file.read(at, piece); !read) return read.error();
-    sha.add(piece);
-    at += piece.size();
-  }
+  const auto add = [&](std::span<const std::byte> piece) { sha.add(piece); };
+  if (Status read = read_in_pieces(path, add); !read) return read.error();
   return sha.digits();
 }
 
@@ -73,14 +69,13 @@ Result<std::vector<std::string>> parse_digests(std::string_view text) {
   return digests;
 }
 
-Status check_expected(const MappedFile& file, std::span<const std::string> expected,
+Status check_expected(std::span<const std::byte> bytes, std::span<const std::string> expected,
                       std::string_view name) {
   if (expected.empty()) return {};
-  const auto digest = sha256_of(file);
-  if (!digest) return digest.error();
-  if (std::find(expected.begin(), expected.end(), *digest) != expected.end()) return {};
+  const std::string digest = sha256_of(bytes);
+  if (std::find(expected.begin(), expected.end(), digest) != expected.end()) return {};
   return Error{ErrorCode::kChecksumMismatch, std::string(name), "",
-               "has the SHA-256 " + *digest + ", which is not expected",
+               "has the SHA-256 " + digest + ", which is not expected",
                "use the file that was meant, or expect this one too"};
 }
 

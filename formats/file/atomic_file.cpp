@@ -1,6 +1,7 @@
 #include "formats/file/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -135,7 +137,7 @@ Status AtomicFile::open_temporary() {
   if (slot_ == kNoSlot) {
     return Error{ErrorCode::kInternal, shown_.string(), "", "too many files written at once", ""};
   }
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
     const int number = errno;
     unregister_temporary_file(slot_);
@@ -165,9 +167,18 @@ Status AtomicFile::write(std::span<const std::byte> bytes) {
 
 Status AtomicFile::commit(ReaderCheck check) {
   if (temporary_.empty()) return commit();  // written to directly: it cannot be read back
-  auto written = MappedFile::open(temporary_);
-  if (!written) return written.error();
-  if (Status sound = check(std::move(*written), shown_.string()); !sound) {
+  // Mapped, where files of others are read: what is being written may fill the memory already, and
+  // nobody else knows this file's name.
+  const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+  if (end < 0) return write_error(errno);
+  const auto size = static_cast<std::size_t>(end);
+  void* const address =
+      size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor_, 0) : nullptr;
+  if (address == MAP_FAILED) return write_error(errno);
+  const auto unmap = [size](void* written) { ::munmap(written, size); };
+  const std::unique_ptr<void, decltype(unmap)> written(address, unmap);
+  const std::span bytes(static_cast<const std::byte*>(address), size);
+  if (Status sound = check(bytes, shown_.string()); !sound) {
     return refused(to_line(sound.error()));
   }
   return commit();

@@ -9,13 +9,12 @@
 #include <span>
 #include <string_view>
 
-#include "formats/file/mapped_file.h"
 #include "formats/result.h"
 
 namespace forcelayer {
 
-// The verdict of a file's reader; `name` is for errors.
-using ReaderCheck = Status (*)(MappedFile file, std::string_view name);
+// The verdict of a file's reader on what was written; `name` is for errors.
+using ReaderCheck = Status (*)(std::span<const std::byte> bytes, std::string_view name);
 
 // A temporary file in the target's folder, renamed over the target by commit(). Without commit()
 // the temporary is removed and the target stays as it was. The same holds when SIGINT, SIGTERM or

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <new>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/mesh/foreign_files.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
@@ -64,7 +64,7 @@ struct PathStamp {
     modified = status.st_mtim;
   }
 
-  // False for a file that was replaced: the old one stays whole while it is mapped.
+  // False for a file that was replaced: the old one is whole.
   bool written_since(const PathStamp& before) const {
     return device == before.device && file == before.file &&
            (bytes != before.bytes || modified.tv_sec != before.modified.tv_sec ||
@@ -174,9 +174,9 @@ Result<Assembly> read_assembly(const std::string& path, const ReadOptions& optio
   SourceFile file{std::move(named.path), {}, options};
   file.options.nodes.insert(file.options.nodes.end(), named.nodes.begin(), named.nodes.end());
   const PathStamp before(file.path);
-  const Result<MappedFile> mapped = MappedFile::open(file.path);
-  if (!mapped) return mapped.error();
-  file.bytes = text_of(*mapped);
+  const Result<FileBytes> bytes = FileBytes::read(file.path);
+  if (!bytes) return bytes.error();
+  file.bytes = text_of(*bytes);
   Result<Assembly> assembly = read_source(file);
   if (PathStamp(file.path).written_since(before)) {
     return Error{ErrorCode::kReadFailed, file.path, "", "has changed while it was being read",

@@ -7,7 +7,7 @@
 
 namespace forcelayer::mesh {
 
-std::string_view text_of(const MappedFile& file) {
+std::string_view text_of(const FileBytes& file) {
   return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
 }
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/file/named_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
@@ -40,8 +40,8 @@ bool may_have_nodes(const std::string& path);
 // Whether a library reads a file of this name that is known to crash on some damaged ones.
 bool may_crash_its_reader(const std::string& path);
 
-// The bytes of a mapped file as text; valid as long as the file is.
-std::string_view text_of(const MappedFile& file);
+// The bytes of a file as text; valid as long as `file` is.
+std::string_view text_of(const FileBytes& file);
 
 struct ReadFailure {
   Error error;

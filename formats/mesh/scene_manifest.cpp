@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "formats/command/quantity.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/mesh/checks/unique_keys.h"
 
 namespace forcelayer::mesh {
@@ -268,7 +268,7 @@ Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
 }  // namespace
 
 Result<Manifest> read_manifest(const std::string& path) {
-  const auto file = MappedFile::open(path);
+  const auto file = FileBytes::read(path);
   if (!file) return file.error();
   const auto* first = reinterpret_cast<const char*>(file->bytes().data());
   try {

@@ -27,10 +27,11 @@ Result<BakedFile> as_baked_file(Result<File> file) {
 }  // namespace
 
 Result<BakedFile> open_baked_file(const std::string& path, Verify verify) {
-  const auto mapped = MappedFile::open(path);
-  if (!mapped) return mapped.error();
-  return is_pshell(mapped->bytes(), path) ? as_baked_file(Pshell::open(path, verify))
-                                          : as_baked_file(Voxmap::open(path, verify));
+  auto file = FileBytes::read(path);
+  if (!file) return file.error();
+  return is_pshell(file->bytes(), path)
+             ? as_baked_file(Pshell::from_file(std::move(*file), path, verify))
+             : as_baked_file(Voxmap::from_file(std::move(*file), path, verify));
 }
 
 }  // namespace forcelayer::voxinfo

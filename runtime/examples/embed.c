@@ -40,8 +40,6 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: example_embed_c SCENE.vox PART.pshell [OTHER.pshell]\n");
     return 2;
   }
-  /* Files that are cut short while they are in use shall stop the motors, not end the process. */
-  forcelayer_contain_map_loss();
   forcelayer_options options;
   forcelayer_default_options(&options);
   memcpy(options.world_from_device, kStart, sizeof kStart);

@@ -102,8 +102,7 @@ typedef struct forcelayer_result {
 enum {
   FORCELAYER_FAULT_INVALID_INPUT = 1,    /* no reading that could be used */
   FORCELAYER_FAULT_NON_FINITE_INPUT = 2, /* an invalid pose */
-  FORCELAYER_FAULT_NON_FINITE_STATE = 4, /* the motion overflowed */
-  FORCELAYER_FAULT_FILE_LOST = 8         /* a baked file was cut short or written to */
+  FORCELAYER_FAULT_NON_FINITE_STATE = 4  /* the motion overflowed */
 };
 
 /* The guarantee in the last step, and why it does not hold. Later versions may append fields. */
@@ -181,20 +180,6 @@ const char* forcelayer_last_trip(const forcelayer_runtime* runtime);
 int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* part,
                     const double world_from_part[7], const double handle_from_part[7],
                     double timeout_s, char* error, size_t error_bytes);
-
-/* Survives baked files that are cut short or written to while they are in use. The kernel answers a
- * read beyond a file's end with SIGBUS, and one where a changed index leads with SIGSEGV; the
- * process would end with a force on the hand. After this call the step goes on, harmless, and the
- * output trips. It stays at zero until whole files are opened, or swapped in and armed by the
- * clutch. The same signals elsewhere go to whoever handled them before. Call it once in a process,
- * after handlers of your own are in place. (The commands never write to a baked file: they replace
- * it.) */
-void forcelayer_contain_map_loss(void);
-
-/* Asks the system whether the baked files in use are as they were opened, and returns how many are
- * not. The next step of a runtime that uses one trips its output. Call it every few milliseconds
- * from a thread other than the servo's: it takes microseconds and reads nothing of the files. */
-int forcelayer_check_files(void);
 
 /* After the last step. NULL does nothing. */
 void forcelayer_close(forcelayer_runtime* runtime);

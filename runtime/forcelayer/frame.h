@@ -27,7 +27,6 @@ enum class TripCause : std::uint32_t {
   kNotFinite,       // the motion overflowed
   kLoopLate,        // a frame began later than the stale limit allows
   kOutputHeld,      // the device's own side keeps the motors at zero
-  kMapLost,         // a baked file was cut short or written to
 };
 
 // The cause, and what to do about it, each a part of a sentence.

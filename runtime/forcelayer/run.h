@@ -9,9 +9,8 @@
 //   }
 //
 // SI units, right-handed frames. "World" is the scene's frame, "device" the frame in which the
-// device reports its handle, "part" the frame of the part's mesh. To survive baked files that are
-// cut short or written to while they are in use, call forcelayer_contain_map_loss() and
-// forcelayer_check_files() (forcelayer.h).
+// device reports its handle, "part" the frame of the part's mesh. Both files are read
+// into memory when they are opened. Whatever becomes of them later changes nothing in a run.
 #pragma once
 
 #include <cstdint>
@@ -206,7 +205,7 @@ class Run {
   std::unique_ptr<Parts> parts_;
 };
 
-// Maps both files, checks them, every checksum and all that the step trusts too, chooses force
+// Reads both files, checks them, every checksum and all that the step trusts too, chooses force
 // field and parameters, and refuses what could not be trusted. Errors: those of files (1xx, 4xx);
 // kFilesDoNotMatch for a part too large for the voxels, or where no separation is guaranteed;
 // kUsage for a number out of its range and for a force that model or map do not have.

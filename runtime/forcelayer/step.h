@@ -35,7 +35,6 @@ enum Fault : std::uint32_t {
   kFaultInvalidInput = 1,    // StepInput::valid was 0 or unknown: part frozen, wrench zero
   kFaultNonFiniteInput = 2,  // NaN, infinity or no unit quaternion: part frozen, wrench zero
   kFaultNonFiniteState = 4,  // the motion overflowed: part stopped where it was, wrench zero
-  kFaultMapLost = 8,         // a baked file was cut short or written to: nothing can be trusted
 };
 
 // The kind of statement that a frame makes of its clearance, the distance between the exact

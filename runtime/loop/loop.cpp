@@ -63,10 +63,7 @@ class Runner {
     return true;
   }
 
-  bool at_end(const Frame& frame) const noexcept {
-    const bool map_lost = (frame.result.report.faults & kFaultMapLost) != 0;
-    return map_lost || (options_.end_on_trip && servo_.output().trips() > 0);
-  }
+  bool at_end() const noexcept { return options_.end_on_trip && servo_.output().trips() > 0; }
 
  private:
   // Tells the servo when the device has heard nothing for a period and the stale limit.
@@ -103,7 +100,7 @@ void run_loop(Servo& servo, const LoopOptions& options, machine::SpscRing<Frame>
     if (options.stop != nullptr && options.stop->load(std::memory_order_relaxed) != 0) break;
     if (!runner.tick(frame)) break;
     if (ring != nullptr) hand_over(frame, options.as_fast_as_possible, *ring, statistics);
-    if (runner.at_end(frame)) break;
+    if (runner.at_end()) break;
   }
   servo.silence();
 }

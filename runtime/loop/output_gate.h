@@ -18,7 +18,7 @@
 // | bad              | gain 0 in this frame; charges the bucket; one that is full is a lasting  |
 // |                  | cause                                                                    |
 // | passing cause    | gain 0; trips held, ramping and full: a late loop, a fast hand           |
-// | lasting cause    | the same, and trips waiting: the device, its numbers, the map            |
+// | lasting cause    | the same, and trips waiting: the device, its numbers                     |
 // | clutch, swap     | sound, and the gain falls to 0 in fade_s                                 |
 //
 // The bucket bounds what comes and goes. Full, it holds kEpisodes falls of the gain from 1 to 0; it

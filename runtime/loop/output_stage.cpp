@@ -39,8 +39,6 @@ constexpr CauseRow kCauses[] = {
     {TripCause::kLoopLate, "the loop was late", "see voxrun doctor", false},
     {TripCause::kOutputHeld, "the device's side took the motors to zero by itself",
      "see voxrun doctor", false},
-    {TripCause::kMapLost, "a baked file was cut short or written to while it was in use",
-     "bake it again, into a new file", true},
 };
 
 const CauseRow& row_of(TripCause cause) {
@@ -80,7 +78,6 @@ TripCause fault_of(const OutputFrame& frame) {
 // cause: they give zero in that frame.
 TripCause OutputStage::cause_to_trip(const OutputFrame& frame) const noexcept {
   const InputTrouble trouble = frame.health.trouble;
-  if (frame.map_lost) return TripCause::kMapLost;
   if (trouble == InputTrouble::kDeviceLost) return TripCause::kDeviceLost;
   if (trouble == InputTrouble::kNotCalibrated) return TripCause::kNotCalibrated;
   if (trouble == InputTrouble::kFrozen) return TripCause::kFrozen;  // stale already

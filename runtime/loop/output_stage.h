@@ -26,7 +26,6 @@ struct OutputFrame {
   InputHealth health;
   bool faulty = false;      // the step reported a fault: bad input, or none
   bool not_finite = false;  // that fault: the input has such numbers, or the motion overflowed
-  bool map_lost = false;
   bool free_of_contact = false;
   bool unstretched = false;  // the part is registered where the coupling holds it
 };
@@ -41,10 +40,10 @@ class OutputStage {
   //   output ramps in.
   // - Faults. A faulty frame gives zero, and the output ramps in anew. Faults that last longer than
   //   stale_s, or come again and again, trip the output (output_gate.h). It trips at once when the
-  //   device is gone, the loop late, the map lost, the wrench not finite or the hand too fast.
+  //   device is gone, the loop late, the wrench not finite or the hand too fast.
   // - Trips. A tripped output stays at zero until the user presses and releases the clutch. With
   //   rearm_alone it stays there until the cause is gone, and then arms as at the start.
-  // - Waiting. A waiting output trips on the device, its numbers and the map. It does not trip on a
+  // - Waiting. A waiting output trips on the device and its numbers. It does not trip on a
   //   late loop or a fast hand, which pass.
   // - Clutch and swap. Both fade the output to zero and ramp it in again. The clutch arms; a swap
   //   does not, since that is for the user.

@@ -125,7 +125,6 @@ OutputFrame Servo::output_frame(Frame& frame) noexcept {
   out.health = frame.health;
   out.faulty = report.faults != 0;
   out.not_finite = (report.faults & (kFaultNonFiniteInput | kFaultNonFiniteState)) != 0;
-  out.map_lost = (report.faults & kFaultMapLost) != 0;
   out.speed_mps = glm::length(input.handle_velocity.linear_mps) / input_.placement().motion_scale;
   out.turn_radps = glm::length(input.handle_velocity.angular_radps);
   out.free_of_contact = report.interior + report.surface + report.proximity == 0;

@@ -67,8 +67,6 @@ Simulation::Simulation(Voxmap voxmap, Pshell shell, const Parameters& parameters
     : voxmap_(std::move(voxmap)),
       shell_(std::move(shell)),
       parameters_(parameters),
-      voxmap_watch_(voxmap_.bytes(), voxmap_.stamp()),
-      shell_watch_(shell_.bytes(), shell_.stamp()),
       query_(voxmap_, shell_, query),
       clearance_(query_) {
   points_.reserve(shell_.view().point_count);
@@ -159,31 +157,12 @@ Result<State> Simulation::begin(const PartStart& start, const Pose& world_from_h
   return state;
 }
 
-// A file that is lost stays so, and is not read again: what a step left half done is in use no
-// more.
-bool Simulation::files_lost() const noexcept {
-  return astray_ || voxmap_watch_.lost() || shell_watch_.lost();
-}
-
-// The model's step. False where a file that was written to led it astray.
-bool Simulation::step_model(State& state, const StepInput& input, double dt_s,
-                            StepResult& result) noexcept {
-  machine::Landing landing;
-  if (sigsetjmp(landing.here, 0) != 0) {
-    astray_ = true;
-    return false;
-  }
+StepResult Simulation::step_model(State& state, const StepInput& input, double dt_s) noexcept {
   const StepContext context{parameters_, query_, *field_, points_, samples_};
-  switch (parameters_.model) {
-    case Model::kPaper:
-      result = paper_step(context, state, input, dt_s);
-      break;
-    case Model::kDefault:
-      result = default_->step(state, input, dt_s);
-      clearance_.prove(result.report.clearance_kind, result.report.clearance_m);
-      break;
-  }
-  return true;
+  if (parameters_.model == Model::kPaper) return paper_step(context, state, input, dt_s);
+  StepResult result = default_->step(state, input, dt_s);
+  clearance_.prove(result.report.clearance_kind, result.report.clearance_m);
+  return result;
 }
 
 StepResult Simulation::step(State& state, const StepInput& input, double dt_s) noexcept {
@@ -199,11 +178,9 @@ StepResult Simulation::step(State& state, const StepInput& input, double dt_s) n
     ++state.frame;
     return result;
   }
-  StepResult result;
-  if (files_lost() || !step_model(state, input, dt_s, result) || files_lost()) {
-    result = stopped(state, before, kFaultMapLost);
-  } else if (!is_finite(state.world_from_center) || !is_finite(state.velocity) ||
-             !is_finite(result.wrench)) {
+  StepResult result = step_model(state, input, dt_s);
+  if (!is_finite(state.world_from_center) || !is_finite(state.velocity) ||
+      !is_finite(result.wrench)) {
     result = stopped(state, before, kFaultNonFiniteState);
   } else {
     state.world_from_handle = input.world_from_handle;

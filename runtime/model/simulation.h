@@ -14,7 +14,6 @@
 #include "runtime/field/force_field.h"
 #include "runtime/field/surface_clearance.h"
 #include "runtime/guard/seat.h"
-#include "runtime/machine/map_loss.h"
 #include "runtime/model/default_model.h"
 #include "runtime/query/contact_query.h"
 
@@ -92,13 +91,11 @@ class Simulation {
              const query::QueryOptions& query);
   void make_default_model();
   void make_default_model_of_guard();
-  bool files_lost() const noexcept;
-  bool step_model(State& state, const StepInput& input, double dt_s, StepResult& result) noexcept;
+  StepResult step_model(State& state, const StepInput& input, double dt_s) noexcept;
 
   Voxmap voxmap_;
   Pshell shell_;
   Parameters parameters_;
-  machine::WatchedMapping voxmap_watch_, shell_watch_;
   query::ContactQuery query_;
   field::SurfaceClearance clearance_;
   std::unique_ptr<field::ForceField> field_;
@@ -107,7 +104,6 @@ class Simulation {
   std::unique_ptr<guard::PoseGuard> guard_;  // of the default model
   std::unique_ptr<DefaultModel> default_;
   double guaranteed_m_ = 0;
-  bool astray_ = false;                  // a step was, by a file that was written to
   std::optional<Pose> world_from_seat_;  // of the centroid frame; none without a seat
 };
 

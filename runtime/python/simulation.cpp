@@ -109,7 +109,7 @@ py::dict report_of(const Scene& scene, const loop::LoopStatistics& s, double rat
   return d;
 }
 
-// The same mapped bytes: a file that was replaced meanwhile is not mixed in.
+// The same bytes: a file that was replaced meanwhile is not mixed in.
 Voxmap same_map(const Scene& scene) {
   return take(Voxmap::from_bytes(scene.map.bytes(), scene.path.string()));
 }

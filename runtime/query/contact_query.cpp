@@ -277,8 +277,6 @@ void ContactQuery::collect(const VoxelPose& pose, std::span<const std::uint32_t>
 // The first pass of a chunk.
 void ContactQuery::look_up(const VoxelPose& pose, std::uint32_t super_blocks, std::size_t chunk,
                            CollectedPoints& out) noexcept {
-  Chunk& result = chunks_[chunk];
-  result = {};  // and so it is left where a changed file leads this thread astray
   const std::size_t begin = super_blocks * chunk / chunk_count_,
                     end = super_blocks * (chunk + 1) / chunk_count_;
   Chunk found;
@@ -289,7 +287,7 @@ void ContactQuery::look_up(const VoxelPose& pose, std::uint32_t super_blocks, st
   found.points.pass = found_all_ ? Pass::kLookUpAndAppend : Pass::kLookUp;
   found.points.values = &values_[found.first];
   collect(pose, found.rows, found.points);
-  result = found;
+  chunks_[chunk] = found;
 }
 
 // The second pass. Vectors are stored whole, beyond the last point too, where those of the next
@@ -350,10 +348,7 @@ void ContactQuery::collect_shared(const VoxelPose& pose, std::uint32_t super_blo
         if (!c.in_place) r.query.append(r.pose, c);
       },
       &run, chunk_count_);
-  for (const Chunk& chunk : chunks) {
-    take_counts(chunk.points, out);
-    if (out.count != chunk.end) return;  // led astray: behind it nothing is in its place
-  }
+  for (const Chunk& chunk : chunks) take_counts(chunk.points, out);
 }
 
 void ContactQuery::wake() noexcept {

@@ -1,6 +1,5 @@
 #include "runtime/query/query_workers.h"
 
-#include "runtime/machine/map_loss.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/machine/step_arithmetic.h"
 
@@ -65,9 +64,7 @@ bool QueryWorkers::take_chunk(Share& share) noexcept {
   } while (!share.ticket.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
                                                std::memory_order_acquire));
   // The job cannot end, nor job_ change, before this chunk is counted as done.
-  // A chunk that a changed file led astray is done as well: the step hears of the file at its end.
-  machine::Landing landing;
-  if (sigsetjmp(landing.here, 0) == 0) job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
+  job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
   return true;
 }
 

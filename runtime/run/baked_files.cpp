@@ -2,7 +2,6 @@
 
 #include "formats/audit/voxmap_audit.h"
 #include "formats/digest/file_digest.h"
-#include "runtime/machine/map_loss.h"
 
 namespace forcelayer {
 namespace {
@@ -12,20 +11,14 @@ Status audit(const Pshell&, std::string_view) { return {}; }  // reading it has 
 
 template <typename Baked>
 Result<Baked> open(const std::filesystem::path& path, std::span<const std::string> expected) {
-  auto file = MappedFile::open_for_long(path);
+  auto file = FileBytes::read(path);
   if (!file) return file.error();
-  FileStamp stamp = file->stamp();
-  const machine::WatchedMapping watch(file->bytes(), stamp);
-  if (Status s = digest::check_expected(*file, expected, path.string()); !s) return s.error();
+  if (Status s = digest::check_expected(file->bytes(), expected, path.string()); !s) {
+    return s.error();
+  }
   auto baked = Baked::from_file(std::move(*file), path.string(), Verify::kStructureAndChecksums);
-  if (baked) {
-    if (Status s = audit(*baked, path.string()); !s && !watch.lost()) return s.error();
-  }
-  if (baked && (watch.lost() || stamp.changed())) {
-    return Error{ErrorCode::kTruncated, path.string(), "",
-                 "was cut short or written to while it was being read",
-                 "bake it again, into a new file"};
-  }
+  if (!baked) return baked;
+  if (Status s = audit(*baked, path.string()); !s) return s.error();
   return baked;
 }
 

@@ -11,11 +11,10 @@
 
 namespace forcelayer {
 
-// Maps a file and checks everything, section checksums too: what a disk or a network turned over
-// must not be felt. Checksums are read from the file in small pieces, so that only the pages that
-// a run needs are mapped; an unreadable file is an error here, before a motor has a force. A file
-// that is cut short or written to meanwhile is an error as well, where contain_map_loss() is in
-// force.
+// Reads a file into memory and checks everything there, section checksums too: what a disk or a
+// network turned over must not be felt. The run uses the bytes that were checked and never looks at
+// the file again. A file that is cut short or written to while it is read is an error here, before
+// a motor has a force; later it does nothing to the run.
 //
 // The facts that the step trusts are proven too (formats/audit/voxmap_audit.h): a false clearance
 // under right checksums would let the part through a wall. Where `expected` has digests

@@ -9,7 +9,6 @@
 #include "forcelayer/pose_datagram.h"
 #include "forcelayer/run.h"
 #include "formats/digest/file_digest.h"
-#include "runtime/machine/map_loss.h"
 #include "runtime/run/limits.h"
 
 using namespace forcelayer;
@@ -227,9 +226,5 @@ int forcelayer_swap(forcelayer_runtime* runtime, const char* scene, const char* 
     return runtime->run.swap(scene, part, start_from(world_from_part, handle_from_part), timeout_s);
   });
 }
-
-void forcelayer_contain_map_loss(void) { machine::contain_map_loss(); }
-
-int forcelayer_check_files(void) { return machine::check_mappings(); }
 
 void forcelayer_close(forcelayer_runtime* runtime) { delete runtime; }

@@ -57,7 +57,7 @@ std::span<const std::byte> bytes_of(const T& item) {
   return std::as_bytes(std::span(&item, 1));
 }
 
-// Reads the parts of a mapped recording one after the other.
+// Reads the parts of a recording one after the other.
 class Reader {
  public:
   Reader(std::span<const std::byte> bytes, std::string name)
@@ -291,21 +291,23 @@ Status RecordingWriter::finish(std::uint64_t lost_frames) {
   const RecordingTrailer trailer{kRecordingEndMagic, frames_, lost_frames, 0};
   if (Status written = file_.write(bytes_of(trailer)); !written) return written;
   if (lost_frames > 0) return file_.commit();  // to be looked at: its reader names their count
-  return file_.commit([](MappedFile file, std::string_view name) -> Status {
-    const auto recording = Recording::read(std::move(file), std::string(name));
+  return file_.commit([](std::span<const std::byte> bytes, std::string_view name) -> Status {
+    const auto recording = Recording::from_bytes(bytes, std::string(name));
     if (!recording) return recording.error();
     return {};
   });
 }
 
 Result<Recording> Recording::open(const std::filesystem::path& path) {
-  auto file = MappedFile::open(path);
+  auto file = FileBytes::read(path);
   if (!file) return file.error();
-  return read(std::move(*file), path.string());
+  auto recording = from_bytes(file->bytes(), path.string());
+  if (recording) recording->file_ = std::move(*file);
+  return recording;
 }
 
-Result<Recording> Recording::read(MappedFile file, std::string name) {
-  const Reader reader(file.bytes(), name);
+Result<Recording> Recording::from_bytes(std::span<const std::byte> bytes, std::string name) {
+  const Reader reader(bytes, name);
   const auto header = reader.header();
   if (!header) return header.error();
   const auto parameters = reader.parameters(*header);
@@ -325,7 +327,6 @@ Result<Recording> Recording::read(MappedFile file, std::string name) {
   recording.run_.shell_checksum = header->shell_checksum;
   recording.frames_ = *frames;
   recording.name_ = std::move(name);
-  recording.file_ = std::move(file);
   return recording;
 }
 

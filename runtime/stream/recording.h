@@ -8,7 +8,7 @@
 
 #include "forcelayer/frame.h"
 #include "formats/file/atomic_file.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/result.h"
 #include "runtime/loop/input_source.h"
 #include "runtime/model/simulation.h"
@@ -51,14 +51,14 @@ class RecordingWriter {
   std::uint64_t frames_ = 0;
 };
 
-// A mapped recording, checked: every size, field and name.
+// A recording, checked: every size, field and name.
 class Recording {
  public:
   // Errors: file codes (1xx) and baked-file codes (4xx).
   static Result<Recording> open(const std::filesystem::path& path);
 
-  // The same of a file that is mapped; `name` is for errors.
-  static Result<Recording> read(MappedFile file, std::string name);
+  // The same from bytes that are someone else's and stay; `name` is for errors.
+  static Result<Recording> from_bytes(std::span<const std::byte> bytes, std::string name);
 
   // kFilesDoNotMatch where the run was made with other files.
   Status check_files(const Voxmap& voxmap, const Pshell& shell) const;
@@ -67,7 +67,7 @@ class Recording {
   std::span<const RecordedFrame> frames() const { return frames_; }
 
  private:
-  MappedFile file_;
+  FileBytes file_;
   RecordedRun run_;
   std::span<const RecordedFrame> frames_;
   std::string name_;

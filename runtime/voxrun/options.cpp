@@ -84,11 +84,6 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       app, "--motion-scale", options_.run.placement.motion_scale,
       "scene meters a meter of the device; the hand feels the scene's force times that",
       bounds_of(kMotionScales));
-  command::add_text(
-      app, "--reach", texts_.reach,
-      "x0,y0,z0,x1,y1,z1: box of the scene that the part can reach; its pages of the "
-      "map, and no others, are kept in memory from the start (what the device's workspace "
-      "allows, where that is known; else all)");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
       "penetration (in any case), contact (but in the seat), outside (of the map), seat (not left) "
@@ -166,7 +161,6 @@ Status OptionParser::read_texts(Options& options) const {
     options.start.handle_from_part.emplace();
     if (Status s = read_pose("--grip", texts_.grip, *options.start.handle_from_part); !s) return s;
   }
-  if (Status s = read_reach(options); !s) return s;
   if (command::is_given(app_, "--expect")) {
     auto digests = digest::parse_digests(texts_.expect);
     if (!digests) return about("--expect", digests.error());
@@ -175,15 +169,6 @@ Status OptionParser::read_texts(Options& options) const {
   if (texts_.world_from_device.empty()) return {};
   return read_pose("--world-from-device", texts_.world_from_device,
                    options.run.placement.world_from_device);
-}
-
-Status OptionParser::read_reach(Options& options) const {
-  if (texts_.reach.empty()) return {};
-  const auto box = command::parse_box(texts_.reach);
-  if (!box) return about("--reach", box.error());
-  const auto& b = *box;
-  options.reach = machine::ReachBox{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-  return {};
 }
 
 Status OptionParser::read_fail_on(Options& options) const {

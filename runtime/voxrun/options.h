@@ -8,7 +8,6 @@
 #include "formats/result.h"
 #include "runtime/devices/hid/spacemouse.h"
 #include "runtime/loop/guide.h"
-#include "runtime/machine/prefault.h"
 
 namespace CLI {
 class App;
@@ -60,7 +59,6 @@ struct Options {
   std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
   double udp_rate_hz = 60;
   PartStart start;                             // --start and --grip
-  std::optional<machine::ReachBox> reach;      // --reach: none: what the handle's workspace allows
   std::uint32_t fail_on = kFailOnPenetration;  // FailOn bits
   std::optional<AfterTrip> after_trip;         // none: the device's own
   std::optional<unsigned> clutch_button;       // none: the device's own
@@ -87,12 +85,11 @@ class OptionParser {
 
  private:
   struct Texts {
-    std::string scene, part, duration, model, force, start, seat, grip, world_from_device, reach,
-        fail_on, after_trip, settings, scene_next, pull, expect;
+    std::string scene, part, duration, model, force, start, seat, grip, world_from_device, fail_on,
+        after_trip, settings, scene_next, pull, expect;
     DeviceTexts device;
   };
   Status read_texts(Options& options) const;
-  Status read_reach(Options& options) const;
   Status read_safety(Options& options) const;
   Status read_scenes(Options& options) const;
   Status read_pull(Options& options) const;

@@ -412,9 +412,7 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
                   s.guide_given_j, s.guide_allowed_j);
   }
   const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
-  lines +=
-      text("scene in memory %.3g of %.3g MiB, %.3g of them brought in before the start\n",
-           mib(facts.resident_bytes), mib(facts.scene_file_bytes), mib(facts.prefaulted_bytes));
+  lines += text("scene in memory %.3g MiB\n", mib(facts.scene_file_bytes));
   if (!facts.options.as_fast_as_possible) {
     lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
                   static_cast<unsigned long long>(s.deadline_misses),
@@ -482,8 +480,6 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "wall_s", facts.wall_s);
   put(json, "peak_rss_bytes", command::peak_rss_bytes());
   put(json, "scene_file_bytes", facts.scene_file_bytes);
-  put(json, "scene_prefaulted_bytes", facts.prefaulted_bytes);
-  put(json, "scene_resident_bytes", facts.resident_bytes);
   put(json, "parameters", parameters_json(scenes.parameters()));
   put(json, "parameter_reasons", scenes.first().reasons());
   put(json, "warnings", facts.warnings);

@@ -29,8 +29,6 @@ struct RunFacts {
   bool ended_tripped = false;
   Outcome outcome;
   std::vector<OutputEvent> events;
-  std::uint64_t prefaulted_bytes = 0;  // of the scene's file: pages brought in before the start
-  std::uint64_t resident_bytes = 0;    // of the scene's file, in memory at the end
   std::uint64_t scene_file_bytes = 0;
   double steal_s = 0;  // that the host of a virtual machine took from all cores
   double wall_s = 0;

@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "formats/command/text.h"
-#include "runtime/machine/prefault.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxrun/verdict.h"
@@ -94,14 +93,11 @@ SeparationGuarantee Scenes::guarantee() const {
   return all;
 }
 
-SceneChange::SceneChange(const Options& options, const RunRequest& request,
-                         const machine::ReachBox& reach, Scenes& scenes, std::atomic<int>& button)
-    : options_(options),
-      request_(request),
-      reach_(reach),
-      scenes_(scenes),
-      button_(button),
-      thread_([this] { run(); }) {}
+SceneChange::SceneChange(const Options& options, const RunRequest& request, Scenes& scenes,
+                         std::atomic<int>& button)
+    : options_(options), request_(request), scenes_(scenes), button_(button), thread_([this] {
+        run();
+      }) {}
 
 SceneChange::~SceneChange() { finish(); }
 
@@ -197,7 +193,6 @@ Status SceneChange::change() {
   if (!next) return next.error();
   next_ = std::move(*next);
   model::Simulation& simulation = next_->simulation();
-  machine::prefault(simulation.voxmap(), reach_);
   for (const std::string& warning : simulation.give_helpers_real_time_priority()) say(warning);
   for (const std::string& warning : next_->warnings()) say("warning: " + warning);
 
@@ -217,7 +212,6 @@ Status SceneChange::change() {
   lock.lock();
   changed_.wait(lock, [&] { return ended_ || !servo_->swapping(); });
   if (servo_->swapping()) return {};
-  if (!current_) machine::let_go(scenes_.first().simulation().voxmap());
   current_ = std::move(next_);
   return {};
 }

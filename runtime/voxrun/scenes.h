@@ -61,8 +61,8 @@ class Scenes {
 class SceneChange {
  public:
   // Everything given must outlive this; `button` (SIGUSR1) is set to 1 from outside.
-  SceneChange(const Options& options, const RunRequest& request, const machine::ReachBox& reach,
-              Scenes& scenes, std::atomic<int>& button);
+  SceneChange(const Options& options, const RunRequest& request, Scenes& scenes,
+              std::atomic<int>& button);
   ~SceneChange();
 
   // Before the first tick.
@@ -92,7 +92,6 @@ class SceneChange {
 
   const Options& options_;
   RunRequest request_;
-  machine::ReachBox reach_;
   Scenes& scenes_;
   std::atomic<int>& button_;
   loop::Servo* servo_ = nullptr;

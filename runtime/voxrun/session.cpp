@@ -13,8 +13,6 @@
 #include "runtime/guard/seat.h"
 #include "runtime/loop/loop.h"
 #include "runtime/loop/servo.h"
-#include "runtime/machine/map_loss.h"
-#include "runtime/machine/map_watch.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/run/derive_parameters.h"
@@ -206,23 +204,6 @@ Status prepare_run(const Options& options, Session& session) {
   return {};
 }
 
-// The box that the part can reach: --reach, else the handle's workspace and around it the grip and
-// the part, else everything. With a place and no grip, the grip is that of the first reading: as
-// far as the hand moves until the loop begins, the part may reach farther.
-machine::ReachBox reach_of(const Options& options, const Session& session) {
-  if (options.reach) return *options.reach;
-  const double workspace_m =
-      session.device.device ? session.device.device->capabilities().workspace_radius_m : 0;
-  if (!(workspace_m > 0)) return {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)};
-  const State& start = session.start;
-  const double grip_m = glm::length(start.handle_from_center.position_m);
-  const DevicePlacement& placement = session.request.placement;
-  const double reach_m = workspace_m * placement.motion_scale + grip_m +
-                         session.run->simulation().shell().header().bounding_radius_m;
-  const glm::dvec3 center_m = placement.world_from_device.position_m;
-  return {center_m - reach_m, center_m + reach_m};
-}
-
 // A millionth of a frame more, so that 0.3 s at 1 kHz is 300 frames and not 301.
 std::uint64_t frames_of(double seconds, const Session& session) {
   return static_cast<std::uint64_t>(std::ceil(seconds * session.run->parameters().rate_hz - 1e-6));
@@ -358,12 +339,7 @@ Status check_output(const RunFacts& facts) {
   if (is_of_device(facts.last_trip)) trouble = facts.device_trouble;
   char when[32];
   std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
-  const bool map_lost = facts.last_trip == TripCause::kMapLost;
-  return Error{map_lost ? ErrorCode::kTruncated : ErrorCode::kDeviceFailed,
-               map_lost
-                   ? facts.options.run.scene.string() + " or " + facts.options.run.part.string()
-                   : facts.device,
-               when,
+  return Error{ErrorCode::kDeviceFailed, facts.device, when,
                std::string("output to zero: ") + to_text(facts.last_trip) +
                    (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
                trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
@@ -384,8 +360,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
   command::ProgressLine progress(options.quiet);
   auto sinks = outputs.sinks();
   OutputEvents events(session.clutch_buttons != 0);
-  const machine::ReachBox reach = reach_of(options, session);
-  SceneChange change(options, session.request, reach, *session.scenes, next_scene);
+  SceneChange change(options, session.request, *session.scenes, next_scene);
   sinks.push_back([&](const Frame& frame) -> Status {
     events.see(frame);
     for (const std::string& event : change.see(frame)) events.add(frame.time_s, event, true);
@@ -402,11 +377,7 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
   sinks.push_back(progress_sink(loop, progress));
   machine::SpscRing<Frame> ring(kRingFrames);
   FrameSinks frame_sinks(ring, std::move(sinks), session.stop);
-  const machine::MapWatch watch;  // beside the sinks: a reader of theirs may stall
   model::Simulation& simulation = session.run->simulation();
-  const Voxmap& voxmap = simulation.voxmap();
-  session.facts.scene_file_bytes = voxmap.bytes().size();
-  session.facts.prefaulted_bytes = machine::prefault(voxmap, reach);
   const std::size_t warned = session.facts.warnings.size();
   // Once every other thread runs: the stack of a later one would count as locked, and may be
   // refused.
@@ -442,9 +413,8 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
     session.facts.outcome.pull = Pull{led_m, glm::dot(went_m, *options.pull_m) / led_m};
   }
   change.finish();
-  const Voxmap& last = change.map() != nullptr ? *change.map() : voxmap;
+  const Voxmap& last = change.map() != nullptr ? *change.map() : simulation.voxmap();
   session.facts.scene_file_bytes = last.bytes().size();
-  session.facts.resident_bytes = machine::resident_bytes(last.bytes());
   if (session.device.device) session.device.device->stop();
   if (Status drained = frame_sinks.finish(); !drained) return drained;
   if (statistics.frames == 0 && session.stop > 0) {  // a signal before the first frame
@@ -471,7 +441,6 @@ Status run_frames(const Options& options, Session& session, std::atomic<int>& ne
 Status run_session(const Options& options, std::atomic<int>& stop, std::atomic<int>& next_scene,
                    bool& began) {
   Session session(options, stop, began);
-  machine::contain_map_loss();
   const auto statistics = std::make_unique<loop::LoopStatistics>();
   Status done = prepare_run(options, session);
   if (done) {

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 install(DIRECTORY runtime/forcelayer DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT development FILES_MATCHING PATTERN "*.h")
 foreach(header result.h voxmap.h voxmap_format.h pshell.h pshell_format.h surface_distance.h file_format.h
-        bricks/packed_bricks.h file/mapped_file.h file/descriptor.h)
+        bricks/packed_bricks.h file/file_bytes.h)
   get_filename_component(folder formats/${header} DIRECTORY)
   install(FILES formats/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/forcelayer/${folder}
           COMPONENT development)

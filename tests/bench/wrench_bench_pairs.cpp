@@ -306,7 +306,7 @@ Voxmap PairContact::bake(VoxelKind kind, std::size_t shift, bool whole) const {
     low -= kKeptVoxels * s_, high += kKeptVoxels * s_;
     kept_m = {low.x, low.y, low.z, high.x, high.y, high.z};
   }
-  const test::ScratchFolder folder;  // the mapping outlives the file's name
+  const test::ScratchFolder folder;  // the bytes outlive the file
   stress::bake_scene_file(world, s_, kind, folder / "scene.vox", 0, kept_m);
   return value_of(Voxmap::open(folder / "scene.vox"));
 }

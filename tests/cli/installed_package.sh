@@ -48,7 +48,7 @@ nm -D --defined-only "$library" | grep -v '@FORCELAYER_0$' | grep -v ' A FORCELA
 headers=$(cd "$scratch/prefix/include" && find . -name '*.h' | sort)
 expected=$(cd "$FORCELAYER_SOURCE_DIR/runtime" && find ./forcelayer -name '*.h'
   cd ../formats && printf './forcelayer/formats/%s\n' {result,voxmap,voxmap_format,pshell,pshell_format,surface_distance,file_format}.h \
-    bricks/packed_bricks.h file/{mapped_file,descriptor}.h)
+    bricks/packed_bricks.h file/file_bytes.h)
 if ! diff <(echo "$headers") <(sort <<<"$expected"); then
   echo "FAILED: other headers are installed than the public ones" >&2
   exit 1

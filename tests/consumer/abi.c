@@ -64,7 +64,7 @@ static_assert(FORCELAYER_CLEARANCE_NONE == 0 && FORCELAYER_CLEARANCE_AT_LEAST ==
               "clearance");
 
 static_assert(FORCELAYER_FAULT_INVALID_INPUT == 1 && FORCELAYER_FAULT_NON_FINITE_INPUT == 2 &&
-                  FORCELAYER_FAULT_NON_FINITE_STATE == 4 && FORCELAYER_FAULT_FILE_LOST == 8,
+                  FORCELAYER_FAULT_NON_FINITE_STATE == 4,
               "faults");
 
 /* Each function by its type. */
@@ -84,6 +84,4 @@ const char* (*const object_name)(const forcelayer_runtime*, uint32_t) = forcelay
 const char* (*const last_trip)(const forcelayer_runtime*) = forcelayer_last_trip;
 int (*const swap)(forcelayer_runtime*, const char*, const char*, const double*, const double*,
                   double, char*, size_t) = forcelayer_swap;
-void (*const contain_map_loss)(void) = forcelayer_contain_map_loss;
-int (*const check_files)(void) = forcelayer_check_files;
 void (*const close_runtime)(forcelayer_runtime*) = forcelayer_close;

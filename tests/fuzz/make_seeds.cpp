@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "forcelayer/pose_datagram.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "runtime/devices/hid/firmware/haptic_firmware.h"
 #include "runtime/devices/hid/hid_haptic_report.h"
 #include "tests/support/draco_files.h"
@@ -52,7 +52,7 @@ void mesh_seeds() {
 void baked_seeds() {
   for (const char* name : {"v2.vox", "v2_distances.vox", "baked_chebyshev.vox", "baked_lean.vox",
                            "baked_full.vox", "baked_covered.vox", "baked_objects.vox"}) {
-    const auto file = MappedFile::open(test::source_path(std::string("tests/golden/") + name));
+    const auto file = FileBytes::read(test::source_path(std::string("tests/golden/") + name));
     if (!file) throw std::runtime_error(to_line(file.error()));
     seed("voxmap", name,
          {reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()});

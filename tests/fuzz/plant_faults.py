@@ -33,7 +33,7 @@ RULE = ("runtime_tests", "GuardRule*:GuardDistance*")
 SEAT = ("runtime_tests", "Seat.*:TwoSided*")
 FILES = ("runtime_tests", "*CInterface*")
 WATCH = ("runtime_tests", "OutputWatch*:LatestValue*")
-LOSS = ("runtime_tests", "*MapLoss*:BusError*:BadRead*")
+BYTES = ("formats_tests", "FileBytes*")
 STREAM = ("runtime_tests", "Recording*")
 RANGE = ("runtime_tests", "Ranges*")
 TEXTS = ("command_tests", "Quantity*:ParseArguments*:Escaped*")
@@ -75,7 +75,6 @@ FAULTS = [
     ("gate", STAGE, "  if (allowed(last_)) return last_;\n", "  return last_;\n", "no last check", [GATE]),
     ("gate", STAGE, "if (frame.health.loop_late) return TripCause::kLoopLate;", "", "a late loop is nothing",
      [FRAMES, GATE]),
-    ("gate", STAGE, "if (frame.map_lost) return TripCause::kMapLost;", "", "a lost map is nothing", [GATE]),
     ("gate", INPUT, "if (!sample.present) return InputTrouble::kDeviceLost;", "", "a lost device is nothing",
      [FRAMES, SERVO]),
     ("gate", INPUT, "if (age_s_ > limits_.stale_s) return", "if (age_s_ > 10 * limits_.stale_s) return",
@@ -98,14 +97,10 @@ FAULTS = [
      "return 1;", "no fade of late wrenches", [WATCH, CLOCK]),
     ("watch", "runtime/machine/latest_value.h", "broken_ |= found > (S::kNew | 2) || slot == 3 || slot == reading_;", "",
      "indices of the shared memory are believed", [WATCH]),
-    ("watch", "runtime/machine/map_loss.cpp", "if (slot.file->changed()) slot.lost", "if (false) slot.lost",
-     "nobody looks at the files", [LOSS]),
-    ("watch", "runtime/machine/map_loss.cpp", "if (landing != nullptr && look() > 0) go_on_at(landing->here, 1);", "",
-     "indices that lead astray end the process", [LOSS]),
-    ("watch", "runtime/machine/map_loss.cpp", "landing != nullptr && look() > 0", "landing != nullptr",
-     "every bad read is taken for a changed file", [LOSS]),
-    ("watch", "formats/file/mapped_file.cpp", "return !explained;", "return false;",
-     "times that are set back hide what was written", [LOSS]),
+    ("watch", "formats/file/file_bytes.cpp", "if (got == 0) {", "if (got == 0) return {};\n    if (got < 0) {",
+     "a file that is cut short is taken for a whole one", [BYTES]),
+    ("watch", "formats/file/file_bytes.cpp", "at += piece.size();", "at += kPieceBytes + 1;",
+     "a byte between two pieces is left out", [BYTES]),
     ("guard", RULE_FILE, "rounded_up(guard_distance_m(header))", "rounded_up(guard_distance_m(header) - 1e-6)",
      "the threshold is a micrometer too low", [RULE]),
     ("guard", RULE_FILE, "rounded_up(guard_distance_m(header))", "rounded_up(guard_distance_m(header) + 1e-6)",

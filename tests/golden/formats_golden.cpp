@@ -160,7 +160,7 @@ std::vector<std::string> lines_of_specification() {
 
 // The dump at the end of voxmap_format.md: an offset, bytes in hexadecimal, two spaces, text.
 TEST(Golden, TheDumpInTheSpecificationIsTrue) {
-  const auto file = MappedFile::open(golden_path("v2_distances.vox"));
+  const auto file = FileBytes::read(golden_path("v2_distances.vox"));
   ASSERT_TRUE(file);
   const std::vector<std::string> lines = lines_of_specification();
   auto line = std::find(lines.begin(), lines.end(), "## 15. A file, byte by byte");

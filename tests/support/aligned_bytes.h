@@ -1,4 +1,4 @@
-// Bytes in memory aligned as a mapped file is, for the readers' from_bytes().
+// Bytes in memory aligned as those of a file are, for the readers' from_bytes().
 #pragma once
 
 #include <cstddef>

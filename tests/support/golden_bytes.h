@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "tests/support/places.h"
 
 namespace forcelayer::testing {
@@ -26,7 +26,7 @@ inline void expect_golden_bytes(const std::string& name, const std::vector<std::
     auto file = AtomicFile::create(golden_path(name));
     ASSERT_TRUE(file && file->write(bytes) && file->commit());
   }
-  const auto committed = MappedFile::open(golden_path(name));
+  const auto committed = FileBytes::read(golden_path(name));
   ASSERT_TRUE(committed) << to_line(committed.error());
   ASSERT_EQ(committed->bytes().size(), bytes.size()) << name;
   const auto [ours, theirs] = std::mismatch(bytes.begin(), bytes.end(), committed->bytes().begin());

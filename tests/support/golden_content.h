@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "tests/support/dense_voxmap.h"
 #include "tests/support/make_pshell.h"
 #include "tests/support/places.h"
@@ -181,7 +181,7 @@ class GoldenDistances {
 
 // A committed file's bytes: quicker than building its content again. Throws where it is missing.
 inline AlignedBytes golden_file_bytes(const char* name) {
-  const auto file = MappedFile::open(test::source_path(std::string("tests/golden/") + name));
+  const auto file = FileBytes::read(test::source_path(std::string("tests/golden/") + name));
   if (!file) throw std::runtime_error(to_line(file.error()));
   return AlignedBytes(file->bytes());
 }

@@ -124,7 +124,7 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
 }
 
 inline Pshell make_pshell(const PointPart& part) {
-  const ScratchFolder folder;  // the mapping outlives the file's name
+  const ScratchFolder folder;  // the bytes outlive the file
   save_pshell(folder / "part.pshell", part);
   auto shell = Pshell::open(folder / "part.pshell", Verify::kStructureAndChecksums);
   if (!shell) throw std::runtime_error(to_line(shell.error()));

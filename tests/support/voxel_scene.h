@@ -373,7 +373,7 @@ inline void save_voxmap(const std::filesystem::path& path, const VoxelScene& sce
 }
 
 inline Voxmap open_content(const VoxmapContent& content) {
-  const ScratchFolder folder;  // the mapping outlives the file's name
+  const ScratchFolder folder;  // the bytes outlive the file
   save_bytes(folder / "scene.vox", voxmap_bytes(content));
   auto voxmap = Voxmap::open(folder / "scene.vox", Verify::kStructureAndChecksums);
   if (!voxmap) throw std::runtime_error(to_line(voxmap.error()));

@@ -11,7 +11,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "formats/file/mapped_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::testing {
@@ -75,17 +74,6 @@ TEST(AtomicFile, MovesWithItsTemporary) {
   ASSERT_TRUE(again.commit());
   EXPECT_EQ(content_of(path), "new");
   EXPECT_EQ(entries_of(folder.path()), 1);
-}
-
-// A reader that mapped the old file keeps it while it is replaced.
-TEST(AtomicFile, KeepsTheMappedOldFileAlive) {
-  const ScratchFolder folder;
-  const fs::path path = folder.path() / "scene.vox";
-  write_text(path, "old");
-  const auto mapped = MappedFile::open(path);
-  ASSERT_TRUE(mapped);
-  write_text(path, "n");
-  EXPECT_EQ(static_cast<char>(mapped->bytes()[2]), 'd');
 }
 
 TEST(AtomicFile, FollowsASymbolicLink) {

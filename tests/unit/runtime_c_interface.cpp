@@ -458,10 +458,7 @@ TEST_P(CInterface, RefusesFilesWhoseFactsAreUntrue) {
 
 // Scene and part must both be among the digests that are expected; a swap keeps to them.
 TEST_P(CInterface, OpensOnlyFilesThatAreExpected) {
-  const auto digest = [&](const char* name) {
-    const auto opened = MappedFile::open_for_long(file(name));
-    return *digest::sha256_of(*opened);
-  };
+  const auto digest = [&](const char* name) { return *digest::sha256_of_file(file(name)); };
   const std::string scene = digest("floor.vox"), part = digest("ball.pshell");
   const std::string both = scene + "," + part, one = scene, none = "", nonsense = scene + ",12";
   const auto open_expecting = [&](const std::string& expected) {
@@ -478,36 +475,29 @@ TEST_P(CInterface, OpensOnlyFilesThatAreExpected) {
   ASSERT_TRUE(open_expecting(both)) << error;
 }
 
-// A file that is written to in place trips the output; opened anew, it is in order.
-TEST_P(CInterface, FilesThatAreWrittenToTripTheOutput) {
-  forcelayer_contain_map_loss();
+// A file that is written to in place, or cut, changes nothing in a run that has it open.
+TEST_P(CInterface, FilesThatAreWrittenToChangeNothing) {
   open();
-  const Pose low{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
-  const forcelayer_reading reading = reading_at(low);
-  ASSERT_EQ(start(&low, nullptr, reading), 0) << error;
+  const Pose high{{0.1, 0.1, 0.05}, {1, 0, 0, 0}};
+  ASSERT_EQ(start(&high, nullptr, reading_at(high)), 0) << error;
   forcelayer_result result;
-  ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+  int frame = 0;
+  const auto press_until = [&](int end) {  // at 0.1 m/s
+    for (; frame < end; ++frame) {
+      const forcelayer_reading reading =
+          reading_at({{0.1, 0.1, 0.05 - 1e-4 * frame}, {1, 0, 0, 0}});
+      ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
+    }
+  };
+  press_until(100);
+  std::fstream(file("floor.vox"), std::ios::in | std::ios::out | std::ios::binary)
+      << std::string(std::filesystem::file_size(file("floor.vox")), '\x7f');
+  std::filesystem::resize_file(file("ball.pshell"), 0);
+  press_until(200);
   EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
-  EXPECT_EQ(forcelayer_check_files(), 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the grain of a file's time
-  const std::string same = bytes_of(file("ball.pshell"));
-  std::fstream(file("ball.pshell"), std::ios::in | std::ios::out | std::ios::binary) << same;
-  EXPECT_EQ(forcelayer_check_files(), 1);
-  for (int i = 0; i < 3; ++i) {
-    ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
-    EXPECT_EQ(result.output, unsigned{FORCELAYER_TRIPPED});
-    EXPECT_EQ(result.force_n[2], 0);
-    EXPECT_EQ(state().faults, unsigned{FORCELAYER_FAULT_FILE_LOST});
-    EXPECT_EQ(state().guaranteed_m, 0);
-  }
-  EXPECT_NE(std::string(forcelayer_last_trip(runtime)).find("written to"), std::string::npos);
-  forcelayer_close(runtime);
-  runtime = nullptr;
-  EXPECT_EQ(forcelayer_check_files(), 0);
-  open();
-  ASSERT_EQ(start(&low, nullptr, reading), 0) << error;
-  ASSERT_EQ(forcelayer_step(runtime, &reading, &result), 0);
-  EXPECT_EQ(result.output, unsigned{FORCELAYER_ARMED});
+  EXPECT_GT(result.contacts, 0u);
+  EXPECT_EQ(state().faults, 0u);
+  EXPECT_GT(state().guaranteed_m, 0);
 }
 
 // A servo thread that brings the hand to a height at 0.1 m/s, and looks at what the motors get.

@@ -219,14 +219,11 @@ struct BadFrame {
   TripCause cause;
 };
 
-// Frames in which device or map is lost, each with the cause of its trip.
+// Frames in which the device is lost, each with the cause of its trip.
 std::vector<BadFrame> lost_frames() {
-  loop::OutputFrame map_lost = frame(1);
-  map_lost.map_lost = map_lost.faulty = true;
   return {{with_trouble(InputTrouble::kDeviceLost), TripCause::kDeviceLost},
           {with_trouble(InputTrouble::kNotCalibrated), TripCause::kNotCalibrated},
-          {with_trouble(InputTrouble::kFrozen), TripCause::kFrozen},
-          {map_lost, TripCause::kMapLost}};
+          {with_trouble(InputTrouble::kFrozen), TripCause::kFrozen}};
 }
 
 // Frames with a fault that passes, of the loop, the hand or the wrench.

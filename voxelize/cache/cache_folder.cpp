@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -71,17 +70,6 @@ std::string random_name() {
 
 }  // namespace
 
-CacheEntry::CacheEntry(CacheEntry&& other) noexcept { *this = std::move(other); }
-CacheEntry& CacheEntry::operator=(CacheEntry&& other) noexcept {
-  std::swap(address_, other.address_);
-  std::swap(mapped_bytes_, other.mapped_bytes_);
-  std::swap(content_, other.content_);
-  return *this;
-}
-CacheEntry::~CacheEntry() {
-  if (address_ != nullptr) ::munmap(const_cast<void*>(address_), mapped_bytes_);
-}
-
 CacheFolder::CacheFolder(CacheFolder&& other) noexcept
     : path_(std::move(other.path_)),
       folder_(std::exchange(other.folder_, -1)),
@@ -140,14 +128,11 @@ std::optional<CacheEntry> CacheFolder::find(const char* kind, const Digest& key)
   if (!file.valid() || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode)) {
     return std::nullopt;
   }
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size < sizeof(EntryHeader)) return std::nullopt;
-  void* address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number(), 0);
-  if (address == MAP_FAILED) return std::nullopt;
-  const std::span bytes(static_cast<const std::byte*>(address), size);
-  CacheEntry entry(address, size, bytes.subspan(sizeof(EntryHeader)));
+  auto bytes = FileBytes::read(file.number(), name);
+  if (!bytes || bytes->bytes().size() < sizeof(EntryHeader)) return std::nullopt;
   EntryHeader header;
-  std::memcpy(&header, address, sizeof header);
+  std::memcpy(&header, bytes->bytes().data(), sizeof header);
+  CacheEntry entry(std::move(*bytes), sizeof header);
   if (header != header_of(kind, key, entry.bytes())) return std::nullopt;
   touch(file.number(), status);
   return entry;

@@ -16,26 +16,26 @@
 #include <string>
 #include <vector>
 
+#include "formats/file/file_bytes.h"
 #include "formats/result.h"
 #include "voxelize/cache/digest.h"
 
 namespace forcelayer::cache {
 
-// The content of an entry, mapped into memory.
+// The content of an entry, in memory.
 class CacheEntry {
  public:
-  CacheEntry(const void* address, std::size_t mapped_bytes, std::span<const std::byte> content)
-      : address_(address), mapped_bytes_(mapped_bytes), content_(content) {}
-  CacheEntry(CacheEntry&& other) noexcept;
-  CacheEntry& operator=(CacheEntry&& other) noexcept;
-  ~CacheEntry();
+  // It begins `header_bytes` behind the beginning of `file`.
+  CacheEntry(FileBytes file, std::size_t header_bytes)
+      : file_(std::move(file)), header_bytes_(header_bytes) {}
 
-  std::span<const std::byte> bytes() const { return content_; }  // 8-byte aligned
+  std::span<const std::byte> bytes() const {  // 8-byte aligned
+    return file_.bytes().subspan(header_bytes_);
+  }
 
  private:
-  const void* address_ = nullptr;
-  std::size_t mapped_bytes_ = 0;
-  std::span<const std::byte> content_;
+  FileBytes file_;
+  std::size_t header_bytes_ = 0;
 };
 
 class CacheFolder {

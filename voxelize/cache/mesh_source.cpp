@@ -44,13 +44,13 @@ bool may_refer_to_files(std::string_view bytes, const std::string& extension) {
 // The digest of everything that reading a file depends on; nothing where other files may count.
 std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOptions& options) {
   const NamedFile source = named_file(path);
-  const auto mapped = MappedFile::open(source.path);
-  if (!mapped) return std::nullopt;  // reading it will say why
+  const auto file = FileBytes::read(source.path);
+  if (!file) return std::nullopt;  // reading it will say why
   const std::filesystem::path name = std::filesystem::path(source.path).filename();
   std::string extension = name.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (may_refer_to_files(mesh::text_of(*mapped), extension)) return std::nullopt;
+  if (may_refer_to_files(mesh::text_of(*file), extension)) return std::nullopt;
   DigestBuilder digest;
   digest.text(kAssemblyKind).value(kAssemblyCacheVersion);
   digest.text(name.string());  // nodes without names are called by the file's
@@ -61,7 +61,7 @@ std::optional<Digest> assembly_key(const std::string& path, const mesh::ReadOpti
     if (extension != ".stl") digest.value(options.deflection_m).value(options.missing_faces);
   }
   for (const std::string& node : options.without) digest.text(node);
-  return digest.value(digest_of(mapped->bytes())).finish();
+  return digest.value(digest_of(file->bytes())).finish();
 }
 
 // The assembly without its meshes. There is an outline for each.

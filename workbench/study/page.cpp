@@ -7,7 +7,7 @@
 #include "formats/command/text.h"
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 
 namespace forcelayer::study {
 namespace {
@@ -161,7 +161,7 @@ std::string violations_table(const Json& violations) {
 Result<std::string> pictures(const std::vector<Picture>& pictures) {
   std::string out;
   for (const Picture& picture : pictures) {
-    const auto file = MappedFile::open(picture.file);
+    const auto file = FileBytes::read(picture.file);
     if (!file) return file.error();
     out += "<figure><img alt=\"" + html(picture.words) + "\" src=\"data:image/png;base64," +
            base64(file->bytes()) + "\"><figcaption>" + html(picture.words) +
@@ -173,10 +173,10 @@ Result<std::string> pictures(const std::vector<Picture>& pictures) {
 Result<std::string> files_table(const std::vector<std::string>& files) {
   std::string table = "<h2>Files</h2>\n<table>\n<tr><th>file</th><th>SHA-256</th></tr>\n";
   for (const std::string& path : files) {
-    const auto file = MappedFile::open(path);
-    if (!file) return file.error();
+    const auto digest = digest::sha256_of_file(path);
+    if (!digest) return digest.error();
     table += "<tr><td>" + html(std::filesystem::path(path).filename().string()) +
-             "</td><td><code>" + digest::sha256_of(file->bytes()) + "</code></td></tr>\n";
+             "</td><td><code>" + *digest + "</code></td></tr>\n";
   }
   return table + "</table>\n";
 }

@@ -13,7 +13,6 @@
 #include "formats/command/program.h"
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
-#include "formats/file/mapped_file.h"
 #include "formats/file/named_file.h"
 
 namespace forcelayer::study {
@@ -31,16 +30,10 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-Result<std::string> digest_of(const std::string& path) {
-  const auto file = MappedFile::open(path);
-  if (!file) return file.error();
-  return digest::sha256_of(file->bytes());
-}
-
 Result<Json> digests_of(const std::vector<std::string>& paths) {
   Json digests = Json::object();
   for (const std::string& path : paths) {
-    const auto digest = digest_of(path);
+    const auto digest = digest::sha256_of_file(path);
     if (!digest) return digest.error();
     digests[path] = *digest;
   }

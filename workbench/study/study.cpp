@@ -19,7 +19,7 @@
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/file/descriptor.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "workbench/study/curve.h"
 #include "workbench/study/page.h"
 #include "workbench/study/steps.h"
@@ -418,7 +418,7 @@ Status Study::judge() const {
 
 Status Study::make() {
   if (!options_.path.empty()) {  // before minutes of baking
-    if (const auto path = MappedFile::open(options_.path); !path) return path.error();
+    if (const auto path = FileBytes::read(options_.path); !path) return path.error();
   }
   if (Status s = bake(); !s) return s;
   if (Status s = find_path(); !s) return s;

@@ -181,10 +181,6 @@ void follow_progress(int result, int progress, const std::string& path, const Re
 // The error for a child that ended with this status and sent no mesh.
 Error no_mesh(const std::string& path, int status) {
   std::string what = "its reader sent no sound mesh";
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS) {
-    return {ErrorCode::kReadFailed, path, "", "was cut short while it was being read",
-            "start again"};
-  }
   if (WIFSIGNALED(status)) {
     what = std::string("its reader crashed (") + ::strsignal(WTERMSIG(status)) + ")";
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/hidden.h"
 #include "formats/mesh/step/entities/losses.h"
@@ -196,9 +196,9 @@ StepDocument read_step_document(const SourceFile& file) {
   StepDocument document;
   document.document = new TDocStd_Document("BinXCAF");
   document.is_iges = lower_case_extension(file.path).starts_with(".ig");
-  const Result<MappedFile> mapped = MappedFile::open(file.path);
-  if (!mapped) throw ReadFailure{mapped.error()};
-  (document.is_iges ? read_iges_file : read_step_file)(file, text_of(*mapped), document);
+  const Result<FileBytes> bytes = FileBytes::read(file.path);
+  if (!bytes) throw ReadFailure{bytes.error()};
+  (document.is_iges ? read_iges_file : read_step_file)(file, text_of(*bytes), document);
   return document;
 }
 

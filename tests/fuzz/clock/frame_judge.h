@@ -57,16 +57,12 @@ class FrameJudge final : public loop::InputSource {
     write({}, [&] { inner_.silence(); });
   }
 
-  // From now on the mapped files are others than the judge's.
-  void files_changed() { files_changed_.store(true); }
-
   struct Counts {
     std::uint64_t frames = 0, refused = 0, late = 0, touching = 0, with_force = 0;
     int broken = 0;
   };
   const Counts& counts() const { return counts_; }
   std::uint64_t frames() const { return frames_.load(); }  // from any thread
-  bool map_lost() const { return map_lost_.load(); }       // the same
   OutputState output_state() const { return state_.load(); }
   const char* what() const { return what_; }
 
@@ -102,9 +98,8 @@ class FrameJudge final : public loop::InputSource {
     const bool torque_slew =
         torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > limits_.max_torque_nm * share;
     if (force_slew || torque_slew) breaks("a wrench beyond its slew");
-    const bool lost = (frame.result.report.faults & kFaultMapLost) != 0;
     const bool detected = must_refuse_ || frame.health.trouble != InputTrouble::kNone ||
-                          frame.health.loop_late || lost || frame.output == OutputState::kTripped;
+                          frame.health.loop_late || frame.output == OutputState::kTripped;
     if (detected && !zero) breaks("a force in the frame of a detection");
     since_detected_ = detected ? 0 : since_detected_ + 1;
     // The share of the wrench that may be back by now: nothing for zero_s, then a ramp.
@@ -114,7 +109,7 @@ class FrameJudge final : public loop::InputSource {
                                   torque_nm > limits_.max_torque_nm * std::max(gain, 0.0))) {
       breaks("force after a detection, but not by a ramp");
     }
-    if (counts_.frames % 61 == 0 && frame.input.valid == kInputValid && !files_changed_.load() &&
+    if (counts_.frames % 61 == 0 && frame.input.valid == kInputValid &&
         frame.result.report.interior == 0 &&
         has_interior_point(map_, shell_, frame.result.report.world_from_center)) {
       breaks("a penetration without a report");
@@ -125,7 +120,6 @@ class FrameJudge final : public loop::InputSource {
     counts_.touching += frame.result.report.surface > 0;
     counts_.with_force += !zero;
     ++counts_.frames;
-    if (lost) map_lost_.store(true);
     state_.store(frame.output);
     frames_.store(counts_.frames);
   }
@@ -148,7 +142,6 @@ class FrameJudge final : public loop::InputSource {
   Wrench last_;
   Counts counts_;
   std::atomic<std::uint64_t> frames_{0};
-  std::atomic<bool> map_lost_{false}, files_changed_{false};
   std::atomic<OutputState> state_{OutputState::kWaiting};
   char what_[160] = "";
 };

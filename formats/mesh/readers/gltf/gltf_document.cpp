@@ -273,13 +273,13 @@ std::string_view GltfDocument::load_buffer(const nlohmann::json& buffer, std::ui
     fail(ErrorCode::kMeshUnsupported, where, "the buffer " + in_quotes(uri) + " " + kOutsideWhat,
          kOutsideMend);
   }
-  auto mapped = MappedFile::open(path);
-  if (!mapped) {
-    Error error = mapped.error();
+  auto bytes = FileBytes::read(path);
+  if (!bytes) {
+    Error error = bytes.error();
     error.where = where + " of " + file_.path;
     throw ReadFailure{error};
   }
-  return text_of(mapped_buffers_.emplace_back(std::move(*mapped)));
+  return text_of(file_buffers_.emplace_back(std::move(*bytes)));
 }
 
 std::uint64_t GltfDocument::most_unfolded() const {

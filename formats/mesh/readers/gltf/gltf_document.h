@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "formats/file/mapped_file.h"
+#include "formats/file/file_bytes.h"
 #include "formats/mesh/mesh.h"
 #include "formats/mesh/reader.h"
 
@@ -69,7 +69,7 @@ class GltfDocument {
   const SourceFile& file_;
   nlohmann::json json_;
   std::deque<std::string> decoded_buffers_;  // of data URIs
-  std::deque<MappedFile> mapped_buffers_;    // of files beside this one
+  std::deque<FileBytes> file_buffers_;       // of files beside this one
   std::vector<std::string_view> buffers_;
   std::uint64_t buffer_bytes_ = 0;  // of all buffers
   mutable std::map<std::uint64_t, std::string> decompressed_views_;
