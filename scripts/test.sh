@@ -51,7 +51,7 @@ check_runtime_only() {
     return 1
   fi
   configure runtime-only "${without[@]}" -DFORCELAYER_TESTS=ON
-  build runtime-only safety_tests command_tests make_runtime_files baked_verdicts fault_plugin fault_shim valgrind_clock
+  build runtime-only safety_tests command_tests make_runtime_files baked_verdicts fault_plugin fault_shim
   run_tests runtime-only -L safety
   run_tests runtime-only -R '^cli[.]'
 }

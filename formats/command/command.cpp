@@ -21,13 +21,6 @@
 #include "formats/command/report.h"
 #include "formats/file/temporary_files.h"
 
-// Highway 1.0 measures the resolution of its timer whenever it is loaded: 4 ms of every command,
-// for a benchmark that nobody runs. The loader takes this function in place of Highway's.
-namespace hwy::platform {
-[[gnu::weak, gnu::visibility("default")]] std::uint64_t TimerResolution();
-std::uint64_t TimerResolution() { return 1; }
-}  // namespace hwy::platform
-
 namespace forcelayer::command {
 namespace {
 

@@ -18,9 +18,6 @@ for name in "${commands[@]}"; do
   for option in --json --quiet --version; do grep -q -- "^  $option" help.txt || fail "$name has no $option"; done
   sed -n '/^Examples:/,$p' help.txt | grep -qE "^  (.* )?$name " || fail "$name: no example"
   "$bin/$name" --version | grep -qE "^$name [0-9.]+( \(.*\))?$" || fail "$name --version: $("$bin/$name" --version)"
-  # Nothing is measured at the start (formats/command/command.cpp).
-  LD_DEBUG=bindings "$bin/$name" --version 2>&1 | grep 'binding file .*libhwy.* to .*libhwy.*TimerResolution' &&
-    fail "$name: Highway measures its timer"
   "$bin/$name" --josn x 2>err.txt && fail "$name took --josn"
   grep -q 'did you mean --json?' err.txt || fail "$name: $(cat err.txt)"
   # Completion, from the same help.

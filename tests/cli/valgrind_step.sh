@@ -4,6 +4,7 @@
 set -euo pipefail
 source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
 skip_without valgrind command -v valgrind
+skip_without_timer_of_highway
 grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt" &&
   skip "valgrind and sanitizers do not mix"
 scratch=$(mktemp -d)
@@ -11,7 +12,7 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
 "$FORCELAYER_BIN_DIR/make_runtime_files" .
 check() {
-  LD_PRELOAD=$FORCELAYER_BIN_DIR/valgrind_clock.so valgrind --quiet --error-exitcode=9 \
+  valgrind --quiet --error-exitcode=9 \
     --leak-check=full --errors-for-leak-kinds=definite,indirect "$FORCELAYER_BIN_DIR/voxrun" \
     floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet "$@"
 }

@@ -11,3 +11,9 @@ skip_without() {  # PACKAGE COMMAND...: skips unless COMMAND works
   shift
   "$@" >/dev/null 2>&1 || skip "needs $package of scripts/packages.txt"
 }
+
+# Under valgrind a program with Highway's library cannot be loaded where the processor lacks this instruction, or the
+# kernel does not name it.
+skip_without_timer_of_highway() {
+  [ "$(uname -m)" != x86_64 ] || grep -qw rdtscp /proc/cpuinfo || skip "valgrind cannot run rdtscp here"
+}
