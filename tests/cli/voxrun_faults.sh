@@ -63,7 +63,7 @@ read_only_target() {
     done' || fail "in the namespace"
 }
 
-# What happens to the files while the loop runs changes nothing: the run ends as one that nobody disturbed, with the
+# Nothing that happens to the files while the loop runs changes it: the run ends as one that nobody disturbed, with the
 # same trace. Without a clock the loop waits for the reader of its trace, who changes both files in the middle of it.
 files_change_while_running() {
   reference

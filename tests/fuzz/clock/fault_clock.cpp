@@ -275,7 +275,7 @@ class Episode {
     }
   }
 
-  // What is in a file, or its times.
+  // The content of a file, or its times.
   void change(const std::filesystem::path& path) {
     ++sums_.changed;
     const auto bytes = std::filesystem::file_size(path);
