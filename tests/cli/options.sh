@@ -3,12 +3,12 @@
 # option is better than an option. The habits of every command (--json, --quiet, --help, --version) do not count.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR
-limit=139
+limit=147
 
 # options_of COMMAND [SUBCOMMAND]: the first spelling of each of its options, a line each.
 options_of() { "$bin/$1" "${@:2}" --help | sed -nE 's/^  (-[^ ]+).*/\1/p' | grep -vE -- '--(json|quiet|help|version)$' || true; }
 # subcommands_of COMMAND
-subcommands_of() { "$bin/$1" --help | sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p; s/^vox[a-z]+ ([a-z]+) says .*/\1/p'; }
+subcommands_of() { "$bin/$1" --help | sed -nE '/^Subcommands:/,/^$/s/^  ([a-z]+) .*/\1/p; s/^vox[a-z]+ ([a-z]+) lists .*/\1/p'; }
 
 all=0
 for command in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview forcelayer; do
