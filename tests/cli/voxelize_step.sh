@@ -197,7 +197,8 @@ end = text.rindex("ENDSEC;")
 open("damaged.step", "w").write(text[:end] + "#9001=SHELL_BASED_SURFACE_MODEL('sheets',());\n" + text[end:])
 PYTHON
 for command in "voxelize -o no.vox" "pointshell -o no.pshell"; do
-  "$bin/"$command damaged.step --voxel-size 4mm --quiet --json no.json 2>err
+  # A sanitizer would report the crash itself, and end the process with a status.
+  ASAN_OPTIONS=handle_segv=0 "$bin/"$command damaged.step --voxel-size 4mm --quiet --json no.json 2>err
   [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q '^[a-z]*: damaged.step: its reader crashed (Segmentation fault)' err || fail "$command of a file that crashes its reader: $(cat err)"
   [ ! -e no.vox ] && [ ! -e no.pshell ] || fail "$command of a file that crashes its reader: a file was written"
   python3 -c 'import json; r = json.load(open("no.json")); assert r["schema_version"] and r["exit_status"] == 3 and "damaged.step" in r["error"]["line"], r' ||
