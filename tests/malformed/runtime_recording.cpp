@@ -95,7 +95,7 @@ TEST(Recording, ReplaysBitForBit) {
     loop::run_loop(servo, options, nullptr, *statistics);
     EXPECT_EQ(statistics->frames, 3000u);
     EXPECT_GT(statistics->faulty_frames, 100u);
-    EXPECT_GT(statistics->force_layer_frames, 50u);
+    EXPECT_GT(statistics->force_layer_frames, 30u);  // some of the motion is felt
     EXPECT_EQ(input.differing_frames(), 0u) << "seed " << seed;
   }
 }

@@ -121,7 +121,7 @@ TEST(Energy, WhatASoakGeneratesTheDevicesDampingTakes) {
     EXPECT_LE(out.episodes.worst_j, 2 * out.kinetic_j + 1e-4);
     generated_j += out.generated_j;
   }
-  EXPECT_GT(generated_j, 0.001);
+  EXPECT_GT(generated_j, kSanitized ? 0.0003 : 0.001);  // an eighth of the soaks
 }
 
 // Frames of several motions, whose first ones pulled to where the hand is at the end of the frame,
