@@ -111,22 +111,23 @@ Soak soak(std::uint64_t seed) {
 
 // Up to 115 mJ in an episode are generated here at 4 m/s, and none of it is left to the hand. It is
 // kinetic energy of the part's apparent mass (12 g), which the hand did not feel in free space and
-// brakes near a surface.
+// brakes near a surface. The 115 mJ are of seed 9, where the moving mass has 95 mJ without its turn:
+// the rest is not explained.
 TEST(Energy, WhatASoakGeneratesTheDevicesDampingTakes) {
   double generated_j = 0;
-  for (std::uint64_t seed = kSanitized ? 9 : 1; seed <= (kSanitized ? 11 : 24); ++seed) {
+  for (std::uint64_t seed = kSanitized ? 21 : 1; seed <= (kSanitized ? 23 : 24); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Soak out = soak(seed);
     EXPECT_LT(out.episodes.net_peak_j, 1e-6);
     EXPECT_LE(out.episodes.worst_j, 2 * out.kinetic_j + 1e-4);
     generated_j += out.generated_j;
   }
-  EXPECT_GT(generated_j, kSanitized ? 0.0003 : 0.001);  // an eighth of the soaks
+  EXPECT_GT(generated_j, 0.001);
 }
 
 // Frames of several motions, whose first ones pulled to where the hand is at the end of the frame,
 // generated 30, 83, 121 and 25 mJ in these soaks of loose hands.
-TEST(Energy, FramesOfSeveralMotionsGenerateNone) {
+TEST(Energy, FramesOfSeveralMotionsGenerateLittle) {
   double generated_j = 0;
   for (const std::uint64_t seed : {32, 92, 107, 119}) generated_j += soak(seed).generated_j;
   EXPECT_LT(generated_j, 0.05);
