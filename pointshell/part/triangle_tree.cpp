@@ -197,25 +197,15 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& place, double radius) co
 }
 
 bool TriangleTree::is_within(const Vec3& place, double radius) const {
-  const double limit = radius * radius;
-  std::array<std::uint32_t, kMaxDepth> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t at = stack[--depth];
-    const Node& node = nodes_[at];
-    if (node.distance_squared(place) > limit) continue;
-    for (std::uint32_t n = 0; n < node.count; ++n) {
-      const auto [a, b, c] = triangle_piece(*part_, ordered_[node.first + n]);
-      if (length_squared(nearest_on_triangle(place, a, b, c) - place) <= limit) return true;
-    }
-    if (node.count > 0) continue;
-    const bool first_is_nearer =
-        nodes_[at + 1].distance_squared(place) <= nodes_[node.first].distance_squared(place);
-    stack[depth++] = first_is_nearer ? node.first : at + 1;
-    stack[depth++] = first_is_nearer ? at + 1 : node.first;
-  }
-  return false;
+  bool found = false;
+  visit_where(
+      [&](const Node& node) { return !found && node.distance_squared(place) <= radius * radius; },
+      [&](std::uint32_t triangle) {
+        if (found) return;
+        const auto [a, b, c] = triangle_piece(*part_, triangle);
+        found = length_squared(nearest_on_triangle(place, a, b, c) - place) <= radius * radius;
+      });
+  return found;
 }
 
 SurfacePoint TriangleTree::nearest(const Vec3& place,
