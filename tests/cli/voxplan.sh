@@ -159,14 +159,8 @@ plan 0 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 2mm,0,0m --quiet
 plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 50mm,0,0m
 errs '--goal: the part is nearer there than --clearance to a cropped side'
 # Above a tub whose lid was cropped away a part is not out of the scene: the way goes on to a side where the scene ends.
-python3 - <<'END'
-def boxes(name, *all):
-    with open(name, "w") as obj:
-        for low, high in all:
-            for n in range(8):
-                obj.write("v %g %g %g\n" % tuple((low, high)[n >> axis & 1][axis] for axis in range(3)))
-            for face in (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3):
-                obj.write("f %d %d %d %d\n" % face)
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support PYTHONDONTWRITEBYTECODE=1 python3 - <<'END'
+from boxes import boxes
 walls = [((-12, -12, 0), (-10, 12, 10)), ((10, -12, 0), (12, 12, 10)), ((-10, -12, 0), (10, -10, 10)), ((-10, 10, 0), (10, 12, 10))]
 boxes("tub.obj", ((-12, -12, -2), (12, 12, 0)), *walls)
 boxes("lid.obj", ((-40, -40, 60), (40, 40, 62)))

@@ -4,14 +4,8 @@
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 
 # A clip over a tab, both 1.5 mm thick with 0.1 mm of air between them: it lifts off, up to z. In `caged` it cannot.
-python3 - <<'END'
-def boxes(name, *all):
-    with open(name, "w") as obj:
-        for low, high in all:
-            for n in range(8):
-                obj.write("v %g %g %g\n" % tuple((low, high)[n >> axis & 1][axis] for axis in range(3)))
-            for face in (-8, -6, -5, -7), (-4, -3, -1, -2), (-8, -7, -3, -4), (-6, -2, -1, -5), (-8, -4, -2, -6), (-7, -5, -1, -3):
-                obj.write("f %d %d %d %d\n" % face)
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support PYTHONDONTWRITEBYTECODE=1 python3 - <<'END'
+from boxes import boxes
 t, g = 1.5, 0.1
 a = t / 2 + g
 tab = (-t / 2, -30, -60), (t / 2, 30, 0)

@@ -450,23 +450,6 @@ const std::map<std::string, std::function<void(Forgery&, std::mt19937_64&)>>& ki
   return all;
 }
 
-// Changes one clearance. False where the tree has none.
-bool change_clearance(std::span<std::byte> bytes, int by, std::mt19937_64& random) {
-  for (int tries = 0; tries < 1000; ++tries) {
-    const auto id = static_cast<std::uint32_t>(VoxmapSection::kUpperNodes) +
-                    static_cast<std::uint32_t>(random() % 2);
-    const auto section = read_at<SectionEntry>(bytes, table_entry_of(bytes, id));
-    if (section.bytes == 0) continue;
-    const std::size_t at = section.offset + 4 * (random() % (section.bytes / 4));
-    const auto entry = read_at<std::uint32_t>(bytes, at);
-    if (!is_uniform(entry) || uniform_value(entry) != 0 || uniform_clearance(entry) == 0) continue;
-    const int to = std::max(0, static_cast<int>(uniform_clearance(entry)) + by);
-    write_at(bytes, at, uniform_entry(0, static_cast<std::uint32_t>(to)));
-    return true;
-  }
-  return false;
-}
-
 TEST(ForgedLayers, TheAuditTakesWhatTheTextAllows) {
   const std::uint64_t scenes = test::kSanitized ? 2 : test::long_tests() ? 340 : 16;
   std::map<std::string, int> accepted;

@@ -427,29 +427,13 @@ TEST(DistanceBake, SurfaceVoxelsHaveTheSideOfTheirCenter) {
     for (double& h : half) h = reference::real(random, 1.5, 9);
     for (double& m : middle) m = reference::real(random, -1, 1);
     mesh::Mesh mesh;
-    for (int n = 0; n < 8; ++n) {
-      const std::array<double, 3> at{n & 1 ? half[0] : -half[0], n & 2 ? half[1] : -half[1],
-                                     n & 4 ? half[2] : -half[2]};
-      mesh::Vec3d vertex{};
+    reference::add_box(mesh, {-half[0], -half[1], -half[2]}, half);
+    for (mesh::Vec3d& vertex : mesh.vertices) {
+      const mesh::Vec3d at = vertex;
       for (std::size_t d = 0; d < 3; ++d) {
         vertex[d] =
             middle[d] + axes[3 * d] * at[0] + axes[3 * d + 1] * at[1] + axes[3 * d + 2] * at[2];
       }
-      mesh.vertices.push_back(vertex);
-    }
-    for (const mesh::Triangle& triangle : {mesh::Triangle{0, 2, 1},
-                                           {1, 2, 3},
-                                           {4, 5, 6},
-                                           {5, 7, 6},
-                                           {0, 1, 4},
-                                           {1, 5, 4},
-                                           {2, 6, 3},
-                                           {3, 6, 7},
-                                           {0, 4, 2},
-                                           {2, 4, 6},
-                                           {1, 3, 5},
-                                           {3, 7, 5}}) {
-      mesh.triangles.push_back(triangle);
     }
     const std::vector<voxelize::SceneObject> objects{{"box", &mesh, mesh::Affine{}, {}, 0}};
     const BakedScene baked(objects, distance_options(2, 6));

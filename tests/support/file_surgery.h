@@ -1,13 +1,17 @@
 // Damaging baked files on purpose: fields, checksums and bytes of a file in memory.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <random>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "formats/section_table.h"
+#include "formats/voxmap.h"
+#include "formats/voxmap_format.h"
 #include "tests/support/aligned_bytes.h"
 
 namespace forcelayer::testing {
@@ -41,6 +45,25 @@ inline std::size_t table_entry_of(std::span<const std::byte> bytes, std::uint32_
 
 inline std::size_t section_offset(std::span<const std::byte> bytes, std::uint32_t id) {
   return read_at<SectionEntry>(bytes, table_entry_of(bytes, id)).offset;
+}
+
+// Changes the clearance of one free box of a .vox file by `by`, down to 0 at most. False if no box
+// has one to change.
+inline bool change_clearance(std::span<std::byte> bytes, int by, std::mt19937_64& random) {
+  for (int tries = 0; tries < 1000; ++tries) {
+    const auto id = static_cast<std::uint32_t>(VoxmapSection::kUpperNodes) +
+                    static_cast<std::uint32_t>(random() % 2);
+    const auto section = read_at<SectionEntry>(bytes, table_entry_of(bytes, id));
+    if (section.bytes == 0) continue;
+    const std::size_t at = section.offset + 4 * (random() % (section.bytes / 4));
+    const auto entry = read_at<std::uint32_t>(bytes, at);
+    if (!is_uniform(entry) || uniform_value(entry) != 0) continue;
+    const int from = static_cast<int>(uniform_clearance(entry)), to = std::max(0, from + by);
+    if (to == from) continue;
+    write_at(bytes, at, uniform_entry(0, static_cast<std::uint32_t>(to)));
+    return true;
+  }
+  return false;
 }
 
 // Makes all checksums right again, as far as header and table still make sense.
