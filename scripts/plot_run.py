@@ -32,7 +32,7 @@ COLUMNS = (["t_s"] + [f"{frame}_{n}" for frame in ("handle", "part")
            + ["points_proximity", "points_surface", "points_interior", "contacts", "depth_m",
               "guard_cuts", "step_ns"])
 AXIS_LOOKS = {"x": ("#0072b2", "-"), "y": ("#d55e00", "--"), "z": ("#009e73", "-.")}
-LARGEST_POINTS = 2000  # of a curve: more cannot be told apart on a page
+LARGEST_POINTS = 2000  # of a curve: more look alike on a page
 
 
 class TraceError(Exception):

@@ -119,7 +119,7 @@ void PathWalk::walk(const Moment& from, const Moment& to) {
   cover(first, sample(to, enough));
 }
 
-// As sample(), but of a moment that is too near only that is told.
+// As sample(), but of a moment that is too near it returns only that.
 Sample PathWalk::tested(const Moment& moment, double enough_voxels) {
   ++tested_;
   const double travel_m = path_.travel_m(moment);
@@ -175,8 +175,8 @@ Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothin
   part_.forget();
   const double required = limits_.required_voxels;
   if (or_nothing) {
-    // Most ways that are not kept are too near at their end, most others at a middle, which is told
-    // sooner than how far they are.
+    // Most ways that are not kept are too near at their end, most others at a middle, which is
+    // found sooner than how far they are.
     if (known.last.voxels < required && is_too_near(to)) return from;
     if (is_too_near_between(from, to)) return from;
   }

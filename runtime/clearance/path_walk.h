@@ -56,9 +56,9 @@ class PathWalk {
   void walk(const Moment& from, const Moment& to);
 
   // The last moment up to which the required distance is proven, from `from` on; `from` where it
-  // is too near itself. Where not all of the way is kept, that is told to a sixteenth of a voxel of
-  // travel, or with `or_nothing` not at all. Adds no pieces. An end that is `known` is not too
-  // near; it is looked at only where what is known of it is too little, and then known better.
+  // is too near itself. Where not all of the way is kept, the moment is found to a sixteenth of a
+  // voxel of travel, or with `or_nothing` not at all. Adds no pieces. An end that is `known` is not
+  // too near; it is looked at only where what is known of it is too little, and then known better.
   Moment kept_until(const Moment& from, const Moment& to, bool or_nothing, KnownEnds& known);
 
   // In the order of time, without gaps.

@@ -13,7 +13,7 @@ class DevicePort {
   // episode of contact ends where the part is free.
   void arrive(const Pose& device_from_handle, bool in_contact) noexcept;
 
-  // Nobody knows where the handle is: what it was left with does no work that can be told.
+  // Nobody knows where the handle is: the work of what it was left with is not known.
   void lose_handle() noexcept;
 
   // The wrench for the motors, about the handle's origin, device axes: held until the next call.

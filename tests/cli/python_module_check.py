@@ -322,7 +322,7 @@ def check_errors():
             forcelayer.Scene("bay.vox").query("part.pshell", [[0] * 7])
         except kind:
             continue
-        raise AssertionError("a part that is none was taken")
+        raise AssertionError("an invalid part was taken")
 
 
 def check_wrong_objects(scene, part, run):

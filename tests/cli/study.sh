@@ -70,7 +70,7 @@ assert "least clearance outside of its seat" in said
 assert f"{1e3 * seated['way_m']:.3f} mm of a path of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
 END
 
-# A number that is none is refused before anything is baked.
+# An invalid number is refused before anything is baked.
 for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,0,0,0" "--clearance -1mm" \
   "--seat-depth infmm" "--missing-faces nan" "--missing-faces 1000001"; do
   # shellcheck disable=SC2086  # words
@@ -79,7 +79,7 @@ for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,
     fail "$words: $(cat out.txt err.txt)"
 done
 
-# Deeper distances are another scene: the bake is told, and made anew.
+# Deeper distances are another scene, which is baked anew with them.
 study 0 "${pin[@]}" -o pin --range 8mm
 grep -q '^\$ voxelize .*--range 8mm' out.txt || fail "--range is not handed on: $(cat out.txt)"
 

@@ -133,7 +133,7 @@ for call in "voxinfo path" "forcelayer study a.glb#Pin -o study"; do
   "$bin/$name" "$word" $words 2>err.txt
   [ $? = 2 ] && grep -qE "^$name: .* is required; see $name $word --help$" err.txt || fail "$call: $(cat err.txt)"
 done
-# An output that cannot be written is told before any work: before a missing input is missed.
+# An output that cannot be written is reported before any work, and before a missing input.
 while read -r name words; do
   [ -x "$bin/$name" ] || continue
   # shellcheck disable=SC2086  # words

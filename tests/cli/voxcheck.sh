@@ -149,7 +149,7 @@ warns 'warning: --seat: the part touches nothing there'
 printf 't_s,x_m,y_m,z_m\n0,5,0,0\n1,5,0,1\n' >astray.csv
 check 0 opened.vox cover.pshell astray.csv --json astray.json
 warns 'warning: the part is never near the scene: is it the part and the path of this scene?'
-# Hosts are told too, also where the terminal is quiet; a job may ask that such a path fails.
+# Hosts get a report too, also where the terminal is quiet; a job may ask that such a path fails.
 check 0 opened.vox cover.pshell astray.csv "${hosts[@]}"
 silent
 told 1 0 0 'the part is never near the scene: is it the part and the path of this scene?'
@@ -392,7 +392,7 @@ grep -q '"error"' lean.json && ! grep -q '"verdict"' lean.json || fail "a verdic
 check 4 lean.vox cover.pshell run.flr
 errs 'is not the file that the run was recorded with'
 
-# A failure is told where hosts look, in place of an earlier verdict, at each stage of a check.
+# A failure is reported where hosts look, instead of an earlier verdict, at each stage of a check.
 sed 's/^1,0,0,0.1$/1,0,high,0.1/' over.csv >broken.csv
 for wrong in "2 opened.vox cover.pshell broken.csv" "4 cover.pshell opened.vox over.csv" "1 opened.vox gone.pshell over.csv" \
   "2 opened.vox cover.pshell over.csv --clearance 12" "2 opened.vox cover.pshell over.csv --nothing" \

@@ -106,7 +106,7 @@ python3 -c 'import json; [v] = json.load(open("bead.json"))["violations"]; asser
 check 0 beads.vox core.pshell inside.csv --clearance 1mm --allow bead
 says 'at least [0-9.]+ mm, nothing is nearer$'
 
-# A cropped side is told as such, not as an object; an object that is allowed is not the nearest.
+# A cropped side is reported as such, not as an object; an object that is allowed is not the nearest.
 "$bin/voxelize" room.json "${fine[@]}" --roi -40mm,-40mm,-20mm,20mm,40mm,80mm -o cropped.vox || fail "bake cropped"
 check 6 cropped.vox part.pshell side.csv --clearance 1mm
 says 's: 0\.000 mm to a cropped side of the scene, beyond which nothing is known, at 2\.000 s'
@@ -221,7 +221,7 @@ END
   # By the meshes nothing is too near where it is installed, and so the seat has no name.
   check 0 corner4.vox cube4.pshell high.csv --clearance 0.8mm --seat 0,0,1mm --exact corner.json --part cube.obj --part-units mm
   says '^in its seat from 0\.000 to 0\.[0-9]+ s; else clear: 0\.800 mm required; least clearance outside of its seat '
-  # An object that does not count hides another one from the files, which is told, and not from the meshes.
+  # An object that does not count hides another one from the files, which is reported, and not from the meshes.
   "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
   check 0 ribbed.vox cube4.pshell along.csv --clearance 1mm --allow Floor
   says '^  objects that do not count may hide others within 12 mm of them; --exact sees these$'

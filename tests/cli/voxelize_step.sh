@@ -136,7 +136,7 @@ for name in ("parts", "shell", "plan"):
     assert len([w for w in warnings if "was read from external/home/rod.stp" in w]) == 1, (name, warnings)
 PYTHON
 
-# A surface of 8 m with 2304 patches takes OpenCASCADE gigabytes: that is told before, the wait after 20 s, and --quiet is.
+# A surface of 8 m with 2304 patches takes OpenCASCADE gigabytes: that is announced before, the wait after 20 s, and --quiet is quiet.
 python3 - >wavy.step <<'PYTHON'
 import math
 n = 50

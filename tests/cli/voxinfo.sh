@@ -231,7 +231,7 @@ printf 't_s,x_mm,y_mm,z_mm\n0,0,0,30\n1,0,0,4\n2,0,0,30\n' >dip.csv
 "$voxinfo" path dip.csv --resample 375ms -o dips.csv >out || fail "resample: $(cat out)"
 expect_equal "times" "$(cut -d, -f1 dips.csv | paste -sd,)" t_s,0,0.375,0.75,1,1.125,1.5,1.875,2
 expect_equal "the dip" "$(sed -n 5p dips.csv)" 1,0,0,0.004,1,0,0,0
-# A part that turns about its frame's origin: with --part its centroid's way is told and goes straight between rows,
+# A part that turns about its frame's origin: with --part the path is that of its centroid, which moves straight between rows,
 # without it the origin's, and that this is not how voxcheck moves it.
 printf 't_s,x_m,y_m,z_m,rz_deg\n0,0,0,0,0\n1,0,0,0,90\n' >pivot.csv
 "$voxinfo" path pivot.csv >out
@@ -256,7 +256,7 @@ expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 "$voxinfo" path path.csv --resample 10s -o coarse.csv --quiet 2>err
 expect_equal "no warning without turns" "$(cat err)" ""
 expect_refused 2 "goes with --of part alone" "$voxinfo" path pivot.csv --of handle --part "$golden/v2.pshell"
-# Other files are told by their kind.
+# Other files are named by their kind.
 expect_refused 2 "is a .vox" "$voxinfo" path "$golden/v2.vox"
 expect_refused 2 "is JSON" "$voxinfo" path pivot.json
 

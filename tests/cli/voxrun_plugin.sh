@@ -2,7 +2,7 @@
 # Every way in which a device with motors can fail, with voxrun as a user runs it; what the motors did
 # is what the device itself wrote down (tests/support/fault_plugin.c).
 set -euo pipefail
-# The faults are told apart by who is late by milliseconds: not what a sanitizer's build can be asked.
+# Milliseconds decide which fault it is, and a sanitizer's build is too slow for that.
 source "$FORCELAYER_SOURCE_DIR/tests/support/skipped.sh"
 grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt" &&
   skip "a build with sanitizers is too slow for the loop's clock"

@@ -67,7 +67,7 @@ at_a_time() {
 }
 in_time err at_a_time || fail "at a time: $(cat err)"
 
-# A new file by the same name, which the run reads when it is told to; and one that is not there. The files are watched
+# A new file by the same name, which the run reads on request; and one that is not there. The files are watched
 # all the time: a file that is replaced, by a rename, is another one.
 at_a_signal() {
   local running wait

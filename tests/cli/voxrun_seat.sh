@@ -85,7 +85,7 @@ PYTHON
 run 6 bolted.vox cover.pshell --motion out.csv --fail-on penetration --fail-on seat --quiet
 errs 'cover.pshell: at the end: the part has not left its seat on Gearbox/Housing, '
 [ ! -s out.txt ] || fail "--quiet is not"
-# Contact with the objects of the seat is none, while it is open.
+# Contact with the objects of the seat does not count while it is open.
 run 0 bolted.vox cover.pshell --motion out.csv --fail-on contact --fail-on penetration,outside
 
 # Lifted by a millimeter it is free, but not yet out.

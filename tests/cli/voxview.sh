@@ -289,7 +289,7 @@ for n, frame in enumerate(frames("whole.png")):
     rim = numpy.concatenate([frame[0], frame[-1], frame[:, 0], frame[:, -1]])
     assert (rim == 255).all() and (frame != 255).any(axis=2).mean() > 0.1, n
 END
-"$bin/voxview" bay.vox --turntable movie.gif 2>err.txt && fail "an ending that is none of a picture"
+"$bin/voxview" bay.vox --turntable movie.gif 2>err.txt && fail "an ending of no picture was taken"
 
 # A machined part with another on it, which moves by 30 and 20 mm between two bakes.
 counter=$FORCELAYER_SOURCE_DIR/tests/models/counter.drc

@@ -155,7 +155,7 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
       {231, -1, ErrorCode::kFieldInvalid},    // negative motion scale
       {231, 0x7f, ErrorCode::kFieldInvalid},  // and one of 1e300 and more
       {288, 3, ErrorCode::kFieldInvalid},     // seat
-      {288, 2, ErrorCode::kFieldInvalid},     // a seat whose pose is none
+      {288, 2, ErrorCode::kFieldInvalid},     // a seat whose pose is invalid
       {300, 1, ErrorCode::kFieldInvalid},     // reserved
       {320, 'X', ErrorCode::kFieldInvalid},   // an unknown name where a needed one stood
   };

@@ -72,7 +72,7 @@ TEST(MeshFormats, AByteOrderMarkIsSkipped) {
   EXPECT_EQ(corners_of(*joined), corners_of(*plain));
 }
 
-// They would make boxes, and what is told from boxes, larger.
+// They would make boxes, and what is computed from boxes, larger.
 TEST(MeshFormats, VerticesWithoutTrianglesDoNotCount) {
   mesh::Mesh mesh = cube();
   const mesh::Box box = mesh::box_of(mesh, {});

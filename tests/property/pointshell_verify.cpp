@@ -90,7 +90,7 @@ TEST(Verify, EndsForARadiusAndACenterThatNoShellHas) {
     ASSERT_TRUE(write_pshell(path, shell.content()).ok());
     EXPECT_EQ(verify_status(path, file), 4) << radius;
   }
-  // Centers so far away that the part's corners cannot be told apart from there.
+  // Centers so far away that the part's corners look alike from there.
   shell.header.covering_radius_m = 0.05;
   for (const double x : {1e13, 1e20, 1e300}) {
     shell.header.center_m = {x, 0, 0};

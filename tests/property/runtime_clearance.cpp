@@ -229,7 +229,7 @@ TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
       }
       ASSERT_GE(least.voxels, std::min({enough, kCap, slow}) - 1e-6) << "step " << n;
       ASSERT_LE(least.voxels, exact + 1e-6) << "step " << n;
-      // With an end to the search only whether it is near is told.
+      // With an end to the search only whether it is near is known.
       const double stop = uniform(random, 0, kCap);
       const auto stopped = part.at(pose, travel_m, stop, stop);
       if (stopped.voxels < stop) {

@@ -111,7 +111,7 @@ bool same(const query::CollectedPoints& a, const query::CollectedPoints& b) {
 }
 
 // Motions of every kind: rest, creeping, sliding, spinning, jumps, full turns, far away and back,
-// and poses that are none.
+// and invalid poses.
 Pose moved_pose(Random& random, const VoxelScene& scene, const Pose& now) {
   const double s = scene.voxel_size_m;
   Pose next = now;
@@ -154,7 +154,7 @@ bool is_sound(const Pose& pose) {
          std::abs(glm::length(pose.orientation) - 1) < 1e-9;
 }
 
-// One of them; after a pose that is none, never another such.
+// One of them; after an invalid pose, never another such.
 Pose next_pose(Random& random, const VoxelScene& scene, const Pose& now) {
   const Pose moved = moved_pose(random, scene, now);
   return is_sound(now) || is_sound(moved) ? moved : random_pose(random, scene);

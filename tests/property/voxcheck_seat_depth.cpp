@@ -314,7 +314,7 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
       }
     }
     for (const auto& stretch : found) {
-      EXPECT_GT(stretch.worst.at_most_m, allowed - 0.05);  // as closely as stretches are told
+      EXPECT_GT(stretch.worst.at_most_m, allowed - 0.05);  // the resolution of stretches
       EXPECT_LE(at(path.time_s(stretch.worst_at)), stretch.worst.at_most_m + 1e-9);
     }
     (found.empty() ? free : pushed) += 1;

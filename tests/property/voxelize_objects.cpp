@@ -1,5 +1,5 @@
 // The tree of nearest objects against the dense reference, what it may not depend on, and what a
-// point in contact is told by it.
+// point in contact is named by it.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -145,7 +145,7 @@ TEST(ObjectBake, EqualsTheReferenceOnRandomScenes) {
   EXPECT_GT(bricks, 100u);
 }
 
-// A point in a voxel that is not free is told the object that is nearest to it, where the next one
+// A point in a voxel that is not free gets the object that is nearest to it, where the next one
 // is more than a voxel farther.
 TEST(ObjectBake, IsRightForPointsInContact) {
   std::uint64_t right = 0, points = 0, of_others = 0, scenes = 0;

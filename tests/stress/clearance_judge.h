@@ -16,11 +16,11 @@ struct ClearanceClaim {
   ClearanceKind kind = ClearanceKind::kNone;
   double clearance_m = 0;    // 0 where nothing is proven
   glm::dvec3 point_m{0};     // world: a place of the part that is nearest to the scene
-  std::uint32_t object = 0;  // the object nearest to that place, from 1 on; 0: none is told
+  std::uint32_t object = 0;  // the object nearest to that place, from 1 on; 0: not known
 };
 ClearanceClaim claim_of(const StepReport& report);
 
-// Whether the object that is told is the one nearest to the place.
+// Whether the reported object is the one nearest to the place.
 enum class ObjectVerdict {
   kNotTold,
   kTie,  // the second nearest is no more than a voxel farther: either will do

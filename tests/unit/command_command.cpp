@@ -119,7 +119,7 @@ TEST(Escaped, WhatATerminalDoesNotShowInItsPlace) {
        "31m",
        "\\xc2\\x85\\xc2\\x9b"
        "31m"},                                     // C1: next line, control sequence
-      {"\xc2\xa0|\xc2\xa1", "\xc2\xa0|\xc2\xa1"},  // the first that are none
+      {"\xc2\xa0|\xc2\xa1", "\xc2\xa0|\xc2\xa1"},  // the first characters that may be printed
       {"\xe2\x80\xa8\xe2\x80\xa9", "\\xe2\\x80\\xa8\\xe2\\x80\\xa9"},  // U+2028, U+2029
       {"\xe2\x80\xae"
        "gpj.exe",

@@ -113,7 +113,7 @@ TEST(Path, ALongCellIsShortened) {
       << rows.error().what;
 }
 
-// A turn that would not be read is none that is left out: the part would be checked unturned.
+// A turn that is not read is an error, not left out: the part would be checked unturned.
 TEST(Path, AColumnThatMayBeATurnIsReadOrRefused) {
   const std::string begin = "t_s,x_m,y_m,z_m,", rows = "\n0,0,0,0,1,1,1,1\n1,0,0,0,1,1,1,1\n";
   for (const char* const names : {"rx,ry,rz,n",
@@ -162,7 +162,7 @@ TEST(Path, AColumnThatMayBeATurnIsReadOrRefused) {
     const auto read = read_text(begin + names + rows);
     EXPECT_TRUE(read) << names << ": " << to_line(read.error());
   }
-  // In a trace, names without a prefix are none of the pose's.
+  // In a trace, names without a prefix do not belong to the pose.
   const std::string trace = "t_s,part_x_m,part_y_m,part_z_m,";
   EXPECT_FALSE(read_text(trace + "rx_deg,ry_deg,rz_deg,n" + rows));
   EXPECT_FALSE(read_text(trace + "part_rx,n,n,n" + rows));

@@ -305,7 +305,7 @@ TEST_P(CInterface, TellsWhetherTheGuaranteeHolds) {
   EXPECT_EQ(long_one[1].guaranteed_m, 0);
   EXPECT_EQ(long_one[1].tested, 0u);
 
-  // Held where it was tested: by the clutch, and by readings that are none.
+  // Held where it was tested: by the clutch, and by invalid readings.
   forcelayer_set_clutch(runtime, 1);
   step(100);
   expect_held(tested_m, 0);

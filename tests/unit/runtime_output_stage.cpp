@@ -128,7 +128,7 @@ TEST(OutputStage, ALimitOfZeroLetsNothingThrough) {
   }
 }
 
-// Limits that are none, as a damaged recording has them, let nothing through.
+// Invalid limits, as a damaged recording has them, let nothing through.
 TEST(OutputStage, ChecksItsOwnResultLast) {
   loop::OutputLimits l = limits();
   l.max_force_n = -10;

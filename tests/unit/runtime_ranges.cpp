@@ -225,7 +225,7 @@ TEST_F(Ranges, RecordedParametersAndNamesAreChecked) {
   }
 }
 
-// A limit that may be infinite is none.
+// A limit that may be infinite limits nothing.
 TEST_F(Ranges, ACouplingMayBeWithoutAClamp) {
   for (const char* name : {"coupling_force_limit_n", "coupling_torque_limit_nm"}) {
     RunRequest request;

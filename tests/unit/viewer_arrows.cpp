@@ -1,4 +1,4 @@
-// Arrows of contacts: only so many, and only so long, as can be told apart.
+// Arrows of contacts: only so many, and only so long, that a reader can distinguish them.
 #include <gtest/gtest.h>
 
 #include "tests/support/dense_voxmap.h"

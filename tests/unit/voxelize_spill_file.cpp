@@ -67,7 +67,7 @@ std::size_t resident_file_bytes() {
   return 0;
 }
 
-// Each place that is read may lie on a page of its own: the bytes that are told say little.
+// Each place that is read may lie on a page of its own: the bytes that are known say little.
 TEST(SpillFile, LetsPagesGoOfWhichLittleWasRead) {
   constexpr std::size_t kPage = 4096, kMost = std::size_t{450} << 20;
   scan::SpillFile file;

@@ -23,8 +23,8 @@ constexpr const char* kKind = "distance";
 constexpr std::uint32_t kVersion = 1;  // of the record; that of the distances is in the keys
 constexpr int kNodeEdge = 64;
 
-// The bricks of a mask tree in a node and around it. The side of a voxel is told by voxels that lie
-// less than a brick outside the node.
+// The bricks of a mask tree in a node and around it. The side of a voxel is found from voxels that
+// lie less than a brick outside the node.
 class BricksAround {
  public:
   BricksAround(const masks::MaskTree& tree, const masks::Coord& origin) {

@@ -277,7 +277,7 @@ class ExactCheck {
   }
 
   // A moment at which the part lies inside of a solid, between two between which it is not too
-  // near: there its side does not change, and none since it was told last.
+  // near: there its side does not change, and none since it was last found.
   const std::optional<Sample>& inside_between(const Moment& from, const Moment& to, bool seated) {
     if (!side_ || side_->until_s != path_.time_s(from) || side_->seated != seated) {
       const Sample& middle = walk_.at(path_.middle(from, to), seated);

@@ -60,7 +60,7 @@ class ExactWalk {
   Least least(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {});
 
   // Those parts of a piece, in the order of time, of which it is not proven that the distance is
-  // `required_m` or more. They are told to `resolution_m` of travel where they begin and end.
+  // `required_m` or more. Their begin and end are found to `resolution_m` of travel.
   std::vector<Piece> nearer_than(const Piece& piece, double required_m, double resolution_m);
 
   double time_s(const Moment& moment) const { return path_.time_s(moment); }

@@ -44,7 +44,7 @@ class SeatWalk {
     Depth worst;             // the deepest of all that was found
     bool is_deeper = false;  // than allowed; else it is too close to call
   };
-  // Those between two moments, in the order of time. They are told to `resolution_m` of travel
+  // Those between two moments, in the order of time. They are found to `resolution_m` of travel
   // where they begin and end; one that is too close to call is found to `within_m`.
   std::vector<Stretch> deeper_than(const Moment& from, const Moment& to, double allowed_m,
                                    double resolution_m);

@@ -250,7 +250,8 @@ std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& wa
 
 void seed_planners(std::uint64_t seed) {
   ompl::msg::noOutputHandler();
-  ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is none
+  ompl::RNG::setSeed(
+      static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is no seed to OMPL
 }
 
 struct Hand::Parts {

@@ -154,7 +154,7 @@ class Window {
     calls_.push_back({this, call});
     vtkNew<vtkCallbackCommand> command;
     command->SetClientData(&calls_.back());
-    command->PassiveObserverOn();  // else nothing is told while the style holds a mouse button
+    command->PassiveObserverOn();  // else no event arrives while the style holds a mouse button
     command->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
       const auto& [window, function] = *static_cast<Call*>(data);
       function(*window);

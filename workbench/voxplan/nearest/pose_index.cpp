@@ -92,7 +92,7 @@ void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
     hn::StoreU(distance, f, distances_m + i);
     least = hn::Min(least, distance);
   }
-  // Its nearest is told as near as the least by twice the rounding.
+  // Its nearest counts as near as the nearest of all within twice the rounding.
   const float least_m = hn::GetLane(hn::MinOfLanes(f, least));
   const float limit_m = std::min(search.limit_m(), least_m + 2 * search.margin_m);
   if (least_m > limit_m) return;
@@ -227,7 +227,7 @@ void PoseIndex::put(std::uint32_t at, std::uint32_t number) {
 }
 
 // Halves a full leaf across its box's longest side. Poses may lie on either side of the cut: what
-// is searched is told by boxes.
+// is searched is decided by boxes.
 void PoseIndex::split(std::uint32_t at) {
   std::size_t axis = 0;
   for (std::size_t n = 1; n < nodes_[at].low.size(); ++n) {
