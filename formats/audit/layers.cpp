@@ -158,7 +158,8 @@ class LayerAudit {
 Status audit_layers(const Voxmap& map, const Contents& contents, Effort& effort,
                     std::string_view name) {
   LayerAudit audit(map, contents, effort, name);
-  NeighborhoodWalk walk(map.view(), audit, effort);
+  // One cell more on each side: voxels outside of the directory are free, and touch those in it.
+  NeighborhoodWalk walk(map.view(), audit, effort, kFreeEntry, 1);
   walk.run();
   return audit.status();
 }

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <set>
@@ -222,6 +224,48 @@ TEST(CodeRules, WhatIsSureIsTrue) {
   EXPECT_LT(unsure_pairs, sure_pairs / 4);
   EXPECT_GT(sure_descents, 200);
   EXPECT_LT(unsure_descents, sure_descents);
+}
+
+// Section 13.5 in its own words: two voxels, and signs of face neighbors.
+TEST(CodeRules, CodesBesideEachOtherAreThoseOfTheText) {
+  const testing::AlignedBytes golden = testing::golden_file_bytes("v2_distances.vox");
+  auto header = testing::read_at<VoxmapHeader>(golden.bytes(), 0);
+  std::mt19937_64 random(8);
+  std::array<int, 2> answers{};
+  for (int trial = 0; trial < 40; ++trial) {
+    const double q = 1.0 / static_cast<double>(1 + random() % 32);
+    header.distance_quantum_m = header.voxel_size_m * q;
+    header.distance_zero_code = 1 + static_cast<int>(random() % 254);
+    const CodeRules rules(header);
+    const auto zero = static_cast<std::uint32_t>(header.distance_zero_code);
+    const double infinite = std::numeric_limits<double>::infinity();
+    const auto low = [&](std::uint32_t c) {
+      return c == 0 ? -infinite : (static_cast<double>(c) - zero) * q - 1e-9;
+    };
+    const auto high = [&](std::uint32_t c) {
+      return c == 255 ? infinite : (static_cast<double>(c) + 1 - zero) * q + 0.002 + 1e-9;
+    };
+    const auto l = [&](std::uint32_t c) {
+      return low(c) <= 0 && high(c) >= 0 ? 0 : std::min(std::abs(low(c)), std::abs(high(c)));
+    };
+    const auto u = [&](std::uint32_t c) { return std::max(std::abs(low(c)), std::abs(high(c))); };
+    for (int n = 0; n < 20000; ++n) {
+      const Step step = kNearSteps[random() % kSteps];
+      const auto a = static_cast<std::uint32_t>(random() % 256);
+      const auto b = static_cast<std::uint32_t>(
+          n % 2 == 0 ? random() % 256 : std::min<std::uint64_t>(255, a + random() % 80));
+      const double length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
+      bool allowed = l(a) <= u(b) + length && l(b) <= u(a) + length;
+      if (length == 1 && (a < zero) != (b < zero)) {
+        const double half = std::sqrt(3.0) / 2 + 0.002 + 1e-9;
+        allowed &= std::min(l(a), l(b)) <= half && std::max(l(a), l(b)) <= 1 + half;
+      }
+      ASSERT_EQ(rules.beside_code(step, a, b), allowed) << trial << ": " << a << ' ' << b;
+      ASSERT_EQ(rules.beside_code(step, b, a), allowed) << trial << ": " << b << ' ' << a;
+      ++answers[allowed];
+    }
+  }
+  EXPECT_GT(std::min(answers[0], answers[1]), 100'000);
 }
 
 // The steps that the rules look at: one of each pair, the shortest ones in 49 directions.

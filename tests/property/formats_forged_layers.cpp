@@ -499,5 +499,15 @@ TEST(ForgedLayers, TheTwinTakesTheTruth) {
   }
 }
 
+// This scene's layers reach the lowest side of the directory: beyond it all is free, also where a
+// layer should go on.
+TEST(ForgedLayers, NoLayerEndsWithTheDirectory) {
+  const Voxmap map = test::make_voxmap(Honest(318).scene);
+  EXPECT_EQ(Text(map).fault(), "layers");
+  const Status status = audit_voxmap(map, "cut.vox");
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().where.find("-1"), std::string::npos) << to_line(status.error());
+}
+
 }  // namespace
 }  // namespace forcelayer::testing
