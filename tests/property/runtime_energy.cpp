@@ -111,8 +111,8 @@ Soak soak(std::uint64_t seed) {
 
 // Up to 115 mJ in an episode are generated here at 4 m/s, and none of it is left to the hand. It is
 // kinetic energy of the part's apparent mass (12 g), which the hand did not feel in free space and
-// brakes near a surface. The 115 mJ are of seed 9, where the moving mass has 95 mJ without its turn:
-// the rest is not explained.
+// brakes near a surface. The 115 mJ are of seed 9, where the moving mass has 95 mJ without its
+// turn: the rest is not explained.
 TEST(Energy, WhatASoakGeneratesTheDevicesDampingTakes) {
   double generated_j = 0;
   for (std::uint64_t seed = kSanitized ? 21 : 1; seed <= (kSanitized ? 23 : 24); ++seed) {
