@@ -14,7 +14,7 @@ bool is_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   const std::uint32_t value = entry & rule.value_mask;
   const std::uint32_t allowed = value == 0 ? rule.clearance_mask : 0;
   const std::uint32_t rest = entry & ~(kUniformBit | rule.value_mask);
-  const bool bad_value = (value > rule.most_value) | ((rest & ~allowed) != 0);
+  const bool bad_value = (value > rule.max_value) | ((rest & ~allowed) != 0);
   const bool bad_child = entry >= rule.child_count;
   return is_uniform(entry) ? bad_value : bad_child;
 }

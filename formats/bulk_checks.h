@@ -14,14 +14,14 @@ namespace forcelayer {
 struct EntryRule {
   std::uint64_t child_count;  // elements of the next level's section
   std::uint32_t value_mask;   // the bits that hold a uniform entry's value
-  std::uint32_t most_value;
+  std::uint32_t max_value;
   std::uint32_t clearance_mask;  // the bits that may be set beside the value 0
 };
 
 // The index of the first entry that breaks the rule; entries.size() where none does.
 std::size_t first_bad_entry(std::span<const std::uint32_t> entries, const EntryRule& rule);
 
-// A point is outside a sphere when it is farther by more than this share of the squared radius:
+// A point is outside a sphere when it is farther by more than this fraction of the squared radius:
 // squares of floats are exact in double precision, and two additions round by 2^-53 each.
 inline constexpr double kSphereTolerance = 0x1p-50;
 

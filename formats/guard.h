@@ -19,15 +19,15 @@ inline const double kHalfDiagonalVoxels = std::sqrt(3.0) / 2;
 // The writer's error of a code, and the rounding of the run-time arithmetic.
 inline constexpr double kErrorVoxels = 0.002 + 1e-4;
 
-// The distance from one plane at which the proven distance is at least `least`, in voxels, wherever
-// the point lies between the centers. With t_a its place between them along axis a, n the plane's
-// unit normal and d its true distance, the weighted mean of the squared distances of the centers is
-// d^2 + sum_a n_a^2 t_a (1 - t_a). The codes stand for up to a step less. So the proven distance is
-// at least
+// The distance from one plane at which the proven distance is at least `smallest`, in voxels,
+// wherever the point lies between the centers. With t_a its place between them along axis a, n the
+// plane's unit normal and d its true distance, the weighted mean of the squared distances of the
+// centers is d^2 + sum_a n_a^2 t_a (1 - t_a). The codes stand for up to a step less. So the proven
+// distance is at least
 //   sqrt((sqrt(d^2 + sum_a n_a^2 t_a (1 - t_a)) - step)^2 - sum_a t_a (1 - t_a)),
 // which is least where all t_a are 1/2: sums of 1/4 and 3/4, whatever the normal.
-inline double surely_proven_from(double least, double step) {
-  const double mean = step + std::sqrt(least * least + 0.75);
+inline double surely_proven_from(double smallest, double step) {
+  const double mean = step + std::sqrt(smallest * smallest + 0.75);
   return std::sqrt(mean * mean - 0.25);
 }
 
@@ -73,11 +73,11 @@ inline double passed_gap_m(const VoxmapHeader& header) {
 // its pose and of arcs from their chords is not.
 inline double usual_separation_m(const VoxmapHeader& header) {
   const double s = header.voxel_size_m, k = header.offset_layers;
-  double least = guard_distance_m(header) / s;  // of a shell point from the mesh
-  if (k >= 2) least = std::max(least, k - 1);
-  if (!(least > 0.25)) return 0;
+  double smallest = guard_distance_m(header) / s;  // of a shell point from the mesh
+  if (k >= 2) smallest = std::max(smallest, k - 1);
+  if (!(smallest > 0.25)) return 0;
   // Between two frames a point goes half a voxel at most; half-way it is a quarter from either end.
-  const double between = std::sqrt(least * least - 1.0 / 16);
+  const double between = std::sqrt(smallest * smallest - 1.0 / 16);
   return std::max(0.0, (between - guard::kHalfDiagonalVoxels) * s - header.static_deviation_m);
 }
 

@@ -24,9 +24,9 @@ Character first_of(std::string_view text) {
     if ((byte(i) & 0xc0u) != 0x80u) return {};
     code = code << 6 | (byte(i) & 0x3fu);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  if (code < kLeast[bytes] || surrogate || code > 0x10ffff) return {};
+  if (code < kMin[bytes] || surrogate || code > 0x10ffff) return {};
   return {code, bytes, true};
 }
 

@@ -6,8 +6,8 @@
 namespace forcelayer {
 namespace {
 
-// A share of distances, and of squared distances under a root, that exceeds the rounding of this
-// file. least_point_distance_for_m() adds it twice, so that its result proves what is wanted.
+// A fraction of distances, and of squared distances under a root, that exceeds the rounding of this
+// file. min_point_distance_for_m() adds it twice, so that its result proves what is wanted.
 constexpr double kRounding = 0x1p-46;
 
 double square(double x) { return x * x; }
@@ -42,8 +42,8 @@ double largest_length(const SurfaceDistanceTerms& terms, double distance) {
 
 }  // namespace
 
-double surface_distance_bound_m(const SurfaceDistanceTerms& terms, double least_point_distance_m) {
-  const double m = std::max(0.0, least_point_distance_m);
+double surface_distance_bound_m(const SurfaceDistanceTerms& terms, double min_point_distance_m) {
+  const double m = std::max(0.0, min_point_distance_m);
   double bound = m - terms.covering_radius_m;
   if (m >= terms.convex_radius_m) {
     const double root =
@@ -54,15 +54,16 @@ double surface_distance_bound_m(const SurfaceDistanceTerms& terms, double least_
   return std::max(0.0, bound - kRounding * largest_length(terms, m));
 }
 
-double least_point_distance_for_m(const SurfaceDistanceTerms& terms, double surface_distance_m) {
+double min_point_distance_for_m(const SurfaceDistanceTerms& terms, double surface_distance_m) {
   const double wanted =
       surface_distance_m + 2 * kRounding * largest_length(terms, surface_distance_m);
   const double root = wanted + terms.convex_gap_m;
   const double squared = square(root) + square(terms.convex_radius_m);
-  double least =
+  double smallest =
       std::min(wanted + terms.covering_radius_m, std::sqrt(squared * (1 + 2 * kRounding)));
-  for (const DistanceLoss& entry : terms.losses) least = std::min(least, needed_by(entry, wanted));
-  return least * (1 + kRounding);
+  for (const DistanceLoss& entry : terms.losses)
+    smallest = std::min(smallest, needed_by(entry, wanted));
+  return smallest * (1 + kRounding);
 }
 
 }  // namespace forcelayer

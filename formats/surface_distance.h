@@ -18,13 +18,13 @@ struct SurfaceDistanceTerms {
 };
 
 // The largest lower bound, m, for the distance between the part's outer surface and any scene that
-// every shell point is at least `least_point_distance_m` (finite) away from. Never negative; never
+// every shell point is at least `min_point_distance_m` (finite) away from. Never negative; never
 // falls while the argument grows. The scene's and the part's deviations and the rounding of the
 // pose come off this.
-double surface_distance_bound_m(const SurfaceDistanceTerms& terms, double least_point_distance_m);
+double surface_distance_bound_m(const SurfaceDistanceTerms& terms, double min_point_distance_m);
 
 // The least distance of all shell points, m, that proves `surface_distance_m` (finite, positive or
 // zero) for the whole surface: surface_distance_bound_m() of the result is no smaller.
-double least_point_distance_for_m(const SurfaceDistanceTerms& terms, double surface_distance_m);
+double min_point_distance_for_m(const SurfaceDistanceTerms& terms, double surface_distance_m);
 
 }  // namespace forcelayer

@@ -33,21 +33,21 @@ void check_encoding_fields(const VoxmapHeader& h, FieldChecks& checks) {
                  "force_depth_m", "is more than zero_force_m");
   checks.require(!has_standoff(h) || has_distances(h), offsetof(VoxmapHeader, offset_layers),
                  "offset_layers", "is zero in the Euclidean metric, without distances");
-  checks.require(!has_standoff(h) || interior_radius_m(h) / h.voxel_size_m >=
-                                         kLeastInteriorVoxels - kRoundingVoxels,
+  checks.require(!has_standoff(h) ||
+                     interior_radius_m(h) / h.voxel_size_m >= kMinInteriorVoxels - kRoundingVoxels,
                  offsetof(VoxmapHeader, zero_force_m), "zero_force_m",
                  "is less than 888/1024 voxel more than force_depth_m");
-  checks.require(h.distance_quantum_m == 0 || (euclidean && h.distance_quantum_m > 0 &&
-                                               h.distance_quantum_m * kMostDistanceCode <=
-                                                   kMaxVoxelSizeM * kMostDistanceCode),
+  checks.require(h.distance_quantum_m == 0 ||
+                     (euclidean && h.distance_quantum_m > 0 &&
+                      h.distance_quantum_m * kMaxDistanceCode <= kMaxVoxelSizeM * kMaxDistanceCode),
                  offsetof(VoxmapHeader, distance_quantum_m), "distance_quantum_m",
                  "is not zero, and not a step of Euclidean distances");
-  constexpr auto kHighest = static_cast<std::int32_t>(kMostDistanceCode);
+  constexpr auto kHighest = static_cast<std::int32_t>(kMaxDistanceCode);
   checks.require(has_distances(h) ? h.distance_zero_code > 0 && h.distance_zero_code < kHighest
                                   : h.distance_zero_code == 0,
                  offsetof(VoxmapHeader, distance_zero_code), "distance_zero_code",
                  has_distances(h) ? "is not between 1 and 254" : "is not zero without distances");
-  checks.require(h.object_count <= kMostObjects, offsetof(VoxmapHeader, object_count),
+  checks.require(h.object_count <= kMaxObjects, offsetof(VoxmapHeader, object_count),
                  "object_count", "is above 65535");
 }
 
@@ -164,8 +164,8 @@ std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
            " children";
   }
   const std::uint32_t value = entry & rule.value_mask;
-  if (value > rule.most_value) {
-    return "value " + std::to_string(value) + " is above " + std::to_string(rule.most_value);
+  if (value > rule.max_value) {
+    return "value " + std::to_string(value) + " is above " + std::to_string(rule.max_value);
   }
   return rule.clearance_mask != 0 ? "reserved bits of a value that is not free are not zero"
                                   : "reserved bits are not zero";
@@ -194,9 +194,9 @@ Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint
   const auto directory = elements_of<std::uint32_t>(sections.bytes[0]);
   const auto upper_nodes = elements_of<std::uint32_t>(sections.bytes[1]);
   const auto lower_nodes = elements_of<std::uint32_t>(sections.bytes[2]);
-  const std::uint64_t bytes = sections.bytes[3].size(), most = most_brick_bytes(bits);
+  const std::uint64_t bytes = sections.bytes[3].size(), largest = max_brick_bytes(bits);
   counts = {upper_nodes.size() / kNodeEntries, lower_nodes.size() / kNodeEntries,
-            bytes < most ? 0 : (bytes - most) / brick_step_bytes(bits) + 1, bytes};
+            bytes < largest ? 0 : (bytes - largest) / brick_step_bytes(bits) + 1, bytes};
   const std::uint64_t wanted =
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
   if (directory.size() != wanted) {
@@ -250,10 +250,10 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     return wrong("is deeper than the distances");
   }
   for (std::size_t i = 0; i < forces.size(); ++i) {
-    const float least = i == 0 ? 0.0f : forces[i - 1];
-    const float most = i == 0 ? 0.0f : kMostComplianceN;
-    const double steep_n = kMostComplianceNPerM * h.distance_quantum_m;
-    if (forces[i] >= least && forces[i] <= most && forces[i] - least <= steep_n) continue;
+    const float smallest = i == 0 ? 0.0f : forces[i - 1];
+    const float largest = i == 0 ? 0.0f : kMaxComplianceN;
+    const double steep_n = kMaxComplianceNPerM * h.distance_quantum_m;
+    if (forces[i] >= smallest && forces[i] <= largest && forces[i] - smallest <= steep_n) continue;
     return Error{ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
                  i == 0 ? "is not 0: the force begins at the zero-force surface"
                         : "is below the entry before it, above 1e6 N, or steeper than 1e12 N/m",
@@ -313,7 +313,7 @@ Status Voxmap::read_trees(std::span<const std::span<const std::byte>> sections,
   if (!has_distances(h)) {
     if (Status s = check_absent(distances, "distance_quantum_m", name); !s) return s;
   } else {
-    const EntryRule rule{0, 0xffff, kMostDistanceCode, 0};
+    const EntryRule rule{0, 0xffff, kMaxDistanceCode, 0};
     if (Status s = check_tree(h, distances, kDistanceBits, rule, name, distance_counts_); !s) {
       return s;
     }
@@ -379,17 +379,17 @@ std::uint32_t Voxmap::nearest_object(std::int64_t i, std::int64_t j, std::int64_
 
 std::uint32_t Voxmap::distance_code(std::int64_t i, std::int64_t j, std::int64_t k) const {
   const auto at = in_directory(i, j, k);
-  return at ? distances_.lookup((*at)[0], (*at)[1], (*at)[2]).code : kMostDistanceCode;
+  return at ? distances_.lookup((*at)[0], (*at)[1], (*at)[2]).code : kMaxDistanceCode;
 }
 
-double Voxmap::least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
+double Voxmap::min_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (distances() == nullptr) return -std::numeric_limits<double>::infinity();
-  return forcelayer::least_distance_m(*header_, distance_code(i, j, k));
+  return forcelayer::min_distance_m(*header_, distance_code(i, j, k));
 }
 
-double Voxmap::most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
+double Voxmap::max_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (distances() == nullptr) return std::numeric_limits<double>::infinity();
-  return forcelayer::most_distance_m(*header_, distance_code(i, j, k));
+  return forcelayer::max_distance_m(*header_, distance_code(i, j, k));
 }
 
 double steepest_n_per_m(const Voxmap& map) {

@@ -159,9 +159,9 @@ class Voxmap {
   std::uint32_t nearest_object(std::int64_t i, std::int64_t j, std::int64_t k) const;
   // The least distance from the static mesh that the center of world voxel (i, j, k) can have, by
   // its stored code, m: -infinity for the lowest code, the reach of the codes beyond it.
-  double least_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  double min_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
   // The most that it can be: infinity for the highest code and beyond.
-  double most_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  double max_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
   // The position of a world voxel relative to the directory; nothing outside of it.
   std::optional<std::array<std::int32_t, 3>> in_directory(std::int64_t i, std::int64_t j,

@@ -57,9 +57,9 @@ inline constexpr std::uint32_t kMaxOffsetLayers = 65535;
 
 // The trees' element n stands at bit n * bits of a brick.
 inline constexpr std::uint32_t kValueBits = 2, kDistanceBits = 8, kObjectBits = 16;
-inline constexpr std::uint32_t kMostDistanceCode = 255;  // "this distance or more"
-inline constexpr std::uint32_t kMostObjects = 65535;     // 0 stands for none
-inline constexpr std::uint32_t kMostObjectNameBytes = 1u << 16;
+inline constexpr std::uint32_t kMaxDistanceCode = 255;  // "this distance or more"
+inline constexpr std::uint32_t kMaxObjects = 65535;     // 0 stands for none
+inline constexpr std::uint32_t kMaxObjectNameBytes = 1u << 16;
 
 enum class VoxmapSection : std::uint32_t {
   kDirectory = 1,          // uint32 entries, dims x*y*z, z fastest
@@ -145,8 +145,8 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
 }
 
 // Limits of a compliance table: the highest force of a contact point and the steepest slope.
-inline constexpr float kMostComplianceN = 1e6f;
-inline constexpr double kMostComplianceNPerM = 1e12;
+inline constexpr float kMaxComplianceN = 1e6f;
+inline constexpr double kMaxComplianceNPerM = 1e12;
 
 // Bytes of a brick's elements of so many bits.
 constexpr std::uint32_t brick_bytes(std::uint32_t bits) { return kNodeEntries / 8 * bits; }
@@ -158,10 +158,10 @@ constexpr std::uint32_t brick_bytes(std::uint32_t bits) { return kNodeEntries / 
 constexpr std::uint32_t brick_step_bytes(std::uint32_t bits) {
   return bits == kValueBits ? brick_bytes(bits) : kPackedUnitBytes;
 }
-constexpr std::uint32_t most_brick_bytes(std::uint32_t bits) {
+constexpr std::uint32_t max_brick_bytes(std::uint32_t bits) {
   return bits == kValueBits      ? brick_bytes(bits)
-         : bits == kDistanceBits ? kMostPackedDistancesBytes
-                                 : kMostPackedObjectsBytes;
+         : bits == kDistanceBits ? kMaxPackedDistancesBytes
+                                 : kMaxPackedObjectsBytes;
 }
 
 // Whether a map stores distances, and the depth of its force layer in voxels.
@@ -172,9 +172,9 @@ constexpr double force_layer_voxels(const VoxmapHeader& header) {
 
 // Where the Euclidean interior ends, from the static mesh, in voxels: of k layers, and at least.
 // Half a diagonal of a voxel is less, so all voxels that the mesh passes through are interior.
-inline constexpr double kLeastInteriorVoxels = 888.0 / 1024;
+inline constexpr double kMinInteriorVoxels = 888.0 / 1024;
 constexpr double interior_radius_voxels(std::uint32_t layers) {
-  return static_cast<double>(layers) - 1 + kLeastInteriorVoxels;
+  return static_cast<double>(layers) - 1 + kMinInteriorVoxels;
 }
 
 // Where the Euclidean interior of a map ends, from the static mesh, m.
@@ -215,12 +215,12 @@ inline constexpr double kDistanceErrorVoxels = 0.002;
 
 // The least and the largest distance from the static mesh that a code can stand for, m; infinite
 // for the lowest code and the highest.
-constexpr double least_distance_m(const VoxmapHeader& header, std::uint32_t code) {
+constexpr double min_distance_m(const VoxmapHeader& header, std::uint32_t code) {
   if (code == 0) return -std::numeric_limits<double>::infinity();
   return (static_cast<double>(code) - header.distance_zero_code) * header.distance_quantum_m;
 }
-constexpr double most_distance_m(const VoxmapHeader& header, std::uint32_t code) {
-  if (code >= kMostDistanceCode) return std::numeric_limits<double>::infinity();
+constexpr double max_distance_m(const VoxmapHeader& header, std::uint32_t code) {
+  if (code >= kMaxDistanceCode) return std::numeric_limits<double>::infinity();
   return (static_cast<double>(code) + 1 - header.distance_zero_code) * header.distance_quantum_m +
          kDistanceErrorVoxels * header.voxel_size_m;
 }

@@ -92,9 +92,9 @@ Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
     return map ? Status() : map.error();
   };
   const PackedTrees packed(content);
-  constexpr std::uint64_t kMostBytes = std::uint64_t{kUniformBit} * kPackedUnitBytes;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{kUniformBit} * kPackedUnitBytes;
   for (const PackedTree* tree : {&packed.distances, &packed.objects}) {
-    if (tree->bricks.bytes.size() <= kMostBytes) continue;
+    if (tree->bricks.bytes.size() <= kMaxBytes) continue;
     return Error{ErrorCode::kBakeTooLarge, path.string(), "", "its bricks take more than 32 GB",
                  "choose a larger voxel size, or bake a region"};
   }

@@ -17,31 +17,31 @@
 #include "pointshell/part/mass_properties.h"
 #include "pointshell/part/parallel.h"
 #include "pointshell/part/triangle_tree.h"
+#include "pointshell/portions.h"
 #include "pointshell/sample/hole_filling.h"
 #include "pointshell/sample/order.h"
 #include "pointshell/sample/voxel_centers.h"
 #include "pointshell/sample/weights.h"
-#include "pointshell/shares.h"
 
 namespace forcelayer::pointshell {
 namespace {
 
-// The stages of a bake and about which share of its processor time each takes: at full effort, at
-// fast effort, with voxel centers; and of a part of few triangles, on whose flat faces points are
-// spread soon and the proof takes longest.
-struct StageShare {
+// The stages of a bake and about which fraction of its processor time each takes: at full effort,
+// at fast effort, with voxel centers; and of a part of few triangles, on whose flat faces points
+// are spread soon and the proof takes longest.
+struct StageFraction {
   const char* stage;
   double full, fast, centers;
   double few_full, few_fast, few_centers;
 };
-constexpr StageShare kStageShares[] = {{"orientation", 0.02, 0.03, 0.03, 0.01, 0.01, 0.01},
-                                       {"points", 0.66, 0.35, 0.2, 0.36, 0.21, 0.16},
-                                       {"hidden", 0, 0, 0.02, 0, 0, 0},
-                                       {"corners", 0.115, 0.195, 0, 0.11, 0.16, 0},
-                                       {"order", 0, 0, 0.015, 0, 0, 0.02},
-                                       {"losses", 0.16, 0.315, 0.435, 0.49, 0.57, 0.65},
-                                       {"normals", 0.035, 0.085, 0.255, 0.02, 0.035, 0.13},
-                                       {"weights", 0.01, 0.025, 0.045, 0.01, 0.015, 0.03}};
+constexpr StageFraction kStageFractions[] = {{"orientation", 0.02, 0.03, 0.03, 0.01, 0.01, 0.01},
+                                             {"points", 0.66, 0.35, 0.2, 0.36, 0.21, 0.16},
+                                             {"hidden", 0, 0, 0.02, 0, 0, 0},
+                                             {"corners", 0.115, 0.195, 0, 0.11, 0.16, 0},
+                                             {"order", 0, 0, 0.015, 0, 0, 0.02},
+                                             {"losses", 0.16, 0.315, 0.435, 0.49, 0.57, 0.65},
+                                             {"normals", 0.035, 0.085, 0.255, 0.02, 0.035, 0.13},
+                                             {"weights", 0.01, 0.025, 0.045, 0.01, 0.015, 0.03}};
 
 // 1 where there are no triangles to speak of beside the points, 0 where there are many.
 double fewness(const part::Part& part, double radius) {
@@ -50,7 +50,7 @@ double fewness(const part::Part& part, double radius) {
   return 1 / (1 + static_cast<double>(part.triangles.size()) / (kHalf * points));
 }
 
-double share_of(const StageShare& stage, const ShellOptions& options, double few) {
+double fraction_of(const StageFraction& stage, const ShellOptions& options, double few) {
   const auto mean = [few](double usual, double of_few) { return usual + few * (of_few - usual); };
   if (options.method == ShellMethod::kVoxelCenters) return mean(stage.centers, stage.few_centers);
   if (options.effort == sample::Effort::kFast) return mean(stage.fast, stage.few_fast);
@@ -68,17 +68,17 @@ class Stages {
     name_ = name;
     started_ = std::chrono::steady_clock::now();
     before_ = 0;
-    for (const StageShare& stage : kStageShares) {
-      share_ = share_of(stage, options_, few_);
+    for (const StageFraction& stage : kStageFractions) {
+      fraction_ = fraction_of(stage, options_, few_);
       if (name == stage.stage) break;
-      before_ += share_;
+      before_ += fraction_;
     }
     show(0);
   }
 
-  // `share_done`: of the stage.
-  void show(double share_done) const {
-    progress_(name_, 1 - rest_ * (1 - before_ - share_ * share_done));
+  // `fraction_done`: of the stage.
+  void show(double fraction_done) const {
+    progress_(name_, 1 - rest_ * (1 - before_ - fraction_ * fraction_done));
   }
 
   void end() {
@@ -88,9 +88,9 @@ class Stages {
       shell_.stage_seconds.push_back({name_, 0});
     }
     shell_.stage_seconds.back().second += spent.count();
-    if (name_ == kStageShares[0].stage && expected_s_ > 0) {
-      const double share = std::max(share_, spent.count() / (spent.count() + expected_s_));
-      rest_ = (1 - share) / (1 - share_);
+    if (name_ == kStageFractions[0].stage && expected_s_ > 0) {
+      const double fraction = std::max(fraction_, spent.count() / (spent.count() + expected_s_));
+      rest_ = (1 - fraction) / (1 - fraction_);
     }
     name_.clear();
   }
@@ -102,19 +102,19 @@ class Stages {
   BakedShell& shell_;
   const BakeProgress& progress_;
   std::string name_;
-  double before_ = 0, share_ = 0;  // of the bake: what is done, and the stage's own
-  // The rays that find the outside of thousands of bodies take more than the usual share: what
+  double before_ = 0, fraction_ = 0;  // of the bake: what is done, and the stage's own
+  // The rays that find the outside of thousands of bodies take more than the usual fraction: what
   // comes after them is made smaller by this.
   double rest_ = 1;
   std::chrono::steady_clock::time_point started_;
 };
 
 // The most points that a method needs, as a multiple of the planar bound.
-constexpr double kMostOfBound = 3;
+constexpr double kMaxOfBound = 3;
 constexpr double kBytesPerPoint = 400;
-// The share of the covering radius that rounding may take in a proof. Points stand so much denser;
-// from 1 on none would do.
-constexpr double kMostMargin = 0.25;
+// The fraction of the covering radius that rounding may take in a proof. Points stand so much
+// denser; from 1 on none would do.
+constexpr double kMaxMargin = 0.25;
 
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
@@ -123,7 +123,7 @@ double physical_memory_bytes() {
 // Refuses a bake that would run for hours and then out of memory, or make what no file holds.
 Status check_size(const part::Part& part, const part::MassProperties& mass, double radius,
                   double voxel_size_m) {
-  if (!(certificate::proof_margin(part, radius) <= kMostMargin * radius)) {
+  if (!(certificate::proof_margin(part, radius) <= kMaxMargin * radius)) {
     char what[160];
     std::snprintf(what, sizeof what,
                   "the part reaches %.3g m from its frame's origin: double precision cannot "
@@ -146,9 +146,9 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
     return Error{ErrorCode::kBakeTooLarge, "", "", what,
                  "look for a stray vertex in the mesh, and check --units"};
   }
-  const double expected = planar_bound(mass.area_m2, radius), most = kMostOfBound * expected;
-  if (most < static_cast<double>(kMaxShellPoints) &&
-      most * kBytesPerPoint < physical_memory_bytes()) {
+  const double expected = planar_bound(mass.area_m2, radius), largest = kMaxOfBound * expected;
+  if (largest < static_cast<double>(kMaxShellPoints) &&
+      largest * kBytesPerPoint < physical_memory_bytes()) {
     return {};
   }
   char what[160];
@@ -268,44 +268,44 @@ std::vector<part::Vec3> in_block_order(std::span<const part::Vec3> points) {
   return ordered;
 }
 
-// Calls work(share, progress) for each of them. How far the stage is goes by their areas.
+// Calls work(portion, progress) for each of them. How far the stage is goes by their areas.
 template <typename Work>
-void for_each_share(std::span<Share> shares, const Stages& stages, const Work& work) {
+void for_each_portion(std::span<Portion> portions, const Stages& stages, const Work& work) {
   double all_m2 = 0, before_m2 = 0;
-  for (const Share& share : shares) all_m2 += part::area(*share.part);
-  for (Share& share : shares) {
-    const double own_m2 = part::area(*share.part);
-    work(share,
-         [&](double share_done) { stages.show((before_m2 + own_m2 * share_done) / all_m2); });
+  for (const Portion& portion : portions) all_m2 += part::area(*portion.part);
+  for (Portion& portion : portions) {
+    const double own_m2 = part::area(*portion.part);
+    work(portion,
+         [&](double fraction_done) { stages.show((before_m2 + own_m2 * fraction_done) / all_m2); });
     before_m2 += own_m2;
   }
 }
 
-// Points that cover each share by itself.
-void cover(std::span<Share> shares, sample::Effort effort, const Stages& stages) {
-  for_each_share(shares, stages, [&](Share& share, const part::Progress& progress) {
+// Points that cover each portion by itself.
+void cover(std::span<Portion> portions, sample::Effort effort, const Stages& stages) {
+  for_each_portion(portions, stages, [&](Portion& portion, const part::Progress& progress) {
     sample::CoveringPoints covering =
-        sample::covering_points(*share.tree, share.radius, effort, progress);
-    share.points = std::move(covering.positions);
-    share.proof = std::move(covering.proof);
+        sample::covering_points(*portion.tree, portion.radius, effort, progress);
+    portion.points = std::move(covering.positions);
+    portion.proof = std::move(covering.proof);
   });
 }
 
-void leave_out_hidden_points(std::span<Share> shares, Stages& stages, BakedShell& shell) {
-  for (Share& share : shares) {
-    share.hidden = std::make_unique<certificate::HiddenSurface>(*share.part, share.slack);
-    if (share.hidden->possible()) {
+void leave_out_hidden_points(std::span<Portion> portions, Stages& stages, BakedShell& shell) {
+  for (Portion& portion : portions) {
+    portion.hidden = std::make_unique<certificate::HiddenSurface>(*portion.part, portion.slack);
+    if (portion.hidden->possible()) {
       stages.begin("hidden");
-      shell.hidden_points +=
-          share.times() * certificate::leave_out_hidden_points(
-                              *share.part, *share.hidden, share.radius, share.points, share.proof);
+      shell.hidden_points += portion.times() * certificate::leave_out_hidden_points(
+                                                   *portion.part, *portion.hidden, portion.radius,
+                                                   portion.points, portion.proof);
     }
-    shell.certificate_pieces += share.proof.pieces;
+    shell.certificate_pieces += portion.proof.pieces;
   }
 }
 
-certificate::CoveredPart covered_by(const Share& share, double radius, double voxel_size_m) {
-  return {*share.part, share.points, radius, voxel_size_m, share.hidden.get(), share.slack};
+certificate::CoveredPart covered_by(const Portion& portion, double radius, double voxel_size_m) {
+  return {*portion.part, portion.points, radius, voxel_size_m, portion.hidden.get(), portion.slack};
 }
 
 Result<BakedShell> bake(part::Part part, const ShellOptions& options, const BakeProgress& progress,
@@ -328,34 +328,36 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options, const Bake
   stages.begin("points");
   const part::TriangleTree tree(centered);
   if (on_lattice) radius = rounded_center_radius(options.voxel_size_m, centered);
-  std::vector<Share> shares = shares_of(tree, radius, mass.centroid, groups);
+  std::vector<Portion> portions = portions_of(tree, radius, mass.centroid, groups);
   if (on_lattice) {
     auto covered = cover_by_voxel_centers(part, centered, mass.centroid, options.voxel_size_m,
-                                          radius, shares.front().points);
+                                          radius, portions.front().points);
     if (!covered) return covered.error();
-    shares.front().proof = std::move(*covered);
+    portions.front().proof = std::move(*covered);
   } else {
-    cover(shares, options.effort, stages);
+    cover(portions, options.effort, stages);
   }
-  leave_out_hidden_points(shares, stages, shell);
+  leave_out_hidden_points(portions, stages, shell);
   if (!on_lattice) {
     stages.begin("corners");
-    for_each_share(shares, stages, [&](Share& share, const part::Progress& done) {
-      const auto covered = covered_by(share, radius, options.voxel_size_m);
-      shell.corner_points += share.times() * sample::fill_lossy_places(covered, share.points, done);
+    for_each_portion(portions, stages, [&](Portion& portion, const part::Progress& done) {
+      const auto covered = covered_by(portion, radius, options.voxel_size_m);
+      shell.corner_points +=
+          portion.times() * sample::fill_lossy_places(covered, portion.points, done);
     });
   }
 
   stages.begin("order");
-  for (Share& share : shares) share.points = in_block_order(share.points);
+  for (Portion& portion : portions) portion.points = in_block_order(portion.points);
   const std::vector<part::Vec3> ordered =
-      groups.empty() ? shares.front().points : in_block_order(all_points(shares));
+      groups.empty() ? portions.front().points : in_block_order(all_points(portions));
   fill_blocks(ordered, shell);
 
   stages.begin("losses");
   certificate::SurfaceLosses losses;
-  for_each_share(shares, stages, [&](const Share& share, const part::Progress& done) {
-    unite(losses, certificate::find_losses(covered_by(share, radius, options.voxel_size_m), done));
+  for_each_portion(portions, stages, [&](const Portion& portion, const part::Progress& done) {
+    unite(losses,
+          certificate::find_losses(covered_by(portion, radius, options.voxel_size_m), done));
   });
   shell.loss_pieces = losses.pieces;
   shell.losses = std::move(losses.losses);

@@ -53,8 +53,8 @@ struct BakedShell {
   SurfaceDistanceTerms surface_distance_terms() const;  // the same
 };
 
-// Called with the stage that runs and the share of the bake that is done, in [0, 1].
-using BakeProgress = std::function<void(const std::string& stage, double share_done)>;
+// Called with the stage that runs and the fraction of the bake that is done, in [0, 1].
+using BakeProgress = std::function<void(const std::string& stage, double portion_done)>;
 
 // Errors: kMeshEmpty; kBakeTooLarge where the shell is more than memory or the format holds. The
 // same shell for any number of threads. `expected_s`, from cost.h, makes the progress more

@@ -27,17 +27,17 @@ constexpr double kSharpCosine = 0.9;
 constexpr double kNeedleLength = 8, kNeedleWidth = 0.5;
 // Along open edges losses are proven in small pieces.
 constexpr double kSecondsPerOpenRadius = 350e-6;
-constexpr double kBytesPerOpenRadius = 1750, kMostOpenRadiiPerPoint = 3;
+constexpr double kBytesPerOpenRadius = 1750, kMaxOpenRadiiPerPoint = 3;
 constexpr double kSecondsPerPoint = 50e-6, kBytesPerPoint = 300, kBytesPerNeedlePoint = 900;
 // Triangles once, and those of copies, which are read and placed, and give normals to the points.
 constexpr double kSecondsPerTriangle = 8e-6, kBytesPerTriangle = 450;
 constexpr double kSecondsPerCopied = 9e-6, kBytesPerCopied = 175;
 // Rays tell the outside of a patch; they start on so many of its triangles at most.
-constexpr double kSecondsPerPatchTriangle = 60e-6, kMostPatchTriangles = 128;
+constexpr double kSecondsPerPatchTriangle = 60e-6, kMaxPatchTriangles = 128;
 // Triangles that share a cell: the points there are relaxed on some of them, the proof meets all,
 // and bounds many as a whole.
-constexpr double kFewShare = 4, kSecondsPerWideShare = 55e-6;
-constexpr double kNarrow = 0.1, kMostNarrowShare = 32, kSecondsPerNarrowShare = 20e-6;
+constexpr double kFewLines = 4, kSecondsPerWideLine = 55e-6;
+constexpr double kNarrow = 0.1, kMaxNarrowLines = 32, kSecondsPerNarrowLine = 20e-6;
 constexpr double kSecondsPerProof = 7e-6, kSecondsOfMany = 300e-6, kSecondsPerOfMany = 0.5e-6;
 
 // The triangles that are no copies by pieces of surface, which share no vertex: the sum of those
@@ -60,14 +60,14 @@ double patch_triangles(const part::Part& part, std::span<const std::uint32_t> or
     if (originals[t] == t) ++triangles[root(part.triangles[t][0])];
   }
   double sum = 0;
-  for (const std::uint32_t n : triangles) sum += std::min<double>(n, kMostPatchTriangles);
+  for (const std::uint32_t n : triangles) sum += std::min<double>(n, kMaxPatchTriangles);
   return sum;
 }
 
 // Cells of two radii, and what runs through them.
 class Cells {
  public:
-  struct Share {
+  struct Content {
     double wide = 0, narrow = 0, area_m2 = 0;
     bool needles = false;
   };
@@ -76,25 +76,25 @@ class Cells {
   // of another.
   Cells(double radius, double shift) : edge_m_(2 * radius), shift_(shift) {}
 
-  Share& at(const part::Vec3& p) {
+  Content& at(const part::Vec3& p) {
     std::uint64_t cell = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double at = std::floor(part::coordinate(p, axis) / edge_m_ + shift_);
       cell = (cell << 21) ^ (static_cast<std::uint64_t>(std::llround(at)) & 0x1fffff);
     }
-    return shares_[cell];
+    return contents_[cell];
   }
 
-  const std::unordered_map<std::uint64_t, Share>& shares() const { return shares_; }
+  const std::unordered_map<std::uint64_t, Content>& contents() const { return contents_; }
 
  private:
   const double edge_m_, shift_;
-  std::unordered_map<std::uint64_t, Share> shares_;
+  std::unordered_map<std::uint64_t, Content> contents_;
 };
 
 constexpr double kShifts[] = {0, 0.5};
 // More steps than this are not taken: every so many lines stand for all.
-constexpr double kMostSteps = 1 << 19;
+constexpr double kMaxSteps = 1 << 19;
 
 double steps_of(double length_m, double radius) {
   return std::min(std::ceil(length_m / (2 * radius)), kMaxRadiusVoxels);
@@ -132,7 +132,7 @@ class TriangleLines {
 
   Cells cells(double shift) const {
     Cells cells(radius_, shift);
-    const auto stride = static_cast<std::size_t>(std::ceil(std::max(1.0, steps_ / kMostSteps)));
+    const auto stride = static_cast<std::size_t>(std::ceil(std::max(1.0, steps_ / kMaxSteps)));
     const auto weight = static_cast<double>(stride);
     for (std::size_t n = 0; n < lines_.size(); n += stride) {
       const auto& [piece, from, length_m] = lines_[n];
@@ -146,10 +146,10 @@ class TriangleLines {
       for (double step = 0; step < steps; ++step) {
         const double t = (step + 0.5) / steps;
         const double height = t < foot ? t / foot : (1 - t) / (1 - foot);  // of the triangle there
-        Cells::Share& share = cells.at(piece[from] + t * along);
-        (width < kNarrow ? share.narrow : share.wide) += weight;
-        share.area_m2 += weight * doubled_m2 * std::clamp(height, 0.0, 1.0) / steps;
-        share.needles |= needle;
+        Cells::Content& content = cells.at(piece[from] + t * along);
+        (width < kNarrow ? content.narrow : content.wide) += weight;
+        content.area_m2 += weight * doubled_m2 * std::clamp(height, 0.0, 1.0) / steps;
+        content.needles |= needle;
       }
     }
     return cells;
@@ -158,15 +158,15 @@ class TriangleLines {
   Sharing in(const Cells& cells) const {
     const double full_m2 = 4 * radius_ * radius_;
     Sharing sum;
-    for (const auto& [cell, share] : cells.shares()) {
-      if (share.needles) {
-        const double full = share.area_m2 / full_m2;
+    for (const auto& [cell, content] : cells.contents()) {
+      if (content.needles) {
+        const double full = content.area_m2 / full_m2;
         sum.needle_points += kPointsPerNeedleCell * std::clamp(1 - full, 0.0, 1.0);
       }
-      const double lines = share.wide + share.narrow;
+      const double lines = content.wide + content.narrow;
       sum.thread_s +=
-          kSecondsPerWideShare * std::max(0.0, share.wide - kFewShare) +
-          kSecondsPerNarrowShare * std::clamp(share.narrow - kFewShare, 0.0, kMostNarrowShare) +
+          kSecondsPerWideLine * std::max(0.0, content.wide - kFewLines) +
+          kSecondsPerNarrowLine * std::clamp(content.narrow - kFewLines, 0.0, kMaxNarrowLines) +
           std::min(kSecondsPerProof * lines, kSecondsOfMany + kSecondsPerOfMany * lines);
     }
     return sum;
@@ -214,13 +214,13 @@ Edges edges_of(const part::Part& part, std::span<const std::uint32_t> originals,
       const part::Vec3 b = part::doubled_area_normal(part, sides[first + 1].triangle);
       if (part::dot(a, b) > kSharpCosine * part::length(a) * part::length(b)) continue;
     }
-    if (static_cast<double>(with[0].shares().size()) > kMostSteps) continue;  // enough is known
+    if (static_cast<double>(with[0].contents().size()) > kMaxSteps) continue;  // enough is known
     const double steps = std::max(1.0, steps_of(part::length(along), radius));
     for (double step = 0; step < steps; ++step) {
       for (Cells& cells : with) cells.at(from + ((step + 0.5) / steps) * along);
     }
   }
-  edges.cells = static_cast<double>(std::min(with[0].shares().size(), with[1].shares().size()));
+  edges.cells = static_cast<double>(std::min(with[0].contents().size(), with[1].contents().size()));
   return edges;
 }
 
@@ -246,7 +246,7 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   const double of_area = kOverBound * planar_bound(area_once_m2, radius);
   const double along_lines = std::max(sharing.needle_points, kPointsPerEdgeCell * edges.cells);
   const double open_radii =
-      std::min(edges.open_m / radius, kMostOpenRadiiPerPoint * (of_area + along_lines));
+      std::min(edges.open_m / radius, kMaxOpenRadiiPerPoint * (of_area + along_lines));
   const double points_once = of_area + along_lines;
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   const double threads = options.threads == 0 ? cores : std::min(options.threads, cores);

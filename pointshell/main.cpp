@@ -184,7 +184,7 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m, me
   options.without = arguments.without;
   options.up = up;
   options.progress = [&](const mesh::ReadingProgress& file) {
-    progress.show("read", file.share_done);
+    progress.show("read", file.fraction_done);
   };
   auto files = part::read_part(arguments.inputs, *units, options, *reader);
   if (!files) return files.error();
@@ -247,8 +247,8 @@ Status bake_command(const Arguments& arguments) {
   }
   const double read_s = now_s() - started_s;
   constexpr double kWritingFrom = 0.98;
-  const BakeProgress show = [&](const std::string& stage, double share_done) {
-    progress.show(stage, kWritingFrom * share_done);
+  const BakeProgress show = [&](const std::string& stage, double fraction_done) {
+    progress.show(stage, kWritingFrom * fraction_done);
   };
   auto shell = bake_shell(*part, *options, show, expected.seconds);
   if (!shell) return shell.error();

@@ -13,7 +13,7 @@ namespace {
 
 // A file can claim a radius so small that no machine can look at all pieces of the part. A sound
 // shell has about one point a piece, and a few times as many pieces of hidden surface.
-std::size_t most_holes(std::size_t points, std::size_t triangles) {
+std::size_t max_holes(std::size_t points, std::size_t triangles) {
   return 1'000'000 + 100 * points + triangles;
 }
 
@@ -50,7 +50,7 @@ certificate::CoveringProof verify_shell(const Pshell& shell, const part::Part& p
   const double radius = shell.header().covering_radius_m;
   part::Part centered = centered_part(shell, part);
   const certificate::CoveringProof proof = certificate::prove_covering(
-      centered, points, radius, most_holes(points.size(), part.triangles.size()));
+      centered, points, radius, max_holes(points.size(), part.triangles.size()));
   // A part of several bodies may be open only where one body hides another.
   if (proof.proven || proof.given_up || part.body_names.size() < 2) return proof;
   normals::orient_outwards(centered, radius);

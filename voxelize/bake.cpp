@@ -20,7 +20,7 @@ namespace {
 
 using Objects = std::span<const SceneObject>;
 
-// Shares of a bake's time at which its stages end, as sample_data/bay.json has them at 1 and 0.5
+// Fractions of a bake's time at which its stages end, as sample_data/bay.json has them at 1 and 0.5
 // mm: the objects, the distances of nodes, equal ones shared, the values of nodes. Equal ones are
 // shared to the end.
 struct StageEnds {
@@ -55,7 +55,7 @@ bool spills(Objects objects, const BakeOptions& options) {
   for (const SceneObject& object : objects) {
     triangles += object.mesh != nullptr ? object.mesh->triangles.size() : object.triangle_count;
   }
-  return triangles > options.most_triangle_bytes / kBytes;
+  return triangles > options.max_triangle_bytes / kBytes;
 }
 
 // Every object with its facts: found in the cache, or snapped.
@@ -217,8 +217,8 @@ tree::VoxelTree build_layers(const SceneVoxels& scene, const SceneRegion& region
   const masks::KeptBox kept = kept_box(region);
   const distance::LayerOffset offset(scene.counted(options), scene.interior,
                                      counted_layers(options), force_layers_of(options), kept);
-  const auto progress = [&, ends = stage_ends(options)](double share) {
-    show_progress(options, "force layer", ends.shared + (ends.values - ends.shared) * share);
+  const auto progress = [&, ends = stage_ends(options)](double fraction) {
+    show_progress(options, "force layer", ends.shared + (ends.values - ends.shared) * fraction);
   };
   if (!remembers_nodes(options, kept)) {
     return tree::build_tree(offset, region.directory.dims, nullptr, counts, progress);
@@ -253,8 +253,8 @@ tree::DistanceTrees build_distances(const SceneVoxels& scene, const SceneRegion&
       std::move(objects), region.directory.origin, scene.geometry, scene.interior,
       scale_of(options), kept, grows_objects(options) ? 0 : interior_radius_units(options),
       std::move(numbers), meshes.spill_file());
-  const auto progress = [&, ends = stage_ends(options)](double share) {
-    show_progress(options, "distances", ends.objects + (ends.distances - ends.objects) * share);
+  const auto progress = [&, ends = stage_ends(options)](double fraction) {
+    show_progress(options, "distances", ends.objects + (ends.distances - ends.objects) * fraction);
   };
   if (!has_memory) {
     return tree::build_distance_trees(around, distances, region.directory.dims, nullptr, progress);
@@ -365,11 +365,11 @@ void add_reports(Objects objects, std::vector<ObjectBake>& bakes, const std::vec
 // How far the objects' snapped meshes may lie from the truth.
 double static_deviation_m(Objects objects, const std::vector<ObjectBake>& bakes,
                           const BakeOptions& options) {
-  double most_m = 0;
+  double max_m = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    most_m = std::max(most_m, bakes[i].facts.snap_error_m + objects[i].deviation_m);
+    max_m = std::max(max_m, bakes[i].facts.snap_error_m + objects[i].deviation_m);
   }
-  return most_m + options.mesh_deviation_m;
+  return max_m + options.mesh_deviation_m;
 }
 
 Result<Bake> bake_scene(Objects objects, const BakeOptions& options) {

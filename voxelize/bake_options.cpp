@@ -22,7 +22,7 @@ Status check_compliance_depth(const BakeOptions& options) {
   }
   if (Status checked = check_compliance(options.compliance); !checked) return checked;
   const double layer = force_layer_voxels(options);
-  if (!(layer + 1 <= distance::kMostRangeVoxels &&
+  if (!(layer + 1 <= distance::kMaxRangeVoxels &&
         options.layers + layer <= distance::kMaxBakedLayers + 1)) {
     return wrong("compliance", "is too deep: layers and compliance take more than 31 voxels",
                  "use larger voxels");
@@ -46,10 +46,10 @@ Status check_standoff(const BakeOptions& options) {
                  "leave one of them out");
   }
   const double s = options.voxel_size_m, layer = force_layer_voxels(options);
-  const double least_m = (layer + kLeastInteriorVoxels) * s;
+  const double min_m = (layer + kMinInteriorVoxels) * s;
   // A unit in the last place of lengths that were divided and multiplied does not count.
-  if (options.standoff_m >= least_m * (1 - 1e-9) &&
-      options.standoff_m <= kMostStandoffVoxels * s * (1 + 1e-9)) {
+  if (options.standoff_m >= min_m * (1 - 1e-9) &&
+      options.standoff_m <= kMaxStandoffVoxels * s * (1 + 1e-9)) {
     return {};
   }
   char why[200];
@@ -57,11 +57,11 @@ Status check_standoff(const BakeOptions& options) {
       why, sizeof why,
       "is %.4g mm, not between %.4g and %.4g mm: the force layer's %.4g voxels and 888/1024 "
       "voxel, and %.4g voxels",
-      options.standoff_m * 1e3, least_m * 1e3, kMostStandoffVoxels * s * 1e3, layer,
-      kMostStandoffVoxels);
+      options.standoff_m * 1e3, min_m * 1e3, kMaxStandoffVoxels * s * 1e3, layer,
+      kMaxStandoffVoxels);
   return wrong("standoff", why,
-               options.standoff_m < least_m ? "use a larger one, or smaller voxels"
-                                            : "use a smaller one, or larger voxels");
+               options.standoff_m < min_m ? "use a larger one, or smaller voxels"
+                                          : "use a smaller one, or larger voxels");
 }
 
 // Metric and range.
@@ -77,7 +77,7 @@ Status check_kind(const BakeOptions& options) {
     return wrong("range", "has no meaning without stored distances", "leave it out");
   }
   const double voxels = options.range_m / options.voxel_size_m;
-  if (!(voxels >= distance::kLeastRangeVoxels && voxels <= distance::kMostRangeVoxels)) {
+  if (!(voxels >= distance::kMinRangeVoxels && voxels <= distance::kMaxRangeVoxels)) {
     return wrong("range", "is not between 2 and 32 voxels", "");
   }
   return {};
@@ -115,9 +115,9 @@ double interior_radius_voxels(const BakeOptions& options) {
 }
 
 double force_layer_voxels(const BakeOptions& options) {
-  const double least = options.standoff_m > 0 ? kStandoffForceVoxels : 1;
-  if (options.compliance.empty()) return least;
-  return std::max(least, options.compliance.back().depth_m / options.voxel_size_m);
+  const double smallest = options.standoff_m > 0 ? kStandoffForceVoxels : 1;
+  if (options.compliance.empty()) return smallest;
+  return std::max(smallest, options.compliance.back().depth_m / options.voxel_size_m);
 }
 
 }  // namespace forcelayer::voxelize

@@ -36,9 +36,9 @@ struct SceneObject {
 };
 
 // With a standoff, how deep the force layer is where no compliance makes it deeper, in voxels, and
-// the largest standoff. The least is the depth of the force layer and kLeastInteriorVoxels. A point
+// the largest standoff. The least is the depth of the force layer and kMinInteriorVoxels. A point
 // alone holds a hand's whole force at 0.15 voxels (derive_parameters.cpp), before the guard does.
-inline constexpr double kStandoffForceVoxels = 0.1, kMostStandoffVoxels = 30;
+inline constexpr double kStandoffForceVoxels = 0.1, kMaxStandoffVoxels = 30;
 
 struct BakeOptions {
   double voxel_size_m = 0;
@@ -61,7 +61,7 @@ struct BakeOptions {
   bool find_narrow_passages = false;  // Cavity::opens_at_half_size; bakes enclosing objects again
   int threads = 0;                    // 0: as many as the machine has
   // Scenes whose triangles take more bytes keep them in a temporary file (scan::SpillFile).
-  std::size_t most_triangle_bytes = std::size_t{512} << 20;
+  std::size_t max_triangle_bytes = std::size_t{512} << 20;
   const cache::CacheFolder* cache = nullptr;  // where objects that did not change are found again
   std::string scene_name = {};  // with a cache: bakes of this name reuse unchanged nodes
   std::function<void(const char* stage, double fraction_done)> progress;  // may be empty
@@ -89,7 +89,7 @@ inline bool grows_objects(const BakeOptions& options) {
 
 // Whether the nearest of `count` objects are stored beside the distances.
 inline bool stores_objects(const BakeOptions& options, std::size_t count) {
-  return options.objects && stores_distances(options) && count <= kMostObjects;
+  return options.objects && stores_distances(options) && count <= kMaxObjects;
 }
 
 // How deep the force layer is, in voxels.

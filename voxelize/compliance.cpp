@@ -10,8 +10,8 @@
 namespace forcelayer::voxelize {
 namespace {
 
-constexpr double kRounding = 1e-12;    // tolerance of the last corner's depth
-constexpr double kLeastForceN = 1e-6;  // of the last corner: less is no force
+constexpr double kRounding = 1e-12;  // tolerance of the last corner's depth
+constexpr double kMinForceN = 1e-6;  // of the last corner: less is no force
 
 Error wrong(std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", "--compliance", std::move(what), std::move(mend)};
@@ -51,16 +51,16 @@ Status check_compliance(std::span<const CompliancePoint> curve) {
     if (!(point.depth_m > last.depth_m) || !std::isfinite(point.depth_m)) {
       return wrong("has depths that do not ascend from above 0", "list the corners by depth");
     }
-    if (!(point.force_n >= last.force_n && point.force_n <= double{kMostComplianceN})) {
+    if (!(point.force_n >= last.force_n && point.force_n <= double{kMaxComplianceN})) {
       return wrong("has a force that is below the one before it or above 1e6 N",
                    "a soft surface presses back harder the deeper it is pressed");
     }
-    if (!(point.force_n - last.force_n <= kMostComplianceNPerM * (point.depth_m - last.depth_m))) {
+    if (!(point.force_n - last.force_n <= kMaxComplianceNPerM * (point.depth_m - last.depth_m))) {
       return wrong("rises by more than 1e12 N/m", "");
     }
     last = point;
   }
-  if (!curve.empty() && !(last.force_n >= kLeastForceN)) {
+  if (!curve.empty() && !(last.force_n >= kMinForceN)) {
     return wrong("has no force at any depth", "leave it out, or raise the last force");
   }
   return {};

@@ -15,7 +15,7 @@ namespace {
 // 15 bytes for the values and 22 to 28 with distances. The least is less than half of the smallest
 // of these.
 struct Cost {
-  double least_bytes, bytes, thread_s;
+  double min_bytes, bytes, thread_s;
 };
 
 Cost cost_of(const BakeOptions& options) {
@@ -64,7 +64,7 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
                      const BakeOptions& options) {
   Forecast forecast;
   forecast.box_m = mesh::empty_box();
-  double area_m2 = 0, least_area_m2 = 0, triangles = 0;
+  double area_m2 = 0, min_area_m2 = 0, triangles = 0;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const mesh::MeshObject& object = scene.objects[i];
     mesh::extend(forecast.box_m, object.box_m);
@@ -73,13 +73,13 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
     if (!touches(object.box_m, options.roi_m)) continue;
     const mesh::AreaFactors factors = mesh::area_factors(object.world_from_mesh);
     area_m2 += meshes[i].area * factors.mean;
-    least_area_m2 += meshes[i].area * factors.least;
+    min_area_m2 += meshes[i].area * factors.smallest;
     triangles += static_cast<double>(meshes[i].triangle_count);
   }
   forecast.surface_voxels = area_m2 / (options.voxel_size_m * options.voxel_size_m);
   const Cost cost = cost_of(options);
-  forecast.least_memory_bytes =
-      cost.least_bytes * least_area_m2 / (options.voxel_size_m * options.voxel_size_m);
+  forecast.min_memory_bytes =
+      cost.min_bytes * min_area_m2 / (options.voxel_size_m * options.voxel_size_m);
   forecast.memory_bytes = cost.bytes * forecast.surface_voxels + kBytesPerTriangle * triangles;
   forecast.bake_s =
       (cost.thread_s * forecast.surface_voxels + kThreadSecondsPerTriangle * triangles) /
@@ -89,12 +89,12 @@ Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutlin
 
 Status check_forecast(const Forecast& forecast, const BakeOptions& options,
                       double available_bytes) {
-  if (forecast.least_memory_bytes <= available_bytes) return {};
+  if (forecast.min_memory_bytes <= available_bytes) return {};
   char what[160];
   std::snprintf(
       what, sizeof what,
       "at %g mm the scene takes at least %.3g GB of memory; this process can have %.3g GB",
-      options.voxel_size_m * 1e3, forecast.least_memory_bytes * 1e-9, available_bytes * 1e-9);
+      options.voxel_size_m * 1e3, forecast.min_memory_bytes * 1e-9, available_bytes * 1e-9);
   const double larger = std::sqrt(forecast.memory_bytes / available_bytes);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
                mend_of(forecast, larger * options.voxel_size_m)};

@@ -18,12 +18,12 @@
 namespace forcelayer::voxelize {
 
 struct Forecast {
-  mesh::Box box_m{};              // of the scene; empty where it has no objects
-  double surface_voxels = 0;      // the area of what is baked, in faces of a voxel
-  double memory_bytes = 0;        // about as much at the peak
-  double least_memory_bytes = 0;  // no bake of this surface takes less
-  double bake_s = 0;              // about, on as many threads as the bake has, without a cache
-  double largest_unit_m = 0;      // of the files
+  mesh::Box box_m{};            // of the scene; empty where it has no objects
+  double surface_voxels = 0;    // the area of what is baked, in faces of a voxel
+  double memory_bytes = 0;      // about as much at the peak
+  double min_memory_bytes = 0;  // no bake of this surface takes less
+  double bake_s = 0;            // about, on as many threads as the bake has, without a cache
+  double largest_unit_m = 0;    // of the files
 };
 
 // "the scene is 745 m across: --units mm?": the likeliest mistake is meters that are millimeters.

@@ -332,12 +332,12 @@ void print_summary(const std::string& output, const Bake& bake, const BakeFacts&
 
 // A line for each cavity that is closed only because a gap is narrower than the voxels.
 void print_narrow_passages(const Bake& bake) {
-  constexpr int kMostLines = 20;
+  constexpr int kMaxLines = 20;
   const double size_m = bake.header.voxel_size_m;
   int found = 0;
   for (const ObjectReport& object : bake.objects) {
     for (const fill::Cavity& cavity : object.cavities) {
-      if (!cavity.opens_at_half_size || ++found > kMostLines) continue;
+      if (!cavity.opens_at_half_size || ++found > kMaxLines) continue;
       const auto& [i, j, k] = cavity.seed_voxel;
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
@@ -348,7 +348,7 @@ void print_narrow_passages(const Bake& bake) {
           center_m(j), center_m(k));
     }
   }
-  if (found > kMostLines) std::printf("... and %d more: see --json\n", found - kMostLines);
+  if (found > kMaxLines) std::printf("... and %d more: see --json\n", found - kMaxLines);
   if (found == 0) std::printf("no cavity opens at half the voxel size\n");
 }
 

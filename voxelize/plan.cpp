@@ -56,8 +56,8 @@ Result<Probe> probe(std::span<const SceneObject> objects, BakeOptions options,
   options.voxel_size_m = voxel_size_m;
   if (options.standoff_m > 0) {  // a compliance keeps its depth, whatever the voxel size
     options.standoff_m = std::clamp(
-        options.standoff_m, (force_layer_voxels(options) + kLeastInteriorVoxels) * voxel_size_m,
-        kMostStandoffVoxels * voxel_size_m);
+        options.standoff_m, (force_layer_voxels(options) + kMinInteriorVoxels) * voxel_size_m,
+        kMaxStandoffVoxels * voxel_size_m);
   }
   Probe result;
   result.voxel_size_m = voxel_size_m;

@@ -12,10 +12,10 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
                                       std::span<const cache::MeshOutline> meshes,
                                       const BakeOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
-  if (scene.objects.size() > kMostObjects && options.objects && stores_distances(options)) {
+  if (scene.objects.size() > kMaxObjects && options.objects && stores_distances(options)) {
     warnings.push_back(
         "the file cannot name every object: " + std::to_string(scene.objects.size()) +
-        " are more than the " + std::to_string(kMostObjects) +
+        " are more than the " + std::to_string(kMaxObjects) +
         " that it can name; leave some out with --without, or join some");
   }
   std::map<std::string, double> coarse_files;  // with the widest spacing of each, meters

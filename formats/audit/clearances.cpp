@@ -31,9 +31,9 @@ class NodeClearances {
   template <class GapsOf>
   void add_node(const std::uint32_t* entries, GapsOf gaps) {
     Ring& ring = rings_.emplace_back();
-    std::int64_t& most = most_.emplace_back(1);
+    std::int64_t& largest = max_.emplace_back(1);
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      most = std::max(most, clearance_of(entries[n]));
+      largest = std::max(largest, clearance_of(entries[n]));
       if (is_uniform(entries[n])) {
         if (uniform_value(entries[n]) != 0) ring.add(n, Gaps{});
       } else if (const Gaps& own = gaps(entries[n]); own[kCenter] < edge_) {
@@ -46,9 +46,9 @@ class NodeClearances {
   // cube of distances shows.
   template <class Doubt>
   void check(const std::uint32_t* entries, const Around& around, Doubt doubt) {
-    const std::int64_t most = most_[around[kCenter]];
-    if (most == 1) return;  // they promise their own voxels alone
-    const std::int64_t margin = std::min((most - 2) / edge_ + 1, kCells - 1);
+    const std::int64_t largest = max_[around[kCenter]];
+    if (largest == 1) return;  // they promise their own voxels alone
+    const std::int64_t margin = std::min((largest - 2) / edge_ + 1, kCells - 1);
     cube_.clear(margin);
     for (std::size_t d = 0; d < kDirections; ++d) {
       if (!is_uniform(around[d])) {
@@ -60,19 +60,19 @@ class NodeClearances {
     cube_.spread(static_cast<int>(edge_));
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
       // Beyond the margin all is an edge farther for each cell.
-      const auto least = std::min<std::int64_t>(cube_.at(n), margin * edge_ + 1);
-      if (clearance_of(entries[n]) > least) doubt(n);
+      const auto smallest = std::min<std::int64_t>(cube_.at(n), margin * edge_ + 1);
+      if (clearance_of(entries[n]) > smallest) doubt(n);
     }
   }
 
   std::int64_t edge() const { return edge_; }
   // The largest clearance of a node's entries, 1 or more.
-  std::int64_t most(std::uint32_t node) const { return most_[node]; }
+  std::int64_t largest(std::uint32_t node) const { return max_[node]; }
 
  private:
   std::int64_t edge_;
   std::vector<Ring> rings_;
-  std::vector<std::int64_t> most_;
+  std::vector<std::int64_t> max_;
   Ring solid_;
   DistanceCube cube_;
 };
@@ -92,7 +92,7 @@ class ClearanceAudit {
     for (std::uint64_t n = 0; n < map.upper_node_count(); ++n) {
       nodes_.add_node(upper(n),
                       [&](std::uint32_t b) -> const Gaps& { return contents.node_gaps(b); });
-      most_below_.push_back(most_below(upper(n)));
+      max_below_.push_back(max_below(upper(n)));
     }
   }
 
@@ -104,7 +104,7 @@ class ClearanceAudit {
       look(low, kUpperNodeEdge, directory_entry(low));
       return false;
     }
-    return check(nodes_, upper(entry), low, around, most_below_[entry], cells_);
+    return check(nodes_, upper(entry), low, around, max_below_[entry], cells_);
   }
 
   void node(const Voxel& low, const Around& around) {
@@ -125,12 +125,12 @@ class ClearanceAudit {
     return view_.upper_nodes + node * kNodeEntries;
   }
   // The largest clearance of what an upper node's children hold.
-  std::int64_t most_below(const std::uint32_t* entries) const {
-    std::int64_t most = 1;
+  std::int64_t max_below(const std::uint32_t* entries) const {
+    std::int64_t largest = 1;
     for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
-      if (!is_uniform(entries[n])) most = std::max(most, bricks_.most(entries[n]));
+      if (!is_uniform(entries[n])) largest = std::max(largest, bricks_.largest(entries[n]));
     }
-    return most;
+    return largest;
   }
   std::uint32_t directory_entry(const Voxel& low) const {
     Voxel at;
@@ -147,14 +147,14 @@ class ClearanceAudit {
   bool check(NodeClearances& level, const std::uint32_t* entries, const Voxel& low,
              const Around& around, std::int64_t below, AroundSet& seen) {
     const Span box = Span::cube(low, kCells * level.edge());
-    const std::int64_t most = level.most(around[kCenter]);
-    const bool known = is_known(grown(box, std::max(most, below) - 1));
+    const std::int64_t largest = level.largest(around[kCenter]);
+    const bool known = is_known(grown(box, std::max(largest, below) - 1));
     if (known && !seen.is_new(around, effort_)) return false;
-    effort_.spend(most > 1 ? kNodeUnits : kQuickUnits);
+    effort_.spend(largest > 1 ? kNodeUnits : kQuickUnits);
     const auto look_at = [&](std::uint32_t n) {
       look(voxmap_walk::child_low(low, n, level.edge()), level.edge(), entries[n]);
     };
-    if (is_known(grown(box, most - 1))) {
+    if (is_known(grown(box, largest - 1))) {
       level.check(entries, around, look_at);
     } else {
       for (std::uint32_t n = 0; n < kNodeEntries; ++n) look_at(n);
@@ -183,7 +183,7 @@ class ClearanceAudit {
   KnownBox known_;
   NodeClearances bricks_{kBrickEdge};
   NodeClearances nodes_{kLowerNodeEdge};
-  std::vector<std::int64_t> most_below_;  // [upper node]
+  std::vector<std::int64_t> max_below_;  // [upper node]
   Effort& effort_;
   AroundSet cells_, nodes_seen_;
   std::optional<Error> bad_;

@@ -11,7 +11,7 @@
 namespace forcelayer::voxmap_audit {
 namespace {
 
-constexpr std::uint32_t kFarEntry = uniform_entry(kMostDistanceCode);
+constexpr std::uint32_t kFarEntry = uniform_entry(kMaxDistanceCode);
 
 // Units of effort.
 constexpr std::uint64_t kBrickUnits = 5'000, kPairsUnits = 300'000, kDescentUnits = 10'000;

@@ -43,7 +43,7 @@ Lanes smaller(Lanes a, Lanes b) { return a > b ? b : a; }
 Lanes apart(Lanes a, Lanes b) { return larger(a, b) - smaller(a, b); }
 
 // The largest of the first `count`.
-Codes largest(Lanes lanes, int count = 16) {
+Codes max_lane(Lanes lanes, int count = 16) {
   Codes codes[16];
   std::memcpy(codes, &lanes, sizeof codes);
   return *std::max_element(codes, codes + count);
@@ -51,12 +51,12 @@ Codes largest(Lanes lanes, int count = 16) {
 
 // The most by which neighbors along an axis differ, in all of the cube. `step` is from one to the
 // next, `count` bytes have a next one, and `in_row` of a row.
-Codes most_along(const CodeCube& cube, int step, int count, int in_row) {
-  Lanes most{};
+Codes max_along(const CodeCube& cube, int step, int count, int in_row) {
+  Lanes largest{};
   for (const Codes* row = cube.data(); row < cube.data() + count; row += CodeCube::kRow) {
-    most = larger(most, apart(load(row), load(row + step)));
+    largest = larger(largest, apart(load(row), load(row + step)));
   }
-  return largest(most, in_row);
+  return max_lane(largest, in_row);
 }
 
 }  // namespace
@@ -69,22 +69,22 @@ CodeRules::CodeRules(const VoxmapHeader& h)
   const double n = force_layers(std::min(force_layer_voxels(h), 1e3));
   const double radius = interior_radius_m(h) / h.voxel_size_m;
   for (std::uint32_t code = 0; code < 256; ++code) {
-    const double least = least_distance_m(h, code) / h.voxel_size_m - kRoundingVoxels;
-    const double most = most_distance_m(h, code) / h.voxel_size_m + kRoundingVoxels;
+    const double smallest = min_distance_m(h, code) / h.voxel_size_m - kRoundingVoxels;
+    const double largest = max_distance_m(h, code) / h.voxel_size_m + kRoundingVoxels;
     // In the order of VoxelValue: the steps from the interior that the value stands for.
-    beside_value_[0][code] = most >= layer_distance_voxels(radius, n + 1);
-    beside_value_[1][code] = least < radius;
-    beside_value_[2][code] =
-        most >= layer_distance_voxels(radius, 0) && least <= most_layer_distance_voxels(radius, n);
-    beside_value_[3][code] = most >= layer_distance_voxels(radius, n) &&
-                             least <= most_layer_distance_voxels(radius, n + 1);
-    nearest_[code] = least > 0 ? least : most < 0 ? -most : 0;
-    farthest_[code] = std::max(std::abs(least), std::abs(most));
+    beside_value_[0][code] = largest >= layer_distance_voxels(radius, n + 1);
+    beside_value_[1][code] = smallest < radius;
+    beside_value_[2][code] = largest >= layer_distance_voxels(radius, 0) &&
+                             smallest <= max_layer_distance_voxels(radius, n);
+    beside_value_[3][code] = largest >= layer_distance_voxels(radius, n) &&
+                             smallest <= max_layer_distance_voxels(radius, n + 1);
+    nearest_[code] = smallest > 0 ? smallest : largest < 0 ? -largest : 0;
+    farthest_[code] = std::max(std::abs(smallest), std::abs(largest));
   }
   // 13.5: of two neighbors on opposite sides.
   for (std::size_t code = 0; code < 256; ++code) {
     squared_[code] = nearest_[code] * nearest_[code];
-    most_squared_[code] = 2 * (farthest_[code] * farthest_[code] + 1) + kRoundingVoxels;
+    max_squared_[code] = 2 * (farthest_[code] * farthest_[code] + 1) + kRoundingVoxels;
   }
   near_steps_ = static_cast<std::uint32_t>(std::min(1 / quantum_, 255.0));
   find_limits();
@@ -94,23 +94,23 @@ CodeRules::CodeRules(const VoxmapHeader& h)
 
 // Where the codes that a value allows are no interval, or none, no code is surely allowed.
 void CodeRules::find_limits() {
-  std::array<std::uint8_t, 4> least{255, 255, 255, 255}, most{};
+  std::array<std::uint8_t, 4> smallest{255, 255, 255, 255}, largest{};
   for (std::size_t value = 0; value < 4; ++value) {
     const auto& allowed = beside_value_[value];
     const auto first = std::find(allowed.begin(), allowed.end(), true);
     const auto end = std::find(first, allowed.end(), false);
     if (first == end || std::find(end, allowed.end(), true) != allowed.end()) continue;
-    least[value] = static_cast<std::uint8_t>(first - allowed.begin());
-    most[value] = static_cast<std::uint8_t>(end - allowed.begin() - 1);
+    smallest[value] = static_cast<std::uint8_t>(first - allowed.begin());
+    largest[value] = static_cast<std::uint8_t>(end - allowed.begin() - 1);
   }
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
     std::array<std::uint8_t, 4> lower, upper;
     for (std::size_t n = 0; n < 4; ++n) {
-      lower[n] = least[byte >> (2 * n) & 3];
-      upper[n] = most[byte >> (2 * n) & 3];
+      lower[n] = smallest[byte >> (2 * n) & 3];
+      upper[n] = largest[byte >> (2 * n) & 3];
     }
-    std::memcpy(&least_of_four_[byte], lower.data(), 4);
-    std::memcpy(&most_of_four_[byte], upper.data(), 4);
+    std::memcpy(&min_of_four_[byte], lower.data(), 4);
+    std::memcpy(&max_of_four_[byte], upper.data(), 4);
   }
 }
 
@@ -130,13 +130,13 @@ void CodeRules::find_leaps() {
 // at an end.
 void CodeRules::find_descent() {
   const auto towards = [](double d) { return std::sqrt(d * d - 2 * d / std::sqrt(3.0) + 1); };
-  most_towards_mesh_.fill(kMostDistanceCode);
+  max_towards_mesh_.fill(kMaxDistanceCode);
   int drop = 0;
-  for (std::uint32_t code = zero_; code < kMostDistanceCode; ++code) {
-    const double most = std::max(towards(nearest_[code]), towards(farthest_[code]));
-    const double steps = std::floor((most + kRoundingVoxels) / quantum_);
-    const auto limit = static_cast<Codes>(std::min<double>(zero_ + steps, kMostDistanceCode));
-    most_towards_mesh_[code] = limit;
+  for (std::uint32_t code = zero_; code < kMaxDistanceCode; ++code) {
+    const double largest = std::max(towards(nearest_[code]), towards(farthest_[code]));
+    const double steps = std::floor((largest + kRoundingVoxels) / quantum_);
+    const auto limit = static_cast<Codes>(std::min<double>(zero_ + steps, kMaxDistanceCode));
+    max_towards_mesh_[code] = limit;
     drop = std::max(drop, static_cast<int>(code) - limit);
     floor_ = std::min(floor_, limit);
   }
@@ -156,14 +156,14 @@ bool CodeRules::beside_code(const Step& step, std::uint32_t a, std::uint32_t b) 
 }
 
 bool CodeRules::surely_beside_values(const std::uint8_t* values, const BrickCodes& codes) const {
-  BrickCodes least, most;
+  BrickCodes smallest, largest;
   for (std::size_t i = 0; i < 128; ++i) {
-    std::memcpy(&least[4 * i], &least_of_four_[values[i]], 4);
-    std::memcpy(&most[4 * i], &most_of_four_[values[i]], 4);
+    std::memcpy(&smallest[4 * i], &min_of_four_[values[i]], 4);
+    std::memcpy(&largest[4 * i], &max_of_four_[values[i]], 4);
   }
   Codes wrong = 0;  // what differs from itself held to its limits
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const Codes held = std::min(std::max(codes[i], least[i]), most[i]);
+    const Codes held = std::min(std::max(codes[i], smallest[i]), largest[i]);
     wrong = static_cast<Codes>(wrong | (held ^ codes[i]));
   }
   return wrong == 0;
@@ -171,9 +171,9 @@ bool CodeRules::surely_beside_values(const std::uint8_t* values, const BrickCode
 
 bool CodeRules::surely_beside_codes(const CodeCube& cube) const {
   using Cube = CodeCube;
-  const int along[3] = {most_along(cube, Cube::kPlane, Cube::kBytes - Cube::kPlane, Cube::kWidth),
-                        most_along(cube, Cube::kRow, Cube::kBytes - Cube::kRow, Cube::kWidth),
-                        most_along(cube, 1, Cube::kBytes, Cube::kWidth - 1)};
+  const int along[3] = {max_along(cube, Cube::kPlane, Cube::kBytes - Cube::kPlane, Cube::kWidth),
+                        max_along(cube, Cube::kRow, Cube::kBytes - Cube::kRow, Cube::kWidth),
+                        max_along(cube, 1, Cube::kBytes, Cube::kWidth - 1)};
   // A step counts no more than its parts along the axes together: enough in front of most planes.
   const auto is_sure = [&](std::size_t n) {
     const auto [x, y, z] = kNearSteps[n];
@@ -184,12 +184,12 @@ bool CodeRules::surely_beside_codes(const CodeCube& cube) const {
     if (is_sure(n)) continue;
     if (!cubes) cubes.emplace(cube);
     const auto [dx, dy, dz] = kNearSteps[n];
-    Lanes most{};
+    Lanes largest{};
     for (int x = 0; x < 8; ++x) {
       const Codes *const a = cubes->plane(x, 0, 0), *const b = cubes->plane(x + dx, dy, dz);
-      for (int i = 0; i < 64; i += 16) most = larger(most, apart(load(a + i), load(b + i)));
+      for (int i = 0; i < 64; i += 16) largest = larger(largest, apart(load(a + i), load(b + i)));
     }
-    if (largest(most) > leap_[n]) return false;
+    if (max_lane(largest) > leap_[n]) return false;
   }
   return true;
 }
@@ -197,21 +197,21 @@ bool CodeRules::surely_beside_codes(const CodeCube& cube) const {
 bool CodeRules::surely_lead_to_mesh(const CodeCube& cube) const {
   constexpr int kRow = CodeCube::kRow, kPlane = CodeCube::kPlane;
   const Lanes drop = Lanes{} + drop_, floor = Lanes{} + floor_;
-  const Lanes unmeasured = Lanes{} + static_cast<Codes>(kMostDistanceCode), none{};
-  Lanes most{};  // by which the least of six neighbors is above the limit
+  const Lanes unmeasured = Lanes{} + static_cast<Codes>(kMaxDistanceCode), none{};
+  Lanes largest{};  // by which the least of six neighbors is above the limit
   for (int x = 0; x < 8; ++x) {
     const Codes* c = cube.data() + (x + CodeCube::kHalo) * kPlane + CodeCube::kHalo * (kRow + 1);
     for (int y = 0; y < 8; ++y, c += kRow) {
       const Lanes codes = load(c);
-      const Lanes least = smaller(
+      const Lanes smallest = smaller(
           smaller(smaller(load(c + 1), load(c - 1)), smaller(load(c + kRow), load(c - kRow))),
           smaller(load(c + kPlane), load(c - kPlane)));
       const Lanes limit = larger(larger(codes, drop) - drop, floor);
-      const Lanes beyond = larger(least, limit) - limit;
-      most = larger(most, codes == unmeasured ? none : beyond);
+      const Lanes beyond = larger(smallest, limit) - limit;
+      largest = larger(largest, codes == unmeasured ? none : beyond);
     }
   }
-  return largest(most, 8) == 0;
+  return max_lane(largest, 8) == 0;
 }
 
 bool CodeRules::lie_between(const CodeCube& cube) const {

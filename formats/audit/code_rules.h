@@ -31,7 +31,7 @@ class CodeRules {
   // Whether a voxel of this code may have a neighbor of that code, over a face, in the direction in
   // which the mesh is nearest.
   bool may_lead_to_mesh(std::uint32_t code, std::uint32_t neighbor) const {
-    return neighbor <= most_towards_mesh_[code];
+    return neighbor <= max_towards_mesh_[code];
   }
 
   // Whether a voxel of this code may lie between two neighbors along an axis, of those codes.
@@ -39,7 +39,7 @@ class CodeRules {
   // rules say nearly as much.
   bool may_lie_between(std::uint32_t code, std::uint32_t a, std::uint32_t b) const {
     return code_steps(code) >= near_steps_ || code_steps(code) > code_steps(a) ||
-           code_steps(code) > code_steps(b) || squared_[a] + squared_[b] <= most_squared_[code];
+           code_steps(code) > code_steps(b) || squared_[a] + squared_[b] <= max_squared_[code];
   }
 
   // The same for many at once. True only where each is allowed; false says nothing yet.
@@ -63,15 +63,15 @@ class CodeRules {
 
   std::array<std::array<bool, 256>, 4> beside_value_{};
   // Lower and upper limits of the codes of four values at once, by the byte that holds the values.
-  std::array<std::uint32_t, 256> least_of_four_{}, most_of_four_{};
+  std::array<std::uint32_t, 256> min_of_four_{}, max_of_four_{};
   std::uint32_t zero_;                              // distance_zero_code
   double quantum_;                                  // voxels
   std::array<double, 256> nearest_{}, farthest_{};  // of the unsigned distance, voxels
   // For the nearest: what those of two neighbors may be together.
-  std::array<double, 256> squared_{}, most_squared_{};
+  std::array<double, 256> squared_{}, max_squared_{};
   std::uint32_t near_steps_ = 0;             // a voxel
   std::array<std::uint8_t, kSteps> leap_{};  // codes that differ by no more may be a step apart
-  std::array<std::uint8_t, 256> most_towards_mesh_{};
+  std::array<std::uint8_t, 256> max_towards_mesh_{};
   // No code but 255 has a lower limit than itself less the drop, or than the floor.
   std::uint8_t drop_ = 0, floor_ = 255;
 };

@@ -3,7 +3,7 @@
 namespace forcelayer::voxmap_audit {
 namespace {
 
-void least_of_three(const Distance* from, std::int64_t step, std::int64_t count, Distance* to) {
+void min_of_three(const Distance* from, std::int64_t step, std::int64_t count, Distance* to) {
   for (std::int64_t i = 0; i < count; ++i) {
     to[i] = std::min(std::min(from[i - step], from[i + step]), from[i]);
   }
@@ -41,14 +41,14 @@ void DistanceCube::add(const Ring& ring, std::size_t in_direction) {
 void DistanceCube::spread(int edge) {
   const std::int64_t count = width_ * width_ * width_;
   for (std::int64_t step = 0; step < margin_; ++step) {
-    least_of_three(cells_.data() + kPad, 1, count, one_.data() + kPad);
-    least_of_three(one_.data() + kPad, width_, count, two_.data() + kPad);
+    min_of_three(cells_.data() + kPad, 1, count, one_.data() + kPad);
+    min_of_three(one_.data() + kPad, width_, count, two_.data() + kPad);
     Distance* const cells = cells_.data() + kPad;
     const Distance* const from = two_.data() + kPad;
     const std::int64_t plane = width_ * width_;
     for (std::int64_t i = 0; i < count; ++i) {
-      const Distance least = std::min(std::min(from[i - plane], from[i + plane]), from[i]);
-      const int grown = least + edge;
+      const Distance smallest = std::min(std::min(from[i - plane], from[i + plane]), from[i]);
+      const int grown = smallest + edge;
       cells[i] = static_cast<Distance>(std::min<int>(cells[i], grown));
     }
   }

@@ -72,9 +72,9 @@ class DistanceCube {
   }
 
  private:
-  static constexpr std::int64_t kMostWidth = kCells + 2 * (kCells - 1);
-  static constexpr std::int64_t kPad = kMostWidth * kMostWidth;
-  using Cells = std::array<Distance, kMostWidth * kMostWidth * kMostWidth + 2 * kPad>;
+  static constexpr std::int64_t kMaxWidth = kCells + 2 * (kCells - 1);
+  static constexpr std::int64_t kPad = kMaxWidth * kMaxWidth;
+  using Cells = std::array<Distance, kMaxWidth * kMaxWidth * kMaxWidth + 2 * kPad>;
 
   Distance* row(std::int64_t x, std::int64_t y) {
     return cells_.data() + kPad + flat({x + margin_, y + margin_, margin_}, width_);

@@ -17,7 +17,7 @@ namespace forcelayer::voxmap_audit {
 namespace {
 
 // A coarser step would say too little about the interior, and about neighbors.
-constexpr double kMostQuantumVoxels = 0.25;
+constexpr double kMaxQuantumVoxels = 0.25;
 
 // Units of effort: a pair that is asked for; a pair of nodes and one of bricks that is looked at.
 constexpr std::uint64_t kPairUnits = 20, kNodesUnits = 8'000, kBricksUnits = 400,
@@ -228,15 +228,14 @@ Status audit_packing(const Voxmap& map, std::string_view name) {
 // file has checked their bounds.
 Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
   if (has_distances(h)) {
-    if (h.distance_quantum_m > kMostQuantumVoxels * h.voxel_size_m) {
+    if (h.distance_quantum_m > kMaxQuantumVoxels * h.voxel_size_m) {
       return untrue(name, "header (distance_quantum_m)",
                     "says " + std::to_string(h.distance_quantum_m) +
                         ", which is more than a quarter of a voxel");
     }
-    if (least_distance_m(h, kMostDistanceCode) < interior_radius_m(h)) {
+    if (min_distance_m(h, kMaxDistanceCode) < interior_radius_m(h)) {
       return untrue(name, "header (distance_quantum_m, distance_zero_code)",
-                    "its distances end at " +
-                        std::to_string(least_distance_m(h, kMostDistanceCode)) +
+                    "its distances end at " + std::to_string(min_distance_m(h, kMaxDistanceCode)) +
                         ", before the interior does at " + std::to_string(interior_radius_m(h)));
     }
   }
@@ -255,9 +254,9 @@ std::string range_text(const VoxmapHeader& h, std::uint32_t code) {
   const auto voxels = [&](double meters) {
     return std::to_string(meters / h.voxel_size_m) + " voxels";
   };
-  if (code == 0) return "below " + voxels(most_distance_m(h, code));
-  const std::string least = voxels(least_distance_m(h, code));
-  return code == kMostDistanceCode ? least + " or more" : "from " + least;
+  if (code == 0) return "below " + voxels(max_distance_m(h, code));
+  const std::string smallest = voxels(min_distance_m(h, code));
+  return code == kMaxDistanceCode ? smallest + " or more" : "from " + smallest;
 }
 
 Status audit_distances(const Voxmap& map, Effort& effort, std::string_view name) {

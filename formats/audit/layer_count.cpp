@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kNode = NodeRows::kNode;
 // A node and what lies around it are looked at, up to 63 voxels away.
-constexpr std::uint32_t kMostLayers = 32;
+constexpr std::uint32_t kMaxLayers = 32;
 
 // The voxels that k layers make of one voxel of the mesh, or of one that the mesh encloses
 // (voxmap_format.md, section 13.6): all within `cube`, and along each axis within `line`, is
@@ -207,10 +207,10 @@ Status audit_layer_count(const Voxmap& map, const Contents& contents, Effort& ef
                          std::string_view name) {
   const VoxmapHeader& h = map.header();
   if (h.offset_layers < 2) return {};  // promises nothing
-  if (h.offset_layers > kMostLayers) {
+  if (h.offset_layers > kMaxLayers) {
     return untrue(name, "header (offset_layers)",
                   "says " + std::to_string(h.offset_layers) +
-                      ", and without distances no more than " + std::to_string(kMostLayers) +
+                      ", and without distances no more than " + std::to_string(kMaxLayers) +
                       " can be proven");
   }
   LayerCountAudit audit(map, contents, effort, name);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kNodeUnits = 300'000, kStepUnits = 50'000;
 
 constexpr std::int64_t kNode = NodeRows::kNode;
-constexpr std::int64_t kMostSteps = kNode - 1;  // of one growth: the node and those around it
+constexpr std::int64_t kMaxSteps = kNode - 1;  // of one growth: the node and those around it
 
 class LayerAudit {
  public:
@@ -24,8 +24,8 @@ class LayerAudit {
         header_(map.header()),
         contents_(contents),
         known_(known_box(header_)),
-        steps_(std::min<std::int64_t>(layers_of(header_), kMostSteps)),
-        all_layers_(layers_of(header_) <= kMostSteps),
+        steps_(std::min<std::int64_t>(layers_of(header_), kMaxSteps)),
+        all_layers_(layers_of(header_) <= kMaxSteps),
         rows_(contents.planes(), map.view(), steps_),
         effort_(effort) {}
 

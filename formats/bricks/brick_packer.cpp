@@ -73,7 +73,7 @@ void pack_brick(const std::uint8_t* codes, std::vector<std::uint8_t>& bytes) {
   auto* const differences = reinterpret_cast<std::int8_t*>(rows.data());
   const auto base = static_cast<std::uint8_t>(differences[0]);
   differences[0] = 0;
-  std::array<std::uint8_t, kMostPackedDistancesBytes> packed{};
+  std::array<std::uint8_t, kMaxPackedDistancesBytes> packed{};
   packed[0] = base;
   packed[1] = take_slope(differences, 64);
   packed[2] = take_slope(differences, 8);
@@ -122,7 +122,7 @@ void pack_brick(const std::uint16_t* numbers, std::vector<std::uint8_t>& bytes) 
 }
 
 template <typename Element>
-PackedBricks packed(std::span<const Element> elements, std::uint32_t most_bytes) {
+PackedBricks packed(std::span<const Element> elements, std::uint32_t max_bytes) {
   PackedBricks result;
   const std::size_t bricks = elements.size() / 512;
   result.units.reserve(bricks);
@@ -132,8 +132,8 @@ PackedBricks packed(std::span<const Element> elements, std::uint32_t most_bytes)
     pad(result.bytes);
   }
   if (bricks > 0) {
-    const std::size_t least = std::size_t{result.units.back()} * kPackedUnitBytes + most_bytes;
-    result.bytes.resize(std::max(result.bytes.size(), least));
+    const std::size_t smallest = std::size_t{result.units.back()} * kPackedUnitBytes + max_bytes;
+    result.bytes.resize(std::max(result.bytes.size(), smallest));
   }
   return result;
 }
@@ -141,11 +141,11 @@ PackedBricks packed(std::span<const Element> elements, std::uint32_t most_bytes)
 }  // namespace
 
 PackedBricks pack_distances(std::span<const std::uint8_t> codes) {
-  return packed(codes, kMostPackedDistancesBytes);
+  return packed(codes, kMaxPackedDistancesBytes);
 }
 
 PackedBricks pack_objects(std::span<const std::uint16_t> numbers) {
-  return packed(numbers, kMostPackedObjectsBytes);
+  return packed(numbers, kMaxPackedObjectsBytes);
 }
 
 }  // namespace forcelayer

@@ -11,8 +11,8 @@
 namespace forcelayer {
 
 inline constexpr std::uint32_t kPackedUnitBytes = 16;  // packed bricks begin at multiples of it
-inline constexpr std::uint32_t kMostPackedDistancesBytes = 560;  // read of a brick, at most
-inline constexpr std::uint32_t kMostPackedObjectsBytes = 1040;
+inline constexpr std::uint32_t kMaxPackedDistancesBytes = 560;  // read of a brick, at most
+inline constexpr std::uint32_t kMaxPackedObjectsBytes = 1040;
 
 using BrickCodes = std::array<std::uint8_t, 512>;     // distances
 using BrickNumbers = std::array<std::uint16_t, 512>;  // objects

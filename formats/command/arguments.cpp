@@ -114,22 +114,22 @@ CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& 
 }
 
 CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const char* help,
-                       int least, int most) {
-  return app.add_option(name, count, help)->check(CLI::Range(least, most));
+                       int smallest, int largest) {
+  return app.add_option(name, count, help)->check(CLI::Range(smallest, largest));
 }
 
-Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t least, std::uint64_t most) {
+Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t smallest, std::uint64_t largest) {
   const std::string typed = text;
   std::uint64_t bytes = 0;
   try {
     const std::string wrong = CLI::AsSizeValue(false)(text);  // makes it a number
     const bool is_number = wrong.empty() && CLI::detail::lexical_cast(text, bytes);
-    if (is_number && bytes >= least && bytes <= most) return bytes;
+    if (is_number && bytes >= smallest && bytes <= largest) return bytes;
   } catch (const CLI::ValidationError&) {
   }
   return Error{ErrorCode::kUsage, "", "",
-               "'" + typed + "' is not a size from " + std::to_string(least) + " to " +
-                   std::to_string(most) + " bytes",
+               "'" + typed + "' is not a size from " + std::to_string(smallest) + " to " +
+                   std::to_string(largest) + " bytes",
                "write it like 2GiB"};
 }
 

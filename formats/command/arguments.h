@@ -45,12 +45,12 @@ CLI::Option* add_number(CLI::App& app, const char* name, double& value, const ch
 CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value,
                         const char* help, const Bounds& bounds);
 
-// Declares an option that takes a whole number from `least` to `most`.
+// Declares an option that takes a whole number from `smallest` to `largest`.
 CLI::Option* add_count(CLI::App& app, const char* name, unsigned& count, const char* help,
-                       int least, int most);
+                       int smallest, int largest);
 
-// A size in bytes, such as 2GiB, from `least` to `most`. Errors: kUsage.
-Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t least, std::uint64_t most);
+// A size in bytes, such as 2GiB, from `smallest` to `largest`. Errors: kUsage.
+Result<std::uint64_t> parse_bytes(std::string text, std::uint64_t smallest, std::uint64_t largest);
 
 // Declares an option that takes a text as it is typed.
 CLI::Option* add_text(CLI::App& app, const char* name, std::string& text, const char* help);

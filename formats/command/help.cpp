@@ -213,12 +213,12 @@ std::string did_you_mean(const CLI::App& app) {
     if (!argument.starts_with("-")) continue;
     const std::string typed = argument.substr(0, argument.find('='));
     std::string best;
-    std::size_t least = std::max<std::size_t>(2, typed.size() / 3) + 1;
+    std::size_t smallest = std::max<std::size_t>(2, typed.size() / 3) + 1;
     for (const CLI::App* const one : asked) {
       for (const CLI::Option* const option : one->get_options()) {
         for (const std::string& name : option->get_lnames()) {
           const std::size_t distance = spelling_distance(typed, "--" + name);
-          if (distance < least) least = distance, best = "did you mean --" + name + "?";
+          if (distance < smallest) smallest = distance, best = "did you mean --" + name + "?";
         }
       }
     }

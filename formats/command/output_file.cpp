@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBeginning = 80;  // bytes
+constexpr std::size_t kMaxBeginning = 80;  // bytes
 
 struct Kind {
   const char* name;         // "a voxmap"
@@ -88,7 +88,7 @@ bool same_file(const std::string& a, const std::string& b) {
 
 // The first bytes of a file that is there.
 std::string beginning_of(const std::string& path) {
-  std::string bytes(kMostBeginning, '\0');
+  std::string bytes(kMaxBeginning, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));

@@ -38,18 +38,18 @@ void tell_waiting(const std::string& text) {
 
 std::optional<double> time_left_s(double elapsed_s, double begun, double done) {
   constexpr double kTold = 0.1;
-  const double all = 1 - begun, share = done - begun;
-  if (!(share >= kTold * all) || !(share > 0)) return std::nullopt;
-  return elapsed_s * (all - share) / share;
+  const double all = 1 - begun, fraction = done - begun;
+  if (!(fraction >= kTold * all) || !(fraction > 0)) return std::nullopt;
+  return elapsed_s * (all - fraction) / fraction;
 }
 
 ProgressLine::ProgressLine(bool quiet) : active_(!quiet && isatty(2) == 1), started_s_(now_s()) {
   is_quiet = quiet;
 }
 
-void ProgressLine::reckon_from(double share_done) {
+void ProgressLine::reckon_from(double fraction_done) {
   started_s_ = now_s();
-  begun_ = share_done;
+  begun_ = fraction_done;
 }
 
 void ProgressLine::clear() {
@@ -57,17 +57,17 @@ void ProgressLine::clear() {
   last_shown_s_ = -1;
 }
 
-void ProgressLine::show(const std::string& stage, double share_done) {
+void ProgressLine::show(const std::string& stage, double fraction_done) {
   constexpr double kIntervalS = 0.1;
   const double now = now_s();
-  if (share_done <= begun_) started_s_ = now;
+  if (fraction_done <= begun_) started_s_ = now;
   if (!active_ || now - last_shown_s_ < kIntervalS) return;
   last_shown_s_ = now;
   char left[32] = "";
-  if (const auto left_s = time_left_s(last_shown_s_ - started_s_, begun_, share_done)) {
+  if (const auto left_s = time_left_s(last_shown_s_ - started_s_, begun_, fraction_done)) {
     std::snprintf(left, sizeof left, "  %.0f s left", *left_s);
   }
-  std::fprintf(stderr, "%s%s  %3.0f%%%s", kWipe.data(), stage.c_str(), 100 * share_done, left);
+  std::fprintf(stderr, "%s%s  %3.0f%%%s", kWipe.data(), stage.c_str(), 100 * fraction_done, left);
   on_terminal = true;
 }
 

@@ -14,8 +14,8 @@ void wipe_progress_line() noexcept;
 // progress is quiet.
 void tell_waiting(const std::string& text);
 
-// Seconds left of what began `elapsed_s` ago, when the share `begun` of the whole was done, and now
-// is at `done`: at the pace so far. Nothing before a tenth of it is done: nobody knows yet.
+// Seconds left of what began `elapsed_s` ago, when the fraction `begun` of the whole was done, and
+// now is at `done`: at the pace so far. Nothing before a tenth of it is done: nobody knows yet.
 std::optional<double> time_left_s(double elapsed_s, double begun, double done);
 
 // Rewritten in place on stderr; nothing where stderr is no terminal, or when quiet. The time left
@@ -24,16 +24,16 @@ class ProgressLine {
  public:
   explicit ProgressLine(bool quiet);
   ~ProgressLine() { clear(); }
-  void show(const std::string& stage, double share_done);  // share in [0, 1]; rate-limited
+  void show(const std::string& stage, double fraction_done);  // fraction in [0, 1]; rate-limited
   // The time left is reckoned from here on: what came before was work of another kind, whose pace
   // says nothing of the rest.
-  void reckon_from(double share_done);
+  void reckon_from(double fraction_done);
   void clear();  // wipes the line
 
  private:
   bool active_;
   double started_s_;
-  double begun_ = 0;  // share that was done then
+  double begun_ = 0;  // fraction that was done then
   double last_shown_s_ = -1;
 };
 

@@ -278,7 +278,7 @@ Error about(std::string option, Error error) {
 
 std::string to_text(const Bounds& bounds) {
   char text[80];
-  std::snprintf(text, sizeof text, "%.6g to %.6g", bounds.least, bounds.most);
+  std::snprintf(text, sizeof text, "%.6g to %.6g", bounds.smallest, bounds.largest);
   return text;
 }
 
@@ -289,7 +289,7 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds) {
     return usage(quoted(text) + (finite ? " is not a bare number" : " is not a finite number"),
                  "give " + to_text(bounds));
   }
-  if (!(split->number >= bounds.least && split->number <= bounds.most)) {
+  if (!(split->number >= bounds.smallest && split->number <= bounds.largest)) {
     return usage(quoted(text) + " is outside " + to_text(bounds), "give " + to_text(bounds));
   }
   return split->number;

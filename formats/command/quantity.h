@@ -19,8 +19,8 @@ struct PoseText {
 
 // The range of an option, both ends included.
 struct Bounds {
-  double least = 0;
-  double most = 0;
+  double smallest = 0;
+  double largest = 0;
 };
 
 // "0.001 to 10"

@@ -54,15 +54,15 @@ Status read_values(const char* option, std::string_view text, std::span<const Va
     const std::string entry = take_entry(text);
     const std::string typed = entry.substr(0, entry.find('='));
     const ValueName* nearest = nullptr;
-    std::size_t least = typed.npos;
+    std::size_t smallest = typed.npos;
     for (const ValueName& name : names) {
       const std::size_t distance = spelling_distance(typed, name.name);
-      if (distance < least) least = distance, nearest = &name;
+      if (distance < smallest) smallest = distance, nearest = &name;
     }
     Wrong wrong;
-    if (least == typed.npos) {
+    if (smallest == typed.npos) {
       wrong = {"is not a known name", "leave it out"};
-    } else if (least > 0) {
+    } else if (smallest > 0) {
       wrong = {"is not a known name",
                "the nearest known name is " + std::string(nearest->name) + "; --help lists all"};
     } else if (seen.find(',' + typed + ',') != seen.npos) {

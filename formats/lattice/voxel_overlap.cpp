@@ -100,12 +100,12 @@ LatticePoint snap(const std::array<double, 3>& position_m, double voxel_size_m) 
 
 TriangleOverlap::TriangleOverlap(const LatticeTriangle& triangle) {
   for (int d = 0; d < 3; ++d) {
-    const auto [least, greatest] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-    low_[d] = least;
-    min_voxel_[d] = least >> kSnapBits;
+    const auto [smallest, greatest] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+    low_[d] = smallest;
+    min_voxel_[d] = smallest >> kSnapBits;
     max_voxel_[d] = greatest >> kSnapBits;
-    extent_ = std::max(extent_, greatest - least);
-    anchor_[d] = triangle[0][d] - least;
+    extent_ = std::max(extent_, greatest - smallest);
+    anchor_[d] = triangle[0][d] - smallest;
     side_1_[d] = triangle[1][d] - triangle[0][d];
     side_2_[d] = triangle[2][d] - triangle[0][d];
   }
@@ -177,8 +177,8 @@ BrickMask TriangleOverlap::tested_cells(const VoxelIndex& corner, int log2_cell)
       const Base base =
           Base{edge.a} * (start[kU[d]] - edge.u0) + Base{edge.b} * (start[kW[d]] - edge.w0);
       const std::int64_t reach = positive_part(edge.a) + positive_part(edge.b);
-      const Base least = ceil_shift<Base>((reach > 0 ? 1 : 0) - base, shift) - reach;
-      projected[d] &= half_plane<std::int64_t>(edge.a, edge.b, saturate<std::int64_t>(least));
+      const Base smallest = ceil_shift<Base>((reach > 0 ? 1 : 0) - base, shift) - reach;
+      projected[d] &= half_plane<std::int64_t>(edge.a, edge.b, saturate<std::int64_t>(smallest));
     }
   }
 

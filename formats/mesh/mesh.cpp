@@ -14,11 +14,11 @@ Vec3d apply(const Affine& a_from_b, const Vec3d& b) {
           m[6] * b[0] + m[7] * b[1] + m[8] * b[2] + t[2]};
 }
 
-double largest_sum(const Affine& a_from_b, const Vec3d& most) {
+double largest_sum(const Affine& a_from_b, const Vec3d& largest) {
   Affine sizes = a_from_b;
   for (double& factor : sizes.linear) factor = std::abs(factor);
   for (double& offset : sizes.translation) offset = std::abs(offset);
-  const Vec3d sums = mesh::apply(sizes, most);
+  const Vec3d sums = mesh::apply(sizes, largest);
   return std::max({sums[0], sums[1], sums[2]});
 }
 
@@ -91,7 +91,7 @@ void measure_instances(Assembly& assembly) {
   for (const MeshInstance& instance : assembly.instances) {
     vertices += assembly.meshes[instance.mesh].vertices.size();
   }
-  if (vertices <= kMostMeasuredVertices) {
+  if (vertices <= kMaxMeasuredVertices) {
     for (MeshInstance& instance : assembly.instances) {
       instance.box = box_of(assembly.meshes[instance.mesh], instance.assembly_from_mesh);
     }

@@ -31,9 +31,9 @@ struct Affine {
   Vec3d translation{0, 0, 0};
 };
 Vec3d apply(const Affine& a_from_b, const Vec3d& b);
-// Bounds every sum that apply() passes through, for points of coordinates up to `most` in each
+// Bounds every sum that apply() passes through, for points of coordinates up to `largest` in each
 // axis: far from the origin of a, a mesh that is brought back to it passes through large ones.
-double largest_sum(const Affine& a_from_b, const Vec3d& most);
+double largest_sum(const Affine& a_from_b, const Vec3d& largest);
 Affine compose(const Affine& a_from_b, const Affine& b_from_c);
 // Whether it makes a body flat, a line or a point: its columns lie in a plane to within rounding.
 bool is_flat(const Affine& affine);
@@ -97,13 +97,13 @@ struct Assembly {
 // Sets MeshInstance::box of every instance. A small file may place more vertices than a lifetime
 // measures; beyond this count, which takes a second, boxes are those around the corners of boxes,
 // and larger than need be where instances are turned.
-inline constexpr std::uint64_t kMostMeasuredVertices = 200'000'000;
+inline constexpr std::uint64_t kMaxMeasuredVertices = 200'000'000;
 void measure_instances(Assembly& assembly);
 
 // How far the reading of a file with exact surfaces is: reported before they are tessellated, and
 // then after each node.
 struct ReadingProgress {
-  double share_done = 0;
+  double fraction_done = 0;
   double expected_triangles = 0;  // of the whole file, forecast
 };
 

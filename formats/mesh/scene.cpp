@@ -57,7 +57,7 @@ class SceneReader {
  private:
   void leave_out_parts();
   void list_files();
-  void tell(const std::string& path, double share_done);
+  void tell(const std::string& path, double fraction_done);
   Status place_all();
   Status place(const Placing& placing);
   Result<std::uint32_t> assembly_of(const std::string& path);
@@ -75,13 +75,13 @@ class SceneReader {
   const SceneReading& reading_;
   Scene scene_;
   std::vector<Placing> placings_;
-  std::vector<std::string> without_;           // names and lists of them
-  std::size_t number_ = 0;                     // of the placing in hand
-  std::vector<FileToRead> files_;              // that will be read, in order
-  std::map<std::string, std::uint32_t> read_;  // files read so far
-  std::mutex telling_;                         // guards the two below
-  std::map<std::string, double> shares_read_;  // of files
-  double files_read_ = 0;                      // the sum of these
+  std::vector<std::string> without_;              // names and lists of them
+  std::size_t number_ = 0;                        // of the placing in hand
+  std::vector<FileToRead> files_;                 // that will be read, in order
+  std::map<std::string, std::uint32_t> read_;     // files read so far
+  std::mutex telling_;                            // guards the two below
+  std::map<std::string, double> fractions_read_;  // of files
+  double files_read_ = 0;                         // the sum of these
   GroupedWarnings warnings_{"files"};
 };
 
@@ -166,7 +166,7 @@ ReadOptions SceneReader::options_for(const std::string& path) {
   options.up = up_of(path);
   options.nodes = nodes_wanted_of(path);
   options.without = without_;
-  options.progress = [this, path](const ReadingProgress& file) { tell(path, file.share_done); };
+  options.progress = [this, path](const ReadingProgress& file) { tell(path, file.fraction_done); };
   return options;
 }
 
@@ -181,9 +181,9 @@ void SceneReader::list_files() {
 }
 
 // Files may be read side by side.
-void SceneReader::tell(const std::string& path, double share_done) {
+void SceneReader::tell(const std::string& path, double fraction_done) {
   const std::lock_guard lock(telling_);
-  files_read_ += share_done - std::exchange(shares_read_[path], share_done);
+  files_read_ += fraction_done - std::exchange(fractions_read_[path], fraction_done);
   if (reading_.progress) reading_.progress(files_read_ / static_cast<double>(files_.size()));
 }
 

@@ -73,7 +73,7 @@ struct SceneReading {
   // Called once, before the first read(), with all files that will be read: it may begin with them
   // side by side. May be empty.
   std::function<void(std::span<const FileToRead>)> read_ahead;
-  std::function<void(double share_done)> progress;  // may be empty; one call at a time
+  std::function<void(double fraction_done)> progress;  // may be empty; one call at a time
 };
 
 // Whether an input of read_scene() is a manifest, by its ending.

@@ -22,10 +22,10 @@ double float_spacing(double coordinate);
 // The greatest length in a of a unit vector of b: the largest singular value, rounded up.
 double largest_stretch(const Affine& a_from_b);
 
-// By how much it makes areas larger: no surface less than `least`, a cube's `mean`. Both are the
+// By how much it makes areas larger: no surface less than `smallest`, a cube's `mean`. Both are the
 // square of the scale where that is even.
 struct AreaFactors {
-  double least = 0, mean = 0;
+  double smallest = 0, mean = 0;
 };
 AreaFactors area_factors(const Affine& a_from_b);
 

@@ -27,11 +27,11 @@ double angle_between(const Quaternion& from, const Quaternion& to) {
   return 2 * std::atan2(length({turn[1], turn[2], turn[3]}), std::abs(turn[0]));
 }
 
-// A share of the way from one orientation to another.
-Quaternion between(const Quaternion& from, const Quaternion& to, double share) {
+// A fraction of the way from one orientation to another.
+Quaternion between(const Quaternion& from, const Quaternion& to, double fraction) {
   const Quaternion turn = product(to, conjugate(from));
   const Vector axis{turn[1], turn[2], turn[3]};
-  const double sine = length(axis), angle = angle_between(from, to) * share;
+  const double sine = length(axis), angle = angle_between(from, to) * fraction;
   if (sine < 1e-12) return from;
   const double scale = std::sin(angle / 2) / sine * (turn[0] < 0 ? -1 : 1);
   Quaternion q =
@@ -64,9 +64,9 @@ PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>&
     const double turn_rad = angle_between(rows[i - 1].orientation_wxyz, rows[i].orientation_wxyz);
     facts.way_m += step_m;
     facts.turn_rad += turn_rad;
-    facts.most_step_m = std::max(facts.most_step_m, step_m);
-    facts.most_turn_rad = std::max(facts.most_turn_rad, turn_rad);
-    facts.most_mps = std::max(facts.most_mps, step_m / (rows[i].time_s - rows[i - 1].time_s));
+    facts.max_step_m = std::max(facts.max_step_m, step_m);
+    facts.max_turn_rad = std::max(facts.max_turn_rad, turn_rad);
+    facts.max_mps = std::max(facts.max_mps, step_m / (rows[i].time_s - rows[i - 1].time_s));
     before = here;
   }
   return facts;
@@ -102,12 +102,12 @@ PathRow pose_at(std::span<const PathRow> rows, double time_s,
   if (next == rows.begin()) return {time_s, rows[0].position_m, rows[0].orientation_wxyz};
   const PathRow& from = *(next - 1);
   if (next == rows.end()) return {time_s, from.position_m, from.orientation_wxyz};
-  const double share = (time_s - from.time_s) / (next->time_s - from.time_s);
+  const double fraction = (time_s - from.time_s) / (next->time_s - from.time_s);
   const Vector a = center_of(from, center_m), b = center_of(*next, center_m);
-  PathRow row{time_s, {}, between(from.orientation_wxyz, next->orientation_wxyz, share)};
+  PathRow row{time_s, {}, between(from.orientation_wxyz, next->orientation_wxyz, fraction)};
   const Vector arm = rotated(row.orientation_wxyz, center_m);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    row.position_m[axis] = a[axis] + (b[axis] - a[axis]) * share - arm[axis];
+    row.position_m[axis] = a[axis] + (b[axis] - a[axis]) * fraction - arm[axis];
   }
   return row;
 }
@@ -116,13 +116,13 @@ std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m) {
   std::vector<PathRow> samples{rows.front()};
   const double begin_s = rows.front().time_s;
-  const double least_s = 1e-9 * period_s;  // a sample that is nearer to a row is the row
+  const double min_s = 1e-9 * period_s;  // a sample that is nearer to a row is the row
   double n = 1;
   for (const PathRow& row : rows.subspan(1)) {
-    for (; begin_s + n * period_s < row.time_s - least_s; ++n) {
+    for (; begin_s + n * period_s < row.time_s - min_s; ++n) {
       // Late times are coarse: two may be the same double.
       const double time_s = begin_s + n * period_s;
-      if (time_s > samples.back().time_s + least_s) {
+      if (time_s > samples.back().time_s + min_s) {
         samples.push_back(pose_at(rows, time_s, center_m));
       }
     }

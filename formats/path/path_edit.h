@@ -12,10 +12,10 @@ namespace forcelayer {
 struct PathFacts {
   std::size_t poses = 0;
   double begin_s = 0, end_s = 0;
-  double way_m = 0;                           // of the point, straight between rows
-  double turn_rad = 0;                        // summed up
-  double most_step_m = 0, most_turn_rad = 0;  // between two rows
-  double most_mps = 0;
+  double way_m = 0;                         // of the point, straight between rows
+  double turn_rad = 0;                      // summed up
+  double max_step_m = 0, max_turn_rad = 0;  // between two rows
+  double max_mps = 0;
   std::array<double, 3> low_m{}, high_m{};  // the box of the point at the rows
 };
 

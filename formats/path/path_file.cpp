@@ -165,7 +165,7 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
                      "add rows between them, so that the direction of the turn is known");
       }
     }
-    if (rows.size() == kMostPathRows) return wrong("is beyond 100 million rows");
+    if (rows.size() == kMaxPathRows) return wrong("is beyond 100 million rows");
     rows.push_back(*row);
     before = values;
   }

@@ -23,7 +23,7 @@ struct PathRow {
 // Limits of a path. Distances and times between its rows are finite by far.
 inline constexpr double kFarthestPathM = 1e9;  // of a position from the origin, along an axis
 inline constexpr double kLatestPathS = 1e12;   // of a time from 0
-inline constexpr std::size_t kMostPathRows = 100'000'000;  // 28 hours at 1 kHz
+inline constexpr std::size_t kMaxPathRows = 100'000'000;  // 28 hours at 1 kHz
 
 // The poses to read from a trace, which has `part_` and `handle_` columns.
 enum class PathOf { kPart, kHandle };

@@ -84,8 +84,8 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   }
   if (has_distances(h)) {
     report["distances"] = {{"quantum_m", h.distance_quantum_m},
-                           {"deepest_m", least_distance_m(h, 1)},
-                           {"farthest_m", least_distance_m(h, kMostDistanceCode)},
+                           {"deepest_m", min_distance_m(h, 1)},
+                           {"farthest_m", min_distance_m(h, kMaxDistanceCode)},
                            {"upper_nodes", map.distance_counts().upper_nodes},
                            {"lower_nodes", map.distance_counts().lower_nodes},
                            {"brick_bytes", map.distance_counts().brick_bytes}};
@@ -228,7 +228,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   if (has_distances(h)) {
     add_line(text,
              "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bytes",
-             1e3 * least_distance_m(h, 1), 1e3 * least_distance_m(h, kMostDistanceCode),
+             1e3 * min_distance_m(h, 1), 1e3 * min_distance_m(h, kMaxDistanceCode),
              1e3 * h.distance_quantum_m, map.distance_counts().brick_bytes);
   } else {
     add_line(text, "  distances         none");
@@ -308,7 +308,7 @@ class ObjectCount {
  private:
   static constexpr std::uint32_t kMeasured = uniform_entry(1);
 
-  static bool is_measured(std::uint32_t code) { return code > 0 && code < kMostDistanceCode; }
+  static bool is_measured(std::uint32_t code) { return code > 0 && code < kMaxDistanceCode; }
 
   // Child n of an entry whose cube has this edge; a uniform entry is its own child.
   template <std::uint32_t kBits>

@@ -20,24 +20,17 @@ std::string summary_of(const PathFacts& f, const std::string& path, const char* 
   return text("%s: %zu poses from %.6g to %.6g s; %s travels %.6g m and turns %.6g rad\n",
               escaped(path).c_str(), f.poses, f.begin_s, f.end_s, point, f.way_m, f.turn_rad) +
          text("  between two poses at most %.6g mm and %.6g rad; at most %.6g m/s\n",
-              f.most_step_m * 1e3, f.most_turn_rad, f.most_mps) +
+              f.max_step_m * 1e3, f.max_turn_rad, f.max_mps) +
          text("  %s in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", point, f.low_m[0], f.low_m[1],
               f.low_m[2], f.high_m[0], f.high_m[1], f.high_m[2]);
 }
 
 nlohmann::ordered_json report_of(const PathFacts& f, const std::array<double, 3>& center_m) {
-  return {{"schema_version", 1},
-          {"poses", f.poses},
-          {"point_m", center_m},
-          {"begin_s", f.begin_s},
-          {"end_s", f.end_s},
-          {"way_m", f.way_m},
-          {"turn_rad", f.turn_rad},
-          {"most_step_m", f.most_step_m},
-          {"most_step_rad", f.most_turn_rad},
-          {"most_speed_mps", f.most_mps},
-          {"low_m", f.low_m},
-          {"high_m", f.high_m}};
+  return {
+      {"schema_version", 1},        {"poses", f.poses},           {"point_m", center_m},
+      {"begin_s", f.begin_s},       {"end_s", f.end_s},           {"way_m", f.way_m},
+      {"turn_rad", f.turn_rad},     {"max_step_m", f.max_step_m}, {"max_step_rad", f.max_turn_rad},
+      {"max_speed_mps", f.max_mps}, {"low_m", f.low_m},           {"high_m", f.high_m}};
 }
 
 Status write_path(const std::vector<PathRow>& rows, const std::string& path) {
@@ -63,7 +56,7 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
       return Error{ErrorCode::kUsage, "", "--resample", "must be a microsecond or more", ""};
     }
     const double between = (rows.back().time_s - rows.front().time_s) / *period_s;
-    if (between + static_cast<double>(rows.size()) >= static_cast<double>(kMostPathRows)) {
+    if (between + static_cast<double>(rows.size()) >= static_cast<double>(kMaxPathRows)) {
       return Error{ErrorCode::kUsage, "", "--resample", "makes more than 100 million rows",
                    "give a longer period"};
     }

@@ -62,7 +62,7 @@ void write_object(std::ostream& lines, const Voxmap& map,
   const std::uint32_t object = map.nearest_object(i, j, k);
   lines << escaped(map.object_name(object));
   const bool measured =
-      std::isfinite(map.least_distance_m(i, j, k)) && std::isfinite(map.most_distance_m(i, j, k));
+      std::isfinite(map.min_distance_m(i, j, k)) && std::isfinite(map.max_distance_m(i, j, k));
   if (object != 0 && !measured) lines << "\thint";
 }
 
@@ -72,8 +72,8 @@ void write_line(std::ostream& lines, const Voxmap& map, const std::array<std::in
   lines << static_cast<int>(map.value(i, j, k));
   if (map.distances() != nullptr) {
     constexpr double kUnknown = std::numeric_limits<double>::infinity();
-    write_distance(lines, known ? map.least_distance_m(i, j, k) : -kUnknown);
-    write_distance(lines, known ? map.most_distance_m(i, j, k) : kUnknown);
+    write_distance(lines, known ? map.min_distance_m(i, j, k) : -kUnknown);
+    write_distance(lines, known ? map.max_distance_m(i, j, k) : kUnknown);
   }
   if (map.objects() != nullptr) {
     lines << '\t';

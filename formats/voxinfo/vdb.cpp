@@ -91,8 +91,8 @@ openvdb::GridPtrVec make_grids(const Voxmap& map) {
     const VoxmapHeader& h = map.header();
     grids.push_back(make_grid<openvdb::FloatGrid>(
         "distance_m", s, *map.distances(),
-        OccupiedBoxes(*map.distances(), map.distance_counts(), kMostDistanceCode),
-        kMostDistanceCode, [&](std::uint32_t code) {
+        OccupiedBoxes(*map.distances(), map.distance_counts(), kMaxDistanceCode), kMaxDistanceCode,
+        [&](std::uint32_t code) {
           // Code 0 has no lower bound: here it stands for the step that it ends.
           return (static_cast<double>(code) - h.distance_zero_code) * h.distance_quantum_m;
         }));

@@ -186,7 +186,7 @@ double proof_margin(const part::Part& part, double radius) {
 }
 
 CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3> points,
-                             double radius, std::size_t most_holes) {
+                             double radius, std::size_t max_holes) {
   const double proof_radius = radius - proof_margin(part, radius);
   CoveringProof proof;
   if (!(proof_radius > 0)) {
@@ -206,7 +206,7 @@ CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3>
         prove_tiles(groups.sparse.size(), kTilesPerTask, sparse, grid, proof_radius, nullptr,
                     proof);
         prove_tiles(groups.dense.size(), 1, dense, grid, proof_radius, nullptr, proof);
-        proof.given_up = proof.holes.size() > most_holes;
+        proof.given_up = proof.holes.size() > max_holes;
         return !proof.given_up;
       });
   proof.proven = proof.holes.empty();

@@ -43,10 +43,10 @@ struct CoveringProof {
 double proof_margin(const part::Part& part, double radius);
 
 // Proves that every point of `part` is within `radius` (m) of one of `points`, both relative to the
-// same center. Gives up, not proven, once more than `most_holes` are known, and for a radius that
+// same center. Gives up, not proven, once more than `max_holes` are known, and for a radius that
 // rounding alone exceeds. The same result for any number of threads.
 CoveringProof prove_covering(const part::Part& part, std::span<const part::Vec3> points,
-                             double radius, std::size_t most_holes = SIZE_MAX);
+                             double radius, std::size_t max_holes = SIZE_MAX);
 
 // Continues a failed proof of the same part and radius with more points: looks only at the pieces
 // with holes. With `hidden`, surface that it proves to lie inside another body need not be covered.

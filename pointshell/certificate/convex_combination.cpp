@@ -8,26 +8,26 @@
 namespace forcelayer::certificate {
 namespace {
 
-constexpr std::size_t kMostSupport = 5;  // four points and the one that enters
-constexpr int kMostSteps = 40;           // of one minimization; fewer than ten are usual
-constexpr double kEnough = 1e-9;         // a step that gains less ends it
+constexpr std::size_t kMaxSupport = 5;  // four points and the one that enters
+constexpr int kMaxSteps = 40;           // of one minimization; fewer than ten are usual
+constexpr double kEnough = 1e-9;        // a step that gains less ends it
 // Stands in for the inverse of a singular matrix: the solution is then far away in the direction
 // along which nothing changes, and the way there ends where a weight becomes zero.
 constexpr double kRidge = 1e-10;
 // In radii. The gap is minimized as a square, whose weight follows the gap last found.
-constexpr double kFirstGap = 0.2, kSmallGap = 0.01, kLeastGap = 0.001;
+constexpr double kFirstGap = 0.2, kSmallGap = 0.01, kMinGap = 0.001;
 constexpr int kAdaptiveRounds = 2;
 
-using Square = std::array<std::array<double, kMostSupport - 1>, kMostSupport - 1>;
-using Row = std::array<double, kMostSupport - 1>;
+using Square = std::array<std::array<double, kMaxSupport - 1>, kMaxSupport - 1>;
+using Row = std::array<double, kMaxSupport - 1>;
 
 // Solves the first `count` equations of a positive definite system; `right` becomes the solution.
 void solve(Square& a, Row& right, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = i + 1; k < count; ++k) {
-      const double share = a[k][i] / a[i][i];
-      for (std::size_t j = i; j < count; ++j) a[k][j] -= share * a[i][j];
-      right[k] -= share * right[i];
+      const double fraction = a[k][i] / a[i][i];
+      for (std::size_t j = i; j < count; ++j) a[k][j] -= fraction * a[i][j];
+      right[k] -= fraction * right[i];
     }
   }
   for (std::size_t i = count; i-- > 0;) {
@@ -64,10 +64,10 @@ std::size_t CombinationFinder::steepest(double stiffness) const {
   double level = 0;
   for (const std::size_t n : support_) level += candidates_[n].weight * slope(candidates_[n]);
   std::size_t best = candidates_.size();
-  double least = level - kEnough;
+  double smallest = level - kEnough;
   for (std::size_t n = 0; n < candidates_.size(); ++n) {
     const double own = slope(candidates_[n]);
-    if (own < least) best = n, least = own;
+    if (own < smallest) best = n, smallest = own;
   }
   return best;
 }
@@ -121,9 +121,9 @@ void CombinationFinder::settle(double stiffness) {
 
 // Minimizes the sum of weight times cost, plus stiffness times the squared gap.
 void CombinationFinder::minimize(double stiffness) {
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const std::size_t enters = steepest(stiffness);
-    if (enters == candidates_.size() || support_.size() == kMostSupport ||
+    if (enters == candidates_.size() || support_.size() == kMaxSupport ||
         std::find(support_.begin(), support_.end(), enters) != support_.end()) {
       return;
     }
@@ -141,7 +141,7 @@ Combination CombinationFinder::at(const part::Vec3& place) {
     const part::Vec3 offset = inverse * (point - place);
     const double squared = part::length_squared(offset);
     if (squared > kReach * kReach) return;
-    // A second moment costs about this loss; the gap's share of `squared` is small.
+    // A second moment costs about this loss; the gap's fraction of `squared` is small.
     candidates_.push_back({offset, squared, squared / (2 * aim_), 0});
     if (squared < candidates_[nearest].squared) nearest = candidates_.size() - 1;
   });
@@ -158,7 +158,7 @@ Combination CombinationFinder::at(const part::Vec3& place) {
     assumed_gap = std::max(part::length(offset_of_combination()), kSmallGap);
   }
   if (assumed_gap <= 2 * kSmallGap) {
-    minimize(1 / (2 * kLeastGap));
+    minimize(1 / (2 * kMinGap));
     keep_if_better();
   }
   return {place + radius_ * best_.place, best_.second_moment * radius_ * radius_,

@@ -10,7 +10,7 @@ part::Vec3 crossing(const part::Vec3& a, const part::Vec3& b, double side_a, dou
 }  // namespace
 
 bool ConvexPolygon::cut(const double* side) {
-  if (count_ == kMostCorners) return false;
+  if (count_ == kMaxCorners) return false;
   // In place: at most one more corner is written than has been read, and that one is kept aside.
   const part::Vec3 first = corners_[0], last = corners_[count_ - 1];
   part::Vec3 previous = last, current = first;

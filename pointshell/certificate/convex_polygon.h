@@ -40,21 +40,21 @@ class ConvexPolygon {
   }
 
  private:
-  static constexpr std::size_t kMostCorners = 32;
+  static constexpr std::size_t kMaxCorners = 32;
 
   // Drops the corners on the positive side and adds those between the sides.
   bool cut(const double* side);
 
   // A union, so that a new polygon does not set all corners to zero.
   union {
-    part::Vec3 corners_[kMostCorners];
+    part::Vec3 corners_[kMaxCorners];
   };
   std::size_t count_;
 };
 
 // Inline, as the inner loop of cells and certificate.
 inline bool ConvexPolygon::clip(const part::Vec3& normal, double offset, bool keep_in_plane) {
-  double side[kMostCorners];
+  double side[kMaxCorners];
   bool any_outside = false, any_inside = false;
   for (std::size_t n = 0; n < count_; ++n) {
     side[n] = part::dot(normal, corners_[n]) - offset;

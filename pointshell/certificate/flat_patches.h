@@ -60,11 +60,11 @@ template <typename Bounded, typename Each>
 void bound_by_patches(const SurfacePieces& pieces, double radius, const Bounded& bounded,
                       const Each& each) {
   constexpr std::size_t kFew = 6;
-  constexpr double kMostGap = 0.025, kSmallest = 0.25;  // radii
+  constexpr double kMaxGap = 0.025, kSmallest = 0.25;  // radii
   if (pieces.size() == 0) return;
   const bool few = pieces.size() <= kFew;
   const OrientedBox box = box_around(pieces);
-  if (!few && part::length(box.half[2]) <= kMostGap * radius && bounded(box.patch())) return;
+  if (!few && part::length(box.half[2]) <= kMaxGap * radius && bounded(box.patch())) return;
   if (few || box.radius() < kSmallest * radius) {
     for (std::size_t n = 0; n < pieces.size(); ++n) each(pieces[n]);
     return;

@@ -26,12 +26,12 @@ constexpr double kTolerance = 0.01, kPlaneTolerance = 0.03;
 constexpr double kSmallest = 0.02;       // a piece smaller than this is not bisected
 constexpr double kSmallestHidden = 0.1;  // an open piece that might be hidden is bisected to this
 // A tile that reaches less deep into the box of every solid is not hidden.
-constexpr double kLeastDepth = kSmallestHidden / 2;
+constexpr double kMinDepth = kSmallestHidden / 2;
 constexpr double kSmallestOfPatch = 0.1;  // the pieces of a patch are not bisected below this
 constexpr double kStoredMargin = 1e-4;    // outweighs that another machine rounds another way
 // Claims are proven down to smaller pieces than those that they were found with.
 constexpr double kSmallestClaimed = 0.005;
-constexpr std::size_t kMostEstimated = 64;  // pieces of a group that the estimate looks at
+constexpr std::size_t kMaxEstimated = 64;  // pieces of a group that the estimate looks at
 // Distances of the table, in aimed distances: each is this factor above the one before. Between
 // them the losses of neighbors lose less than a hundredth of a voxel.
 constexpr std::size_t kLosses = 12;
@@ -69,20 +69,22 @@ std::array<double, 3> moments_about_common_place(const CornerPiece& piece) {
     }
     return moments;
   };
-  const auto largest = [](const std::array<double, 3>& m) { return std::max({m[0], m[1], m[2]}); };
+  const auto largest_of = [](const std::array<double, 3>& m) {
+    return std::max({m[0], m[1], m[2]});
+  };
   const part::Vec3& c0 = piece[0].combination.place;
   std::array<double, 3> best = about(c0);
   const auto consider = [&](const part::Vec3& o) {
     const std::array<double, 3> moments = about(o);
-    if (largest(moments) < largest(best)) best = moments;
+    if (largest_of(moments) < largest_of(best)) best = moments;
   };
   for (int n = 0; n < 3; ++n) {
     const Combination &a = piece[n].combination, &b = piece[(n + 1) % 3].combination;
     const part::Vec3 along = b.place - a.place;
     const double squared = part::length_squared(along);
     if (!(squared > 0)) continue;
-    const double share = 0.5 + (b.second_moment - a.second_moment) / (2 * squared);
-    consider(a.place + std::clamp(share, 0.0, 1.0) * along);
+    const double fraction = 0.5 + (b.second_moment - a.second_moment) / (2 * squared);
+    consider(a.place + std::clamp(fraction, 0.0, 1.0) * along);
   }
   // The place in the corners' plane about which all three have the same moment.
   const part::Vec3 u = piece[1].combination.place - c0, v = piece[2].combination.place - c0;
@@ -234,7 +236,7 @@ class PieceProver {
 
   void prove(const SurfacePieces& dense) {
     if constexpr (Judge::kOnlyLooks) {
-      const std::size_t step = (dense.size() + kMostEstimated - 1) / kMostEstimated;
+      const std::size_t step = (dense.size() + kMaxEstimated - 1) / kMaxEstimated;
       for (std::size_t n = 0; n < dense.size(); n += step) prove(dense[n].first(3));
     } else {
       bound_by_patches(
@@ -293,7 +295,7 @@ class PieceProver {
     if (covered_.hidden == nullptr) return;
     part::Box box;
     for (const part::Vec3& corner : polygon) box.grow(corner);
-    hideable_ = covered_.hidden->may_hold(box, kLeastDepth * covered_.radius);
+    hideable_ = covered_.hidden->may_hold(box, kMinDepth * covered_.radius);
   }
 
   bool is_hidden(const PieceBounds& bounds, double gap) const {
@@ -504,8 +506,8 @@ struct FindJudge {
   bool changes_no_loss(const Pair& largest) {
     if (known.bounds(largest)) return true;
     for (std::size_t i = 0; i < kLosses; ++i) {
-      const double most = distance_loss(distances[i], largest.moment, largest.gap);
-      if (std::min(most, radius) > losses[i]) return false;
+      const double loss = distance_loss(distances[i], largest.moment, largest.gap);
+      if (std::min(loss, radius) > losses[i]) return false;
     }
     known = largest;
     return true;
@@ -579,8 +581,8 @@ SurfaceLosses find_losses(const CoveredPart& covered, const part::Progress& prog
   SurfaceLosses found;
   const double radius = covered.radius;
   EstimateJudge estimate{table_distances(covered)};
-  constexpr double kEstimateShare = 0.3;  // of the time
-  const auto estimated = [&](double done) { progress(kEstimateShare * done); };
+  constexpr double kEstimateFraction = 0.3;  // of the time
+  const auto estimated = [&](double done) { progress(kEstimateFraction * done); };
   judge_part(covered, estimate, found.pieces, estimated, [&](EstimateJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       estimate.losses[i] = std::max(estimate.losses[i], judge.losses[i]);
@@ -598,7 +600,9 @@ SurfaceLosses find_losses(const CoveredPart& covered, const part::Progress& prog
         std::max(all.wanted[i] + kTolerance * radius, of_plane + kPlaneTolerance * radius);
   }
   const FindJudge fresh = all;
-  const auto proven = [&](double done) { progress(kEstimateShare + (1 - kEstimateShare) * done); };
+  const auto proven = [&](double done) {
+    progress(kEstimateFraction + (1 - kEstimateFraction) * done);
+  };
   judge_part(covered, fresh, found.pieces, proven, [&](FindJudge& judge) {
     for (std::size_t i = 0; i < kLosses; ++i) {
       all.losses[i] = std::max(all.losses[i], judge.losses[i]);

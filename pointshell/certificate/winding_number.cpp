@@ -7,7 +7,7 @@
 namespace forcelayer::certificate {
 namespace {
 
-// Below this share of the product of the distances the triangle is seen edge-on.
+// Below this fraction of the product of the distances the triangle is seen edge-on.
 constexpr double kEdgeOn = 1e-12;
 
 part::Vec3 farthest_offset(const part::TriangleTree::Node& box, const part::Vec3& from) {

@@ -36,7 +36,7 @@ double wedge_in_circle(const Point2& a, const Point2& b, double radius) {
   const double discriminant = ad * ad - dd * (dot2(a, a) - radius * radius);
   if (dd == 0) return 0;
   if (discriminant <= 0) return sector(a, b, radius);
-  // The chord's ends, as shares of the way from a to b.
+  // The chord's ends, as fractions of the way from a to b.
   const double root = std::sqrt(discriminant);
   const double enter = std::max((-ad - root) / dd, 0.0), leave = std::min((-ad + root) / dd, 1.0);
   if (enter >= leave) return sector(a, b, radius);

@@ -19,7 +19,7 @@ namespace forcelayer::normals {
 namespace {
 
 constexpr double kDecisive = 0.15;
-// A patch with a smaller share of leaving rays is hidden; a few rays slip through gaps.
+// A patch with a smaller fraction of leaving rays is hidden; a few rays slip through gaps.
 constexpr double kHidden = 0.005;
 // The first samples are enough where they leave no doubt; a negligible patch gets fewer.
 constexpr std::size_t kSamplesPerPatch = 128, kFirstSamples = 8, kFirstOfNegligible = 2;
@@ -175,7 +175,7 @@ std::array<part::Vec3, kRaysPerSample> ray_directions() {
   return directions;
 }
 
-// Shares of the rays from each side of a patch that leave the part.
+// Fractions of the rays from each side of a patch that leave the part.
 struct Sky {
   double front = 0, back = 0;
 
@@ -214,7 +214,7 @@ class SkySampler {
     std::size_t taken = 0;
     for (const std::uint32_t t : triangles) {
       area_so_far += part::length(part::doubled_area_normal(part_, t)) / 2;
-      // The triangle that the middle of the next equal share of the area falls into.
+      // The triangle that the middle of the next equal fraction of the area falls into.
       double weight = 0;
       while (taken < samples && (static_cast<double>(taken) + 0.5) * area <=
                                     area_so_far * static_cast<double>(samples)) {

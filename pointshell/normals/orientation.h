@@ -47,7 +47,7 @@ struct OrientationReport {
 // body. A patch that is hidden there too (a cavity) is turned as the larger area of its body's
 // visible patches.
 //
-// The decisiveness (front - back) / (front + back) of the shares of rays that leave is 1 for a
+// The decisiveness (front - back) / (front + back) of the fractions of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. A patch with less than 0.15 either way is a sheet, unless it
 // is smaller than `negligible_size_m` or has no area. Each of `groups` is judged past itself alone,
 // and its copies are as it is: what stands near one of them says nothing of the others.

@@ -15,11 +15,11 @@ using Bodies = std::vector<std::uint32_t>;
 
 // In radii. A point covers surface of two bodies only where they are this near.
 constexpr double kServed = 2;
-constexpr double kMostSlack = 1e-3;
+constexpr double kMaxSlack = 1e-3;
 constexpr double kFarthest = 5;  // of the distances that proofs speak of
 // Groups of the same meshes that no motion takes into each other (other scales) are compared with
 // so many at most.
-constexpr int kMostOriginals = 100;
+constexpr int kMaxOriginals = 100;
 
 std::array<Vec3, 3> rows_of(const mesh::Affine& placing) {
   const std::array<double, 9>& m = placing.linear;
@@ -49,16 +49,16 @@ Motion motion_between(const mesh::Affine& from, const mesh::Affine& to) {
 
 // By how much the motion stretches at most: it multiplies lengths by 1 + this or less.
 double stretch_of(const Motion& motion) {
-  double most = 0;
+  double largest = 0;
   double sum = dot(motion.offset, {1, 1, 1});
   for (const Vec3& row : motion.rows) sum += length_squared(row);
   if (!std::isfinite(sum)) return std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      most = std::max(most, std::abs(dot(motion.rows[i], motion.rows[j]) - (i == j ? 1 : 0)));
+      largest = std::max(largest, std::abs(dot(motion.rows[i], motion.rows[j]) - (i == j ? 1 : 0)));
     }
   }
-  return 1.5 * most;  // the norm of rows * rows^T - 1 is at most 3 times its largest element
+  return 1.5 * largest;  // the norm of rows * rows^T - 1 is at most 3 times its largest element
 }
 
 bool is_mirror(const Motion& motion) {
@@ -153,7 +153,7 @@ class CopyFinder {
   void choose_originals(std::vector<Bodies> groups, std::vector<CopiedGroup>& copied) const {
     std::map<std::uint32_t, Bodies> left;  // by their first vertex
     for (Bodies& group : groups) left.emplace(first_vertex(group), std::move(group));
-    for (int tried = 0; left.size() > 1 && tried < kMostOriginals; ++tried) {
+    for (int tried = 0; left.size() > 1 && tried < kMaxOriginals; ++tried) {
       CopiedGroup own;
       own.bodies = std::move(left.begin()->second);
       left.erase(left.begin());
@@ -176,19 +176,19 @@ class CopyFinder {
   // Nothing where `to` is not `from`, moved.
   std::optional<double> slack_between(const Bodies& from, const Bodies& to,
                                       const Motion& motion) const {
-    const double most = kMostSlack * radius_, across = length(box_.high - box_.low);
+    const double largest = kMaxSlack * radius_, across = length(box_.high - box_.low);
     double slack = kFarthest * radius_ * stretch_of(motion) +
                    std::ldexp(across + 2 * radius_, -24) +  // points rounded to floats
                    std::ldexp(part_.largest_coordinate + across, -40);
-    if (!(slack <= most)) return {};
-    const double most_off = most - slack;
+    if (!(slack <= largest)) return {};
+    const double max_off = largest - slack;
     double off = 0;
     for (std::size_t n = 0; n < from.size(); ++n) {
       for (std::size_t k = 0; k < of_body_[from[n]].size(); ++k) {
         const std::uint32_t a = of_body_[from[n]][k], b = of_body_[to[n]][k];
         if (part_.source[a] != part_.source[b]) return {};
         off = std::max(off, distance_between(a, b, motion));
-        if (!(off <= most_off)) return {};
+        if (!(off <= max_off)) return {};
       }
     }
     return slack + off;
@@ -201,15 +201,15 @@ class CopyFinder {
     for (Vec3& corner : moved) corner = motion.moved(corner);
     if (is_mirror(motion)) std::swap(moved[1], moved[2]);
     const Piece own = triangle_piece(part_, b);
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (int shift = 0; shift < 3; ++shift) {
       double squared = 0;
       for (int n = 0; n < 3; ++n) {
         squared = std::max(squared, length_squared(moved[(n + shift) % 3] - own[n]));
       }
-      least = std::min(least, squared);
+      smallest = std::min(smallest, squared);
     }
-    return std::sqrt(least);
+    return std::sqrt(smallest);
   }
 
   const Part& part_;

@@ -20,8 +20,8 @@ void parallel_ranges(std::size_t count, std::size_t grain,
 
 void with_threads(unsigned threads, const std::function<void()>& body) {
   // More threads than the machine runs at once would only draw a warning from the library.
-  const int most = tbb::info::default_concurrency();
-  tbb::task_arena arena(threads == 0 ? most : std::min(static_cast<int>(threads), most));
+  const int largest = tbb::info::default_concurrency();
+  tbb::task_arena arena(threads == 0 ? largest : std::min(static_cast<int>(threads), largest));
   arena.execute(body);
 }
 

@@ -22,8 +22,8 @@ void parallel_for_each_index(std::size_t count, std::size_t grain, const Body& b
   });
 }
 
-// Called with the share of some work that is done, in [0, 1]; may be empty.
-using Progress = std::function<void(double share_done)>;
+// Called with the fraction of some work that is done, in [0, 1]; may be empty.
+using Progress = std::function<void(double fraction_done)>;
 
 // Counts what threads have done of `all`, and reports the fraction done: one thread at a time, the
 // others go on.

@@ -33,16 +33,16 @@ void append_instance(const mesh::Mesh& mesh, const mesh::Affine& assembly_from_m
                      double meters_per_unit, std::uint32_t body, CornerSoup& soup) {
   std::vector<Vec3> placed;
   placed.reserve(mesh.vertices.size());
-  mesh::Vec3d most{0, 0, 0};
+  mesh::Vec3d largest{0, 0, 0};
   for (const mesh::Vec3d& vertex : mesh.vertices) {
-    for (std::size_t d = 0; d < 3; ++d) most[d] = std::max(most[d], std::abs(vertex[d]));
+    for (std::size_t d = 0; d < 3; ++d) largest[d] = std::max(largest[d], std::abs(vertex[d]));
     const mesh::Vec3d moved = mesh::apply(assembly_from_mesh, vertex);
     // Adding zero turns -0 into +0, so that equal places have equal bits.
     placed.push_back({moved[0] * meters_per_unit + 0.0, moved[1] * meters_per_unit + 0.0,
                       moved[2] * meters_per_unit + 0.0});
   }
   soup.largest_m = std::max(
-      soup.largest_m, mesh::largest_sum(assembly_from_mesh, most) * std::abs(meters_per_unit));
+      soup.largest_m, mesh::largest_sum(assembly_from_mesh, largest) * std::abs(meters_per_unit));
   // A mirrored placing turns every triangle inside out; its corners are taken the other way round.
   const bool mirrored = determinant(assembly_from_mesh.linear) < 0;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

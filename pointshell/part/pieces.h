@@ -46,7 +46,7 @@ class Needle {
   // The pieces of a slice: up to three triangles with no edge longer than `longest_edge_m`.
   template <typename Take>
   void visit_slice(std::size_t slice, const Take& take) const {
-    const double t0 = share(slice), t1 = share(slice + 1);
+    const double t0 = fraction(slice), t1 = fraction(slice + 1);
     const Vec3 a = on_edge(t0), b = on_edge(t1), c = beside_edge(t1), d = beside_edge(t0);
     if (t0 < foot_ && foot_ < t1) {
       take_with_area({a, b, apex_}, take);
@@ -61,7 +61,7 @@ class Needle {
   std::pair<std::size_t, std::size_t> slices_near(const Box& box) const;
 
  private:
-  double share(std::size_t slice) const {
+  double fraction(std::size_t slice) const {
     return static_cast<double>(slice) / static_cast<double>(slices_);
   }
   Vec3 on_edge(double t) const { return t == 1 ? to_ : from_ + t * (to_ - from_); }
@@ -77,7 +77,7 @@ class Needle {
   }
 
   Vec3 from_, to_, apex_;  // the ends of the longest edge, and the third corner
-  double foot_ = 0;        // of the apex, as a share of the way along the edge
+  double foot_ = 0;        // of the apex, as a fraction of the way along the edge
   double height_ = 0;      // of the apex above the edge, m
   std::size_t slices_ = 0;
 };

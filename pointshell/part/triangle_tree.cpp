@@ -54,7 +54,7 @@ double ray_enters_box(const Vec3& origin, const Vec3& inverse, const TriangleTre
 }
 
 // Moeller and Trumbore 1997; false for a triangle seen edge-on.
-bool ray_meets_triangle(const Vec3& origin, const Vec3& direction, double least_distance,
+bool ray_meets_triangle(const Vec3& origin, const Vec3& direction, double min_distance,
                         const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u = b - a, v = c - a, across = cross(direction, v), from_a = origin - a;
   const double volume = dot(u, across);
@@ -62,7 +62,7 @@ bool ray_meets_triangle(const Vec3& origin, const Vec3& direction, double least_
   const double s = dot(from_a, across) / volume;
   const Vec3 lever = cross(from_a, u);
   const double t = dot(direction, lever) / volume;
-  return s >= 0 && t >= 0 && s + t <= 1 && dot(v, lever) / volume > least_distance;
+  return s >= 0 && t >= 0 && s + t <= 1 && dot(v, lever) / volume > min_distance;
 }
 
 }  // namespace
@@ -135,7 +135,7 @@ void TriangleTree::build(std::span<Placed> placed, std::uint32_t first, std::vec
 }
 
 bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
-                            double least_distance) const {
+                            double min_distance) const {
   constexpr double kMissed = std::numeric_limits<double>::infinity();
   const Vec3 inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
   std::array<std::uint32_t, kMaxDepth> stack;
@@ -148,7 +148,7 @@ bool TriangleTree::ray_hits(const Vec3& origin, const Vec3& direction, std::uint
       const std::uint32_t t = ordered_[node.first + n];
       if (t == excluded) continue;
       const auto [a, b, c] = triangle_piece(*part_, t);
-      if (ray_meets_triangle(origin, direction, least_distance, a, b, c)) return true;
+      if (ray_meets_triangle(origin, direction, min_distance, a, b, c)) return true;
     }
     if (node.count > 0) continue;
     // The nearer child goes first: a hit there ends the search.

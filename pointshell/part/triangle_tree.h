@@ -63,9 +63,9 @@ class TriangleTree {
   SurfacePoint nearest(const Vec3& place, std::span<const std::uint32_t> triangles) const;
 
   // Whether the ray from `origin` along `direction` meets a triangle other than `excluded`, farther
-  // than `least_distance` directions from its origin.
+  // than `min_distance` directions from its origin.
   bool ray_hits(const Vec3& origin, const Vec3& direction, std::uint32_t excluded,
-                double least_distance) const;
+                double min_distance) const;
 
   // Calls visit(triangle) for every triangle whose box is within `radius` of `place`, and some
   // more.

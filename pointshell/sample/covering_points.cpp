@@ -30,9 +30,9 @@ struct Recipe {
   double
       hole_separation;   // of the points added in one round, so that their neighbors can make room
   double relaxed_reach;  // around holes
-  // About which shares of the time go into spreading points, the steps of all, and the rounds; the
-  // proof takes the rest.
-  double spread_share, steps_share, rounds_share;
+  // About which fractions of the time go into spreading points, the steps of all, and the rounds;
+  // the proof takes the rest.
+  double spread_fraction, steps_fraction, rounds_fraction;
 };
 constexpr Recipe kFull{1.60, 8, 1.8, 6, 1.15, 3, 30, 4, 6.5, 4, 0.08, 0.5, 0.33};
 constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3, 0.36, 0.37, 0};
@@ -42,9 +42,9 @@ constexpr Recipe kFast{1.53, 1, 1.5, 1, 1.15, 4, 0, 2, 4, 3, 0.36, 0.37, 0};
 constexpr double kFirstSlack = 0.3, kLaterSlack = 0.1;
 // Relaxation aims a little below the radius, which leaves room for rounding positions to floats.
 constexpr double kAim = 0.9998;
-// Where more than this share of the cells are too large, as between layers of thin surface, points
-// are added closer together.
-constexpr double kBareShare = 0.25, kBareSeparation = 3;
+// Where more than this fraction of the cells are too large, as between layers of thin surface,
+// points are added closer together.
+constexpr double kBareFraction = 0.25, kBareSeparation = 3;
 
 class CoveringBuilder {
  public:
@@ -57,7 +57,7 @@ class CoveringBuilder {
         relaxation_(tree, radius, spread(tree)) {}
 
   std::vector<part::Vec3> build() {
-    progress_(recipe_.spread_share);
+    progress_(recipe_.spread_fraction);
     for (int n = 0; n < recipe_.centroid_steps; ++n) {
       step_all(CellCenter::kCentroid, recipe_.centroid_factor);
     }
@@ -98,8 +98,8 @@ class CoveringBuilder {
     }
     relaxation_.step(center, factor);
     ++steps_done_;
-    progress_(recipe_.spread_share +
-              recipe_.steps_share * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
+    progress_(recipe_.spread_fraction +
+              recipe_.steps_fraction * steps_done_ / (recipe_.centroid_steps + recipe_.ball_steps));
   }
 
   // Adds points in holes and relaxes around all of them; false when there are no holes.
@@ -115,9 +115,9 @@ class CoveringBuilder {
     // The first rounds mend most holes and take longest, the last ones a few.
     const auto left = static_cast<double>(holes.size());
     first_holes_ = std::max(first_holes_, left);
-    progress_(recipe_.spread_share + recipe_.steps_share +
-              recipe_.rounds_share * (1 - std::sqrt(left / first_holes_)));
-    const bool is_bare = kBareShare * static_cast<double>(relaxation_.positions().size()) <
+    progress_(recipe_.spread_fraction + recipe_.steps_fraction +
+              recipe_.rounds_fraction * (1 - std::sqrt(left / first_holes_)));
+    const bool is_bare = kBareFraction * static_cast<double>(relaxation_.positions().size()) <
                          static_cast<double>(holes.size());
     const double separation = is_bare ? kBareSeparation : recipe_.hole_separation;
     relaxation_.add(deepest_holes(holes, separation * radius_));

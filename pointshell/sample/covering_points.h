@@ -23,7 +23,7 @@ struct CoveringPoints {
 // them out; steps to the centers of the smallest balls around the cells shrink the largest cells.
 // Then, round by round, points are added in the deepest holes, far from each other, and points near
 // a hole are relaxed again. Last, points are added wherever the proof finds a hole.
-// `progress` is called with the share of the work done, in [0, 1].
+// `progress` is called with the fraction of the work done, in [0, 1].
 CoveringPoints covering_points(const part::TriangleTree& tree, double radius, Effort effort,
                                const part::Progress& progress);
 

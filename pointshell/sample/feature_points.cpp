@@ -16,9 +16,9 @@ namespace {
 constexpr double kSharpCos = 0.766;    // 40 degrees between the normals of an edge's triangles
 constexpr double kStraightCos = 0.71;  // 45 degrees between the edges of a chain
 // In radii.
-constexpr double kSpacing = 1.6;     // along a chain; that of the front
-constexpr double kSeparation = 1;    // no two feature points are closer
-constexpr double kLeastNetwork = 4;  // length of edges that hang together
+constexpr double kSpacing = 1.6;   // along a chain; that of the front
+constexpr double kSeparation = 1;  // no two feature points are closer
+constexpr double kMinNetwork = 4;  // length of edges that hang together
 
 // A triangle's side from its lower to its higher vertex.
 struct Side {
@@ -142,7 +142,7 @@ class Network {
     std::vector<double> length(part_.vertices.size());
     for (const Edge& e : edges) length[root(e.low)] += length_of(e);
     std::erase_if(edges,
-                  [&](const Edge& e) { return length[root(e.low)] < kLeastNetwork * radius_; });
+                  [&](const Edge& e) { return length[root(e.low)] < kMinNetwork * radius_; });
   }
 
   std::span<const End> ends_at(std::uint32_t vertex) const {

@@ -12,7 +12,7 @@ RestrictedCells::Cutter::Cutter(std::uint32_t point, std::span<const part::Vec3>
     : center(positions[point]), radius(cell_radius) {
   // Two points that share a plane compute its normal and offset with opposite signs and the same
   // bits. So no piece goes to both of them, or to neither.
-  for (const std::uint32_t other : neighbors.first(std::min(neighbors.size(), kMostNeighbors))) {
+  for (const std::uint32_t other : neighbors.first(std::min(neighbors.size(), kMaxNeighbors))) {
     const part::Vec3& q = positions[other];
     const part::Vec3 normal = q - center;
     const double squared = part::length_squared(normal);

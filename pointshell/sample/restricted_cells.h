@@ -85,7 +85,7 @@ class RestrictedCells {
     void cut();
     void cut_to_cube();
 
-    static constexpr std::size_t kMostNeighbors = 64;
+    static constexpr std::size_t kMaxNeighbors = 64;
     struct Bisector {
       part::Vec3 normal;        // from the point to its neighbor
       double offset;            // of the plane: dot(normal, middle)
@@ -95,7 +95,7 @@ class RestrictedCells {
     certificate::ConvexPolygon polygon;
     part::Vec3 center;
     double radius;
-    Bisector bisectors[kMostNeighbors];
+    Bisector bisectors[kMaxNeighbors];
     std::size_t bisector_count = 0;
   };
 

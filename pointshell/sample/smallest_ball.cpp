@@ -6,7 +6,7 @@
 namespace forcelayer::sample {
 namespace {
 
-constexpr int kMostPivots = 100;
+constexpr int kMaxPivots = 100;
 constexpr double kRelativeSlack = 1e-12;
 
 // Up to four points on the ball, and the one to be added.
@@ -97,7 +97,7 @@ Ball smallest_ball(std::span<const part::Vec3> points) {
   Ball ball{points.front(), 0};
   Support support;
   support.points[support.count++] = points.front();
-  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+  for (int pivot = 0; pivot < kMaxPivots; ++pivot) {
     part::Vec3 farthest = points.front();
     double squared = 0;
     for (const part::Vec3& p : points) {

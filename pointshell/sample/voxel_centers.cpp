@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kTrianglesPerTask = 2048;
 // From the origin along an axis; the overlap test is exact far beyond.
-constexpr double kMostVoxels = 1e9;
+constexpr double kMaxVoxels = 1e9;
 
 using BrickMap = std::map<lattice::VoxelIndex, lattice::BrickMask>;  // by lowest voxel
 
@@ -68,7 +68,7 @@ Result<std::vector<part::Vec3>> voxel_centers(const part::Part& part, double vox
   const Error too_large{ErrorCode::kBakeTooLarge, "", "",
                         "the part has more surface voxels than a shell holds",
                         "use a larger voxel size"};
-  if (part.largest_coordinate / voxel_size_m > kMostVoxels) return too_large;
+  if (part.largest_coordinate / voxel_size_m > kMaxVoxels) return too_large;
   std::vector<part::Vec3> centers;
   for (const auto& brick : surface_bricks(part, voxel_size_m)) {
     const auto& corner = brick.first;

@@ -17,11 +17,11 @@ constexpr double kInterpolated = 0.5;  // voxels: a distance is no farther below
 
 // Blocks with and without distances that are searched for: 100 MB, 50 MB. Beyond that all are read
 // anew.
-constexpr std::size_t kMostSearched = 1 << 14, kMostStored = 1 << 16;
+constexpr std::size_t kMaxSearched = 1 << 14, kMaxStored = 1 << 16;
 constexpr float kRoundDown = 1 - 0x1p-20f;  // exceeds the rounding of a squared distance
 constexpr double kSumRounding = 1e-5;       // voxels^2, of the interpolation, from floats
 // Places as integers, and those whose bricks have a key.
-constexpr double kMostInteger = 1 << 30, kMostVoxel = 1 << 23;
+constexpr double kMaxInteger = 1 << 30, kMaxVoxel = 1 << 23;
 
 // floor(), of what an integer holds: without the call that it is on the least of x86.
 std::int32_t floor_of(double x) {
@@ -29,8 +29,8 @@ std::int32_t floor_of(double x) {
   return whole - (x < whole ? 1 : 0);
 }
 
-bool is_within(const glm::dvec3& p, double most) {
-  return std::abs(p.x) < most && std::abs(p.y) < most && std::abs(p.z) < most;
+bool is_within(const glm::dvec3& p, double largest) {
+  return std::abs(p.x) < largest && std::abs(p.y) < largest && std::abs(p.z) < largest;
 }
 
 int in_block(int x, int y, int z) { return (x * 9 + y) * 9 + z; }
@@ -40,7 +40,7 @@ std::uint32_t in_brick(int x, int y, int z) {
 }
 
 // The least distance between a center of a block (0.5 to 8.5) and one of the brick `offset` away.
-float least_between(const BrickIndex& offset) {
+float min_between(const BrickIndex& offset) {
   float squared = 0;
   for (const std::int32_t o : offset) {
     const int gap = std::max({0, 8 * o - 8, -8 * o - 7});
@@ -72,11 +72,11 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
       mesh_fronts_(voxmap, left_out, Fronts::Window::kMesh) {
   const VoxmapHeader& h = voxmap.header();
   const auto reach = static_cast<float>(reach_voxels(h)) * kRoundDown;
-  static_assert(kMostDistanceCode == 255);
-  for (std::uint32_t code = 0; code <= kMostDistanceCode; ++code) {
+  static_assert(kMaxDistanceCode == 255);
+  for (std::uint32_t code = 0; code <= kMaxDistanceCode; ++code) {
     const double low = (static_cast<std::int32_t>(code) - h.distance_zero_code) * quantum_;
-    const auto least = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
-    const float told = code == kMostDistanceCode ? reach : least;
+    const auto smallest = static_cast<float>(code == 0 ? 0 : std::max(0.0, low)) * kRoundDown;
+    const float told = code == kMaxDistanceCode ? reach : smallest;
     known_of_code_[code] = told;
     squared_of_code_[code] = told * told * kRoundDown;
   }
@@ -89,15 +89,15 @@ CenterDistances::CenterDistances(const Voxmap& voxmap, const LeftOut& left_out, 
   for (std::int32_t x = -bricks; x <= bricks; ++x) {
     for (std::int32_t y = -bricks; y <= bricks; ++y) {
       for (std::int32_t z = -bricks; z <= bricks; ++z) {
-        const float least = least_between({x, y, z});
-        if (least <= cap_) sorted.push_back({least, {x, y, z}});
+        const float smallest = min_between({x, y, z});
+        if (smallest <= cap_) sorted.push_back({smallest, {x, y, z}});
       }
     }
   }
   std::sort(sorted.begin(), sorted.end());
-  for (const auto& [least, offset] : sorted) {
+  for (const auto& [smallest, offset] : sorted) {
     offsets_.push_back(offset);
-    offset_least_.push_back(least);
+    offset_min_.push_back(smallest);
   }
 }
 
@@ -129,7 +129,7 @@ double CenterDistances::free_around(const glm::dvec3& p) const {
     if (outside > 0) around = outside;
   }
   const VoxmapView& view = voxmap_.view();
-  if (is_within(p, kMostInteger)) {
+  if (is_within(p, kMaxInteger)) {
     const std::int32_t v[3] = {floor_of(p.x), floor_of(p.y), floor_of(p.z)};
     if (view.contains(v[0], v[1], v[2])) {
       const VoxelLookup found = view.lookup(v[0], v[1], v[2]);
@@ -157,7 +157,7 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
   for (std::int32_t n = 0; n < 8; ++n) {
     const BrickIndex b{brick[0] + (n >> 2), brick[1] + (n >> 1 & 1), brick[2] + (n & 1)};
     const auto i = static_cast<std::size_t>(n);
-    codes[i] = distances.brick_codes(entry_of(distances, b, uniform_entry(kMostDistanceCode)));
+    codes[i] = distances.brick_codes(entry_of(distances, b, uniform_entry(kMaxDistanceCode)));
     if (objects != nullptr) {
       numbers[i] = objects->brick_codes(entry_of(*objects, b, uniform_entry(0)));
     }
@@ -188,7 +188,7 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
           block.code[i] = static_cast<std::uint8_t>(unknown ? 0 : code);  // 0 has the distance 0
           continue;
         }
-        bool is_stored = code != kMostDistanceCode;
+        bool is_stored = code != kMaxDistanceCode;
         if (is_stored && objects != nullptr) {
           const std::uint32_t object = numbers[n][in_brick(x, y, z)];
           is_stored = object >= left_out_.size() || left_out_[object] == 0;
@@ -205,7 +205,7 @@ void CenterDistances::read(const BrickIndex& brick, Block& block) const {
 CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick, std::uint64_t key) {
   auto found = blocks_.find(key);
   if (found == blocks_.end()) {
-    if (blocks_.size() >= (searches_ ? kMostSearched : kMostStored)) {
+    if (blocks_.size() >= (searches_ ? kMaxSearched : kMaxStored)) {
       blocks_.clear();
       slots_.fill({});
       fronts_.forget();
@@ -221,11 +221,11 @@ CenterDistances::Block& CenterDistances::block_of(const BrickIndex& brick, std::
 void CenterDistances::find_near(const BrickIndex& brick, Searched& block) {
   block.has_near = true;
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
-    if (offset_least_[i] + fronts_.least_voxels() > cap_) break;
+    if (offset_min_[i] + fronts_.min_voxels() > cap_) break;
     const BrickIndex& o = offsets_[i];
     const Front* const front = fronts_.of({brick[0] + o[0], brick[1] + o[1], brick[2] + o[2]});
     if (front == nullptr) continue;
-    block.near.push_back({front, {8 * o[0], 8 * o[1], 8 * o[2]}, offset_least_[i]});
+    block.near.push_back({front, {8 * o[0], 8 * o[1], 8 * o[2]}, offset_min_[i]});
   }
 }
 
@@ -234,14 +234,14 @@ float CenterDistances::search(const BrickIndex& brick, Searched& block, int at) 
   if (!block.has_near) find_near(brick, block);
   const glm::vec3 center(static_cast<float>(at / 81) + 0.5f, static_cast<float>(at / 9 % 9) + 0.5f,
                          static_cast<float>(at % 9) + 0.5f);
-  const auto least_of_front = static_cast<float>(fronts_.least_voxels());
+  const auto min_of_front = static_cast<float>(fronts_.min_voxels());
   auto best = static_cast<float>(cap_);
   for (const Searched::Near& near : block.near) {
-    if (near.least + least_of_front >= best) break;
+    if (near.smallest + min_of_front >= best) break;
     const Front& f = *near.front;
     const glm::vec3 from = center - near.low;
-    best = least_sum({f.x.data(), f.y.data(), f.z.data(), f.least.data(), f.x.size()}, from.x,
-                     from.y, from.z, best);
+    best = min_sum({f.x.data(), f.y.data(), f.z.data(), f.smallest.data(), f.x.size()}, from.x,
+                   from.y, from.z, best);
   }
   const auto i = static_cast<std::size_t>(at);
   double distance = fronts_.distance_voxels(best, block.known[i]);
@@ -255,7 +255,7 @@ float CenterDistances::search(const BrickIndex& brick, Searched& block, int at) 
 }
 
 double CenterDistances::at(const glm::dvec3& place) {
-  if (!is_within(place, kMostVoxel)) return std::min(cap_, free_around(place));
+  if (!is_within(place, kMaxVoxel)) return std::min(cap_, free_around(place));
   const glm::dvec3 from_center = place - 0.5;
   const std::int32_t v[3] = {floor_of(from_center.x), floor_of(from_center.y),
                              floor_of(from_center.z)};
@@ -276,7 +276,7 @@ double CenterDistances::at(const glm::dvec3& place) {
     corner[n] = static_cast<double>(squared);
   }
   const double x = from_center.x - v[0], y = from_center.y - v[1], z = from_center.z - v[2];
-  const auto mix = [](double a, double b, double share) { return a + (b - a) * share; };
+  const auto mix = [](double a, double b, double fraction) { return a + (b - a) * fraction; };
   const double low = mix(mix(corner[0], corner[1], z), mix(corner[2], corner[3], z), y);
   const double high = mix(mix(corner[4], corner[5], z), mix(corner[6], corner[7], z), y);
   const double lost = x * (1 - x) + y * (1 - y) + z * (1 - z) + kSumRounding;
@@ -285,20 +285,20 @@ double CenterDistances::at(const glm::dvec3& place) {
 
 CenterDistances::Nearest CenterDistances::nearest(const glm::dvec3& place) {
   Nearest nearest{0, std::numeric_limits<double>::infinity()};
-  if (!is_within(place, kMostVoxel)) return nearest;
+  if (!is_within(place, kMaxVoxel)) return nearest;
   const glm::dvec3 low = glm::floor(place / 8.0);
   const BrickIndex brick{static_cast<std::int32_t>(low.x), static_cast<std::int32_t>(low.y),
                          static_cast<std::int32_t>(low.z)};
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
-    if (offset_least_[i] > nearest.most_voxels + 1) break;
+    if (offset_min_[i] > nearest.max_voxels + 1) break;
     const BrickIndex& o = offsets_[i];
     const Front* const front = mesh_fronts_.of({brick[0] + o[0], brick[1] + o[1], brick[2] + o[2]});
     if (front == nullptr) continue;
     const glm::dvec3 from = place - 8.0 * low - glm::dvec3(8 * o[0], 8 * o[1], 8 * o[2]);
     for (std::size_t n = 0; n < front->x.size(); ++n) {
       const double sum = glm::length(glm::dvec3(front->x[n], front->y[n], front->z[n]) - from) +
-                         double{front->most[n]};
-      if (sum >= nearest.most_voxels || front->least[n] >= Front::kFar) continue;
+                         double{front->largest[n]};
+      if (sum >= nearest.max_voxels || front->smallest[n] >= Front::kFar) continue;
       nearest = {front->object[n], sum};
     }
   }

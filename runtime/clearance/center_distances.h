@@ -35,7 +35,7 @@ class CenterDistances {
   // voxels next to the mesh. The bound is infinity where the search finds no mesh.
   struct Nearest {
     std::uint32_t object = 0;
-    double most_voxels = 0;
+    double max_voxels = 0;
   };
   Nearest nearest(const glm::dvec3& place);
 
@@ -52,10 +52,10 @@ class CenterDistances {
     bool has_near = false;
     struct Near {
       const Front* front;
-      glm::vec3 low;  // of its brick, from the block's lowest corner
-      float least;    // distance of any center of the block from any of its brick
+      glm::vec3 low;   // of its brick, from the block's lowest corner
+      float smallest;  // distance of any center of the block from any of its brick
     };
-    std::vector<Near> near;  // ascending by `least`; filled once has_near
+    std::vector<Near> near;  // ascending by `smallest`; filled once has_near
   };
   // The same where the stored ones are all: a byte a center, so that the blocks of a whole search
   // stay in the processor's caches.
@@ -83,7 +83,7 @@ class CenterDistances {
   bool all_free_;
   Fronts fronts_, mesh_fronts_;
   std::vector<BrickIndex> offsets_;  // to bricks within the cap, the nearest first
-  std::vector<float> offset_least_;  // least distance between a center here and one there
+  std::vector<float> offset_min_;    // least distance between a center here and one there
   std::unordered_map<std::uint64_t, std::unique_ptr<Block>> blocks_;
   // Some of the blocks by a hash of their keys: those that poses beside each other ask for.
   struct Slot {

@@ -59,8 +59,8 @@ double CenterPath::travel_between_m(const Pose& from, const Pose& to) const {
 }
 
 double CenterPath::time_s(const Moment& m) const {
-  if (m.share == 0) return time_s_[m.pose];
-  return time_s_[m.pose] + m.share * (time_s_[m.pose + 1] - time_s_[m.pose]);
+  if (m.fraction == 0) return time_s_[m.pose];
+  return time_s_[m.pose] + m.fraction * (time_s_[m.pose + 1] - time_s_[m.pose]);
 }
 
 // In units of 2^-53: of the centroid at a pose, 9 of its arm and 1 of its place; of the way between
@@ -73,22 +73,22 @@ Moment CenterPath::at(double time_s) const {
   if (after == time_s_.begin()) return {0, 0};
   const auto pose = static_cast<std::size_t>(after - time_s_.begin() - 1);
   if (after == time_s_.end()) return {pose, 0};
-  const double share = (time_s - time_s_[pose]) / (*after - time_s_[pose]);
-  return share < 1 ? Moment{pose, share} : Moment{pose + 1, 0};
+  const double fraction = (time_s - time_s_[pose]) / (*after - time_s_[pose]);
+  return fraction < 1 ? Moment{pose, fraction} : Moment{pose + 1, 0};
 }
 
 double CenterPath::travel_m(const Moment& m) const {
-  if (m.share == 0) return travel_m_[m.pose];
-  return travel_m_[m.pose] + m.share * (travel_m_[m.pose + 1] - travel_m_[m.pose]);
+  if (m.fraction == 0) return travel_m_[m.pose];
+  return travel_m_[m.pose] + m.fraction * (travel_m_[m.pose + 1] - travel_m_[m.pose]);
 }
 
 Pose CenterPath::world_from_center(const Moment& m) const {
   const Pose& from = world_from_center_[m.pose];
-  if (m.share == 0) return from;
+  if (m.fraction == 0) return from;
   const Pose& to = world_from_center_[m.pose + 1];
-  return {
-      from.position_m + (to.position_m - from.position_m) * m.share,
-      glm::normalize(coupling::rotation_by(turn_between(from, to) * m.share) * from.orientation)};
+  return {from.position_m + (to.position_m - from.position_m) * m.fraction,
+          glm::normalize(coupling::rotation_by(turn_between(from, to) * m.fraction) *
+                         from.orientation)};
 }
 
 std::size_t CenterPath::pose_beyond(double travel_m, std::size_t first, std::size_t last) const {
@@ -102,12 +102,12 @@ Moment CenterPath::middle(const Moment& from, const Moment& to) const {
   const Between poses = between(from, to);
   const double half_m = (travel_m(from) + travel_m(to)) / 2;
   if (poses.count() > 0) return {pose_beyond(half_m, poses.first, poses.beyond - 1), 0};
-  const double end = to.pose == from.pose ? to.share : 1;
-  return {from.pose, (from.share + end) / 2};
+  const double end = to.pose == from.pose ? to.fraction : 1;
+  return {from.pose, (from.fraction + end) / 2};
 }
 
-// A point at the radius r that turns evenly by a deviates from its chord, at equal shares of both
-// ways, by r a^2 / 8 at most.
+// A point at the radius r that turns evenly by a deviates from its chord, at equal fractions of
+// both ways, by r a^2 / 8 at most.
 double CenterPath::arc_deviation_m(double turn_rad) const {
   return kRoundUp * radius_m_ * turn_rad * turn_rad / 8;
 }
@@ -121,18 +121,18 @@ double CenterPath::deviation_m(const Moment& a, const Moment& b) const {
   const double begin_m = travel_m(a), all_m = travel_m(b) - begin_m;
   const Between poses = between(a, b);
   if (poses.count() == 0) return arc_deviation_m(glm::length(turn_rad));
-  double deviation_m = 0, most_turn_rad = turn_rad_[a.pose];
+  double deviation_m = 0, max_turn_rad = turn_rad_[a.pose];
   for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) {
-    const double share = all_m > 0 ? (travel_m_[pose] - begin_m) / all_m : 0;
+    const double fraction = all_m > 0 ? (travel_m_[pose] - begin_m) / all_m : 0;
     const Pose& there = world_from_center_[pose];
-    const Pose even{from.position_m + way_m * share,
-                    coupling::rotation_by(turn_rad * share) * from.orientation};
+    const Pose even{from.position_m + way_m * fraction,
+                    coupling::rotation_by(turn_rad * fraction) * from.orientation};
     deviation_m = std::max(deviation_m, glm::length(there.position_m - even.position_m) +
                                             radius_m_ * glm::length(turn_between(even, there)));
-    most_turn_rad = std::max(most_turn_rad, turn_rad_[pose]);
+    max_turn_rad = std::max(max_turn_rad, turn_rad_[pose]);
   }
   return kRoundUp * deviation_m + arc_deviation_m(glm::length(turn_rad)) +
-         arc_deviation_m(most_turn_rad);
+         arc_deviation_m(max_turn_rad);
 }
 
 }  // namespace forcelayer::clearance

@@ -12,10 +12,10 @@
 
 namespace forcelayer::clearance {
 
-// A moment of a path: the pose `pose`, or a share of the way from it to the next, in [0, 1).
+// A moment of a path: the pose `pose`, or a fraction of the way from it to the next, in [0, 1).
 struct Moment {
   std::size_t pose = 0;
-  double share = 0;
+  double fraction = 0;
 };
 
 class CenterPath {
@@ -45,7 +45,7 @@ class CenterPath {
   std::size_t pose_beyond(double travel_m, std::size_t first, std::size_t last) const;
 
   // The middle of the travel between two moments: a pose where there is one between them, else a
-  // share of the motion.
+  // fraction of the motion.
   Moment middle(const Moment& from, const Moment& to) const;
 
   // The poses strictly between two moments: from `first` to before `beyond`.
@@ -54,7 +54,7 @@ class CenterPath {
     std::size_t count() const { return beyond > first ? beyond - first : 0; }
   };
   static Between between(const Moment& a, const Moment& b) {
-    return {a.pose + 1, b.share > 0 ? b.pose + 1 : b.pose};
+    return {a.pose + 1, b.fraction > 0 ? b.pose + 1 : b.pose};
   }
 
   // How far any point deviates at most, m, from the straight way between where it is at two

@@ -25,7 +25,7 @@ LeftOut with_objects(LeftOut left_out, std::span<const std::uint32_t> objects) {
 }
 
 double reach_voxels(const VoxmapHeader& h) {
-  return (static_cast<double>(kMostDistanceCode) - h.distance_zero_code) * h.distance_quantum_m /
+  return (static_cast<double>(kMaxDistanceCode) - h.distance_zero_code) * h.distance_quantum_m /
          h.voxel_size_m;
 }
 
@@ -44,8 +44,8 @@ Fronts::Fronts(const Voxmap& voxmap, const LeftOut& left_out, Window window)
   high_ = from_mesh_ + kHalfDiagonal;
 }
 
-double Fronts::distance_voxels(double least_sum, double known_voxels) const {
-  const double sum = least_sum - kRounding;
+double Fronts::distance_voxels(double min_sum, double known_voxels) const {
+  const double sum = min_sum - kRounding;
   if (from_mesh_ <= 1) {
     // From L = 3 on, B between 1 and 2 h, the loss is at most this. Below, a sum is less than 4;
     // the nearest point's own voxel has L and twice half a diagonal at most.
@@ -54,8 +54,8 @@ double Fronts::distance_voxels(double least_sum, double known_voxels) const {
   }
   const auto loss = [&](double to_front) { return kHalfSquare * (1 / to_front + 1 / from_mesh_); };
   const double known = std::max(known_voxels, from_mesh_ + kHalfDiagonal);
-  const double least = std::max(known, sum - loss(known - from_mesh_));
-  return std::max(known_voxels, sum - loss(least - from_mesh_));
+  const double smallest = std::max(known, sum - loss(known - from_mesh_));
+  return std::max(known_voxels, sum - loss(smallest - from_mesh_));
 }
 
 const Front* Fronts::of(const BrickIndex& brick) {
@@ -63,10 +63,10 @@ const Front* Fronts::of(const BrickIndex& brick) {
   if (!is_new) return at->second.get();
   const DistanceView& distances = *voxmap_.distances();
   const ObjectView* const objects = voxmap_.objects();
-  const std::uint32_t entry = entry_of(distances, brick, uniform_entry(kMostDistanceCode));
+  const std::uint32_t entry = entry_of(distances, brick, uniform_entry(kMaxDistanceCode));
   if (is_uniform(entry)) {
     const std::uint32_t code = uniform_wide_value(entry);
-    if (code == kMostDistanceCode || (code == 0 && !counts_lowest_)) return nullptr;
+    if (code == kMaxDistanceCode || (code == 0 && !counts_lowest_)) return nullptr;
   }
   const auto codes = distances.brick_codes(entry);
   const std::uint32_t named =
@@ -76,24 +76,24 @@ const Front* Fronts::of(const BrickIndex& brick) {
   const std::int32_t zero = voxmap_.header().distance_zero_code;
   for (std::uint32_t n = 0; n < kNodeEntries; ++n) {
     const std::int32_t code = codes[n];
-    if (code == static_cast<std::int32_t>(kMostDistanceCode)) continue;
+    if (code == static_cast<std::int32_t>(kMaxDistanceCode)) continue;
     if (code == 0 && !counts_lowest_) continue;
     const double low = code == 0 ? -Front::kFar : (code - zero) * quantum_;
     const double high = (code + 1 - zero) * quantum_ + kWriterError;
-    const double least = std::max({0.0, low, -high}), most = std::max(high, -low);
-    if (most < low_ || least > high_) continue;
+    const double smallest = std::max({0.0, low, -high}), largest = std::max(high, -low);
+    if (largest < low_ || smallest > high_) continue;
     const std::uint32_t object = numbers[n];
     if (object < left_out_.size() && left_out_[object] != 0) continue;
     front->x.push_back(static_cast<float>(n >> 6) + 0.5f);
     front->y.push_back(static_cast<float>(n >> 3 & 7) + 0.5f);
     front->z.push_back(static_cast<float>(n & 7) + 0.5f);
-    front->least.push_back(static_cast<float>(least));
-    front->most.push_back(static_cast<float>(most));
+    front->smallest.push_back(static_cast<float>(smallest));
+    front->largest.push_back(static_cast<float>(largest));
     front->object.push_back(numbers[n]);
   }
   if (front->x.empty()) return nullptr;
   while (front->x.size() % kPadding != 0) {
-    for (auto* values : {&front->x, &front->y, &front->z, &front->least, &front->most}) {
+    for (auto* values : {&front->x, &front->y, &front->z, &front->smallest, &front->largest}) {
       values->push_back(Front::kFar);
     }
     front->object.push_back(0);

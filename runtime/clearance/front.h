@@ -41,9 +41,9 @@ LeftOut with_objects(LeftOut left_out, std::span<const std::uint32_t> objects);
 // Voxels of one brick in structure of arrays, padded with voxels that are far away. In voxels.
 struct Front {
   static constexpr float kFar = 1e9f;
-  std::vector<float> x, y, z;         // centers, from the brick's lowest corner
-  std::vector<float> least, most;     // distance from the mesh
-  std::vector<std::uint16_t> object;  // nearest to each; 0: none named
+  std::vector<float> x, y, z;            // centers, from the brick's lowest corner
+  std::vector<float> smallest, largest;  // distance from the mesh
+  std::vector<std::uint16_t> object;     // nearest to each; 0: none named
 };
 
 class Fronts {
@@ -59,10 +59,10 @@ class Fronts {
   void forget() { fronts_.clear(); }
 
   // No voxel of a front is nearer to the mesh than this.
-  double least_voxels() const { return low_; }
+  double min_voxels() const { return low_; }
 
   // A lower bound of L, voxels, from the least |x - w| + D(w) and from another lower bound of L.
-  double distance_voxels(double least_sum, double known_voxels) const;
+  double distance_voxels(double min_sum, double known_voxels) const;
 
  private:
   const Voxmap& voxmap_;

@@ -13,18 +13,18 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-float LeastSum(const FrontColumns& front, float x, float y, float z, float best) {
+float MinSum(const FrontColumns& front, float x, float y, float z, float best) {
   const hn::CappedTag<float, 16> f;
   const auto px = hn::Set(f, x), py = hn::Set(f, y), pz = hn::Set(f, z);
-  auto least = hn::Set(f, best);
+  auto smallest = hn::Set(f, best);
   for (std::size_t i = 0; i < front.count; i += hn::Lanes(f)) {
     const auto dx = hn::Sub(hn::LoadU(f, front.x + i), px);
     const auto dy = hn::Sub(hn::LoadU(f, front.y + i), py);
     const auto dz = hn::Sub(hn::LoadU(f, front.z + i), pz);
     const auto squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-    least = hn::Min(least, hn::Add(hn::Sqrt(squared), hn::LoadU(f, front.least + i)));
+    smallest = hn::Min(smallest, hn::Add(hn::Sqrt(squared), hn::LoadU(f, front.smallest + i)));
   }
-  return hn::GetLane(hn::MinOfLanes(f, least));
+  return hn::GetLane(hn::MinOfLanes(f, smallest));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -34,10 +34,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer::clearance {
 
-HWY_EXPORT(LeastSum);
+HWY_EXPORT(MinSum);
 
-float least_sum(const FrontColumns& front, float x, float y, float z, float best) noexcept {
-  return HWY_DYNAMIC_DISPATCH(LeastSum)(front, x, y, z, best);
+float min_sum(const FrontColumns& front, float x, float y, float z, float best) noexcept {
+  return HWY_DYNAMIC_DISPATCH(MinSum)(front, x, y, z, best);
 }
 
 }  // namespace forcelayer::clearance

@@ -8,12 +8,12 @@ namespace forcelayer::clearance {
 // Columns of a front (front.h), a multiple of 16 long.
 struct FrontColumns {
   const float *x, *y, *z;  // centers, voxels
-  const float* least;      // their distances from the mesh, voxels
+  const float* smallest;   // their distances from the mesh, voxels
   std::size_t count;
 };
 
 // The least of `best` and of all |p - center| + least, p = (x, y, z). Every instruction set gives
 // the same bits.
-float least_sum(const FrontColumns& front, float x, float y, float z, float best) noexcept;
+float min_sum(const FrontColumns& front, float x, float y, float z, float best) noexcept;
 
 }  // namespace forcelayer::clearance

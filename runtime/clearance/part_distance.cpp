@@ -36,7 +36,7 @@ PartDistance::Level PartDistance::make_level(const BoundingSphere* spheres, std:
     level.center.push_back(glm::dvec3(s.x, s.y, s.z) / voxel_size_m);
     level.radius.push_back(double{s.radius} / voxel_size_m * kRadiusRounding + kRounding);
   }
-  level.least.assign(count, -kInfinity);
+  level.smallest.assign(count, -kInfinity);
   level.travel.assign(count, 0);
   level.question.assign(count, 0);
   return level;
@@ -113,12 +113,12 @@ void PartDistance::make_groups() {
     halve(halve, begin, end, groups_a_block_);
   }
   group_first_.push_back(static_cast<std::uint32_t>(v.point_count));
-  groups_.least.assign(groups_.center.size(), -kInfinity);
+  groups_.smallest.assign(groups_.center.size(), -kInfinity);
   groups_.travel.assign(groups_.center.size(), 0);
 }
 
 void PartDistance::forget() {
-  std::fill(super_blocks_.least.begin(), super_blocks_.least.end(), -kInfinity);
+  std::fill(super_blocks_.smallest.begin(), super_blocks_.smallest.end(), -kInfinity);
   ++question_;
   last_block_ = 0;
 }
@@ -127,8 +127,8 @@ void PartDistance::forget() {
 void PartDistance::forget_below(Level& level, std::size_t i, Level& below, std::size_t first,
                                 std::size_t end) {
   if (std::exchange(level.question[i], question_) == question_) return;
-  std::fill(below.least.begin() + static_cast<std::ptrdiff_t>(first),
-            below.least.begin() + static_cast<std::ptrdiff_t>(end), -kInfinity);
+  std::fill(below.smallest.begin() + static_cast<std::ptrdiff_t>(first),
+            below.smallest.begin() + static_cast<std::ptrdiff_t>(end), -kInfinity);
 }
 
 glm::dvec3 PartDistance::to_voxels(const glm::dvec3& place_m) const {
@@ -160,17 +160,17 @@ bool PartDistance::is_far(const Place& place, Level& level, std::size_t i, bool 
   }
   const glm::dvec3 center = place.of(level.center[i]);
   const double radius = level.radius[i];
-  double least = distances_.free_around(center) - radius;
+  double smallest = distances_.free_around(center) - radius;
   const double wanted = limit() + radius;
-  if (closely && least < limit() && wanted < distances_.cap_voxels()) {
-    least = std::max(least, distances_.at(center) - radius);
+  if (closely && smallest < limit() && wanted < distances_.cap_voxels()) {
+    smallest = std::max(smallest, distances_.at(center) - radius);
   }
-  if (least > known) {
-    level.least[i] = least;
+  if (smallest > known) {
+    level.smallest[i] = smallest;
     level.travel[i] = place.travel;
   }
-  if (least < limit()) return false;
-  rest_ = std::min(rest_, least);
+  if (smallest < limit()) return false;
+  rest_ = std::min(rest_, smallest);
   return true;
 }
 
@@ -184,31 +184,31 @@ double PartDistance::distance(const Place& place, std::size_t point) {
 
 // Whether all of its points were looked at.
 bool PartDistance::look_at_group(const Place& place, std::size_t group) {
-  double least = kInfinity;
+  double smallest = kInfinity;
   for (std::size_t n = group_first_[group]; n < group_first_[group + 1]; ++n) {
     const double there = distance(place, order_[n]);
     ++points_looked_at_;
-    least = std::min(least, there);
+    smallest = std::min(smallest, there);
     if (there >= best_.voxels) continue;
     best_ = {there, order_[n]};
     if (stops()) return false;
   }
-  groups_.least[group] = least;
+  groups_.smallest[group] = smallest;
   groups_.travel[group] = place.travel;
   return true;
 }
 
 void PartDistance::look_at_block(const Place& place, std::size_t block) {
-  double least = kInfinity;
+  double smallest = kInfinity;
   const double before = best_.voxels;
   forget_below(blocks_, block, groups_, first_group(block), first_group(block + 1));
   for (std::size_t group = first_group(block); group < first_group(block + 1); ++group) {
     if (group_first_[group] == group_first_[group + 1]) continue;
     if (!is_far(place, groups_, group, true) && !look_at_group(place, group)) return;
-    least = std::min(least, groups_.now(group, place.travel));
+    smallest = std::min(smallest, groups_.now(group, place.travel));
   }
   if (best_.voxels < before) last_block_ = block;
-  blocks_.least[block] = least;
+  blocks_.smallest[block] = smallest;
   blocks_.travel[block] = place.travel;
 }
 
@@ -216,44 +216,44 @@ void PartDistance::look_at_blocks(const Place& place, std::size_t super_block) {
   const PshellView& v = shell_.view();
   const std::size_t begin = super_block * v.super_block_blocks;
   const std::size_t end = std::min<std::size_t>(begin + v.super_block_blocks, v.block_count);
-  double least = kInfinity;
+  double smallest = kInfinity;
   forget_below(super_blocks_, super_block, blocks_, begin, end);
   for (std::size_t block = begin; block < end; ++block) {
     if (!is_far(place, blocks_, block, true)) look_at_block(place, block);
     if (stops()) return;
-    least = std::min(least, blocks_.now(block, place.travel));
+    smallest = std::min(smallest, blocks_.now(block, place.travel));
   }
-  super_blocks_.least[super_block] = least;
+  super_blocks_.smallest[super_block] = smallest;
   super_blocks_.travel[super_block] = place.travel;
 }
 
-LeastDistance PartDistance::at(const Pose& world_from_center, double travel_m, double enough_voxels,
-                               double stop_voxels) {
+MinDistance PartDistance::at(const Pose& world_from_center, double travel_m, double enough_voxels,
+                             double stop_voxels) {
   const double s = voxmap_.voxel_size_m();
   const Place place{glm::mat3_cast(world_from_center.orientation),
                     to_voxels(world_from_center.position_m), 1 / s, travel_m / s};
   const double whole = distances_.free_around(place.center) - radius_;
-  if (whole >= enough_voxels) return {whole, LeastDistance::kNone};
-  best_ = {kInfinity, LeastDistance::kNone};
+  if (whole >= enough_voxels) return {whole, MinDistance::kNone};
+  best_ = {kInfinity, MinDistance::kNone};
   rest_ = kInfinity;
   wished_ = enough_voxels;
   enough_ = std::min(enough_voxels, distances_.cap_voxels());
   stop_ = stop_voxels;
-  if (last_stop_ != LeastDistance::kNone && stop_ > 0) {
+  if (last_stop_ != MinDistance::kNone && stop_ > 0) {
     const double there = distance(place, last_stop_);
     if (there < stop_) return {there, last_stop_};
   }
   const std::size_t last_super_block = last_block_ / shell_.view().super_block_blocks;
   if (super_blocks_.question[last_super_block] == question_ &&
-      blocks_.least[last_block_] > -kInfinity) {
+      blocks_.smallest[last_block_] > -kInfinity) {
     look_at_block(place, last_block_);
   }
-  for (std::size_t i = 0; i < super_blocks_.least.size() && !stops(); ++i) {
+  for (std::size_t i = 0; i < super_blocks_.smallest.size() && !stops(); ++i) {
     if (!is_far(place, super_blocks_, i, false)) look_at_blocks(place, i);
   }
   if (stops()) last_stop_ = best_.point;
   if (best_.voxels < enough_) return best_;
-  return {std::min(best_.voxels, rest_), LeastDistance::kNone};
+  return {std::min(best_.voxels, rest_), MinDistance::kNone};
 }
 
 }  // namespace forcelayer::clearance

@@ -14,7 +14,7 @@
 
 namespace forcelayer::clearance {
 
-struct LeastDistance {
+struct MinDistance {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   double voxels = 0;  // no shell point is nearer than this to the static mesh
   // The point at that distance; kNone where no point is nearer than was asked for.
@@ -36,8 +36,8 @@ class PartDistance {
   // travelled since the path's beginning, CenterPath::travel_m(). Once a point below `stop_voxels`
   // is found, no nearer one is looked for; the point that ended the last such search is looked at
   // first.
-  LeastDistance at(const Pose& world_from_center, double travel_m, double enough_voxels,
-                   double stop_voxels = 0);
+  MinDistance at(const Pose& world_from_center, double travel_m, double enough_voxels,
+                 double stop_voxels = 0);
 
   // A shell point's place in the world, m.
   glm::dvec3 place_m(const Pose& world_from_center, std::uint32_t point) const;
@@ -56,13 +56,13 @@ class PartDistance {
   // Bounding spheres, each with a lower bound of its points' distance and the travel at which that
   // bound was found.
   struct Level {
-    std::vector<double> least;            // voxels
+    std::vector<double> smallest;         // voxels
     std::vector<double> travel;           // voxels
     std::vector<glm::dvec3> center;       // from the centroid, voxels
     std::vector<double> radius;           // voxels
     std::vector<std::uint64_t> question;  // for which what is below was last forgotten
     double now(std::size_t i, double at) const {
-      return least[i] - (at > travel[i] ? at - travel[i] : travel[i] - at);
+      return smallest[i] - (at > travel[i] ? at - travel[i] : travel[i] - at);
     }
   };
   struct Place;  // of the part, in voxels from the directory on
@@ -93,11 +93,11 @@ class PartDistance {
   double radius_;                           // voxels
   double rounding_m_;
   std::size_t last_block_ = 0;
-  std::uint64_t question_ = 0;                      // one more with each forget()
-  std::uint32_t last_stop_ = LeastDistance::kNone;  // the point that ended a search
+  std::uint64_t question_ = 0;                    // one more with each forget()
+  std::uint32_t last_stop_ = MinDistance::kNone;  // the point that ended a search
   std::uint64_t points_looked_at_ = 0;
   // The search at the current pose.
-  LeastDistance best_;
+  MinDistance best_;
   double wished_ = 0, enough_ = 0;  // the question's enough_voxels; the same, at most the cap
   double stop_ = 0;
   double rest_ = 0;  // the least bound of the spheres that were skipped

@@ -15,13 +15,13 @@
 namespace forcelayer::clearance {
 namespace {
 
-constexpr std::size_t kShares = 64;          // of a path; whatever the threads
+constexpr std::size_t kFractions = 64;       // of a path; whatever the threads
 constexpr std::size_t kFirstMoments = 1024;  // for a first idea of the least distance
 constexpr double kMeasuredBeyond = 2;        // voxels above what is required
-constexpr double kMostCapVoxels = 160;       // that a search is made for
+constexpr double kMaxCapVoxels = 160;        // that a search is made for
 // Voxels that places on a path may be off by. Up to here a motion has moments that lie nearer to
 // each other than a walk cuts it.
-constexpr double kMostRoundingVoxels = 1e-4;
+constexpr double kMaxRoundingVoxels = 1e-4;
 
 // Checks the path between two moments against all objects but those left out.
 class Check {
@@ -66,13 +66,13 @@ class Check {
   double measured_voxels_;  // of shell points
 };
 
-// Moments that cut the way between two into shares of equal travel, as far as poses allow.
+// Moments that cut the way between two into fractions of equal travel, as far as poses allow.
 std::vector<Moment> Check::share_ends(const Moment& from, const Moment& to) const {
   std::vector<Moment> ends{from};
-  const std::size_t first = from.pose + 1, last = to.share > 0 ? to.pose + 1 : to.pose;
+  const std::size_t first = from.pose + 1, last = to.fraction > 0 ? to.pose + 1 : to.pose;
   const double begin_m = path_.travel_m(from), way_m = path_.travel_m(to) - begin_m;
-  for (std::size_t n = 1; n < kShares && first < last; ++n) {
-    const double at_m = begin_m + way_m * static_cast<double>(n) / kShares;
+  for (std::size_t n = 1; n < kFractions && first < last; ++n) {
+    const double at_m = begin_m + way_m * static_cast<double>(n) / kFractions;
     const std::size_t pose = path_.pose_beyond(at_m, first, last - 1);
     if (pose > ends.back().pose) ends.push_back({pose, 0});
   }
@@ -92,26 +92,26 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
   const std::size_t moments = std::min(kFirstMoments, poses);
   std::vector<Sample> first(moments);
   share_out(threads, moments, [&](std::size_t thread, std::size_t n) {
-    const Moment moment{from.pose + poses * n / moments, n == 0 ? from.share : 0};
+    const Moment moment{from.pose + poses * n / moments, n == 0 ? from.fraction : 0};
     first[n] = {moment, path_.travel_m(moment), {}};
-    first[n].least =
+    first[n].smallest =
         parts[thread]->at(path_.world_from_center(moment), first[n].travel_m, measured_voxels_);
   });
   walked.tested = moments;
   walked.nearest = first[0];
   for (const Sample& sample : first) {
-    if (sample.least.voxels < walked.nearest.least.voxels) walked.nearest = sample;
+    if (sample.smallest.voxels < walked.nearest.smallest.voxels) walked.nearest = sample;
   }
   const WalkLimits limits{required_.voxels(),
-                          std::min(measured_voxels_, walked.nearest.least.voxels)};
+                          std::min(measured_voxels_, walked.nearest.smallest.voxels)};
   const std::vector<Moment> ends = share_ends(from, to);
-  const std::size_t shares = std::max<std::size_t>(1, ends.size() - 1);
-  std::vector<std::unique_ptr<PathWalk>> walks(shares);
-  share_out(threads, shares, [&](std::size_t thread, std::size_t n) {
+  const std::size_t fractions = std::max<std::size_t>(1, ends.size() - 1);
+  std::vector<std::unique_ptr<PathWalk>> walks(fractions);
+  share_out(threads, fractions, [&](std::size_t thread, std::size_t n) {
     walks[n] = std::make_unique<PathWalk>(path_, *parts[thread], voxmap_.voxel_size_m(), limits);
     walks[n]->walk(ends[n], ends[n + 1]);
     if (thread == 0 && request_.progress) {
-      request_.progress(static_cast<double>(n + 1) / static_cast<double>(shares));
+      request_.progress(static_cast<double>(n + 1) / static_cast<double>(fractions));
     }
   });
   for (const auto& walk : walks) {
@@ -120,9 +120,9 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
     walked.subdivided += walk->motions_subdivided();
   }
   for (const Piece& piece : walked.pieces) {
-    if (piece.worst.least.point != LeastDistance::kNone &&
-        (piece.worst.least.voxels < walked.nearest.least.voxels ||
-         walked.nearest.least.point == LeastDistance::kNone)) {
+    if (piece.worst.smallest.point != MinDistance::kNone &&
+        (piece.worst.smallest.voxels < walked.nearest.smallest.voxels ||
+         walked.nearest.smallest.point == MinDistance::kNone)) {
       walked.nearest = piece.worst;
     }
   }
@@ -132,16 +132,16 @@ Check::Walked Check::walk(const LeftOut& left_out, const Moment& from, const Mom
 CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
   CheckedMoment moment;
   moment.time_s = path_.time_s(sample.moment);
-  moment.clearance_m = clearance_m(sample.least.voxels);
-  moment.most_m = std::numeric_limits<double>::infinity();
-  if (sample.least.point == LeastDistance::kNone) return moment;
-  moment.point_m = part.place_m(path_.world_from_center(sample.moment), sample.least.point);
-  moment.beyond_side = part.is_of_side(moment.point_m, sample.least.voxels);
+  moment.clearance_m = clearance_m(sample.smallest.voxels);
+  moment.max_m = std::numeric_limits<double>::infinity();
+  if (sample.smallest.point == MinDistance::kNone) return moment;
+  moment.point_m = part.place_m(path_.world_from_center(sample.moment), sample.smallest.point);
+  moment.beyond_side = part.is_of_side(moment.point_m, sample.smallest.voxels);
   if (moment.beyond_side) return moment;
   const auto nearest = part.nearest(moment.point_m);
   moment.object = nearest.object;
-  moment.most_m = nearest.most_voxels * voxmap_.voxel_size_m() + required_.deviations_m() +
-                  required_.point_off_surface_m();
+  moment.max_m = nearest.max_voxels * voxmap_.voxel_size_m() + required_.deviations_m() +
+                 required_.point_off_surface_m();
   return moment;
 }
 
@@ -151,21 +151,21 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
   PartDistance part(voxmap_, shell_, left_out, cap_voxels());
   std::vector<Violation> found;
   const Piece* worst = nullptr;
-  double least_voxels = 0;
+  double min_voxels = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
     if (!piece.too_near) continue;
     if (worst == nullptr) {
       found.push_back({path_.time_s(piece.from), 0, 0, {}, false});
       worst = &piece;
-      least_voxels = piece.least_voxels;
+      min_voxels = piece.min_voxels;
     }
-    least_voxels = std::min(least_voxels, piece.least_voxels);
-    if (piece.worst.least.voxels < worst->worst.least.voxels) worst = &piece;
+    min_voxels = std::min(min_voxels, piece.min_voxels);
+    if (piece.worst.smallest.voxels < worst->worst.smallest.voxels) worst = &piece;
     if (i + 1 < pieces.size() && pieces[i + 1].too_near) continue;
     Violation& violation = found.back();
     violation.to_s = path_.time_s(piece.to);
-    violation.clearance_m = clearance_m(least_voxels);
+    violation.clearance_m = clearance_m(min_voxels);
     violation.worst = checked(part, worst->worst);
     worst = nullptr;
   }
@@ -176,7 +176,7 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
 Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath& path,
                      const CheckRequest& request) {
   // Not finite for a path that overflows.
-  if (!(path.rounding_m() <= kMostRoundingVoxels * voxmap.voxel_size_m())) {
+  if (!(path.rounding_m() <= kMaxRoundingVoxels * voxmap.voxel_size_m())) {
     return Error{ErrorCode::kUsage, "", "path",
                  "goes so far that double precision cannot resolve its positions to 1e-4 voxel",
                  "check its units, or cut it into shorter paths nearer to the scene"};
@@ -187,16 +187,18 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
         "the scene names no objects, so the objects that the part is seated on are not known",
         "bake the scene with voxelize, which names up to 65535 objects"};
   }
-  if (check.cap_voxels() <= kMostCapVoxels) return {};
+  if (check.cap_voxels() <= kMaxCapVoxels) return {};
   char what[120], mend[120];
   std::snprintf(what, sizeof what, "is %.0f voxels of this scene: too far to look around",
                 request.required_m / voxmap.voxel_size_m());
   std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
-                std::ceil(1e5 * request.required_m / (0.9 * kMostCapVoxels)) / 100);
+                std::ceil(1e5 * request.required_m / (0.9 * kMaxCapVoxels)) / 100);
   return Error{ErrorCode::kUsage, "", "--clearance", what, mend};
 }
 
-bool is_same(const Moment& a, const Moment& b) { return a.pose == b.pose && a.share == b.share; }
+bool is_same(const Moment& a, const Moment& b) {
+  return a.pose == b.pose && a.fraction == b.fraction;
+}
 
 // The stretch of a path that is checked against all objects, and those at its ends in which the
 // part is in its seat.
@@ -260,13 +262,13 @@ class PathParts {
   struct Taken {
     void take(std::span<const Piece> pieces) {
       for (const Piece& piece : pieces) {
-        if (!any || piece.worst.least.voxels < nearest.least.voxels) nearest = piece.worst;
-        least_voxels = any ? std::min(least_voxels, piece.least_voxels) : piece.least_voxels;
+        if (!any || piece.worst.smallest.voxels < nearest.smallest.voxels) nearest = piece.worst;
+        min_voxels = any ? std::min(min_voxels, piece.min_voxels) : piece.min_voxels;
         any = true;
       }
     }
     bool any = false;
-    double least_voxels = 0;
+    double min_voxels = 0;
     Sample nearest;
   };
 
@@ -276,7 +278,7 @@ class PathParts {
     const std::size_t first_piece = result.curve.size();
     result.seated.push_back(
         {path_.time_s(from), path_.time_s(to), path_.travel_m(to) - path_.travel_m(from),
-         check_.clearance_m(taken.least_voxels), check_.checked(request_.allowed, taken.nearest)});
+         check_.clearance_m(taken.min_voxels), check_.checked(request_.allowed, taken.nearest)});
     add(result, left_out, check_.walk(left_out, from, to));
     for (std::size_t n = first_piece; n < result.curve.size(); ++n) {
       CurvePiece& piece = result.curve[n];
@@ -315,21 +317,21 @@ class PathParts {
     const auto found = check_.violations(left_out, walked.pieces);
     result.violations.insert(result.violations.end(), found.begin(), found.end());
     for (const Piece& piece : walked.pieces) {
-      least_voxels_ = std::min(least_voxels_, piece.least_voxels);
-      const double clearance_m = check_.clearance_m(piece.least_voxels);
+      min_voxels_ = std::min(min_voxels_, piece.min_voxels);
+      const double clearance_m = check_.clearance_m(piece.min_voxels);
       result.curve.push_back(
           {path_.time_s(piece.from), path_.time_s(piece.to), clearance_m, clearance_m});
     }
-    result.clearance_m = check_.clearance_m(least_voxels_);
+    result.clearance_m = check_.clearance_m(min_voxels_);
     const bool is_first = result.moments_tested == 0;
-    const bool is_measured = walked.nearest.least.point != LeastDistance::kNone;
-    const bool is_nearer = walked.nearest.least.voxels < nearest_voxels_;
+    const bool is_measured = walked.nearest.smallest.point != MinDistance::kNone;
+    const bool is_nearer = walked.nearest.smallest.voxels < nearest_voxels_;
     if (is_first || (is_measured && (result.at_least || is_nearer))) {
-      result.least = check_.checked(left_out, walked.nearest);
+      result.smallest = check_.checked(left_out, walked.nearest);
       // A bound that no object is known to be near.
       result.at_least =
-          !is_measured || (!result.least.beyond_side && !std::isfinite(result.least.most_m));
-      nearest_voxels_ = walked.nearest.least.voxels;
+          !is_measured || (!result.smallest.beyond_side && !std::isfinite(result.smallest.max_m));
+      nearest_voxels_ = walked.nearest.smallest.voxels;
     }
     result.moments_tested += walked.tested;
     result.motions_subdivided += walked.subdivided;
@@ -342,7 +344,7 @@ class PathParts {
   Moment from_, to_;
   Check::Walked middle_;
   Taken before_, behind_;
-  double least_voxels_ = std::numeric_limits<double>::infinity();
+  double min_voxels_ = std::numeric_limits<double>::infinity();
   double nearest_voxels_ = std::numeric_limits<double>::infinity();
 };
 
@@ -368,7 +370,7 @@ void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPa
   Violation violation;
   violation.from_s = violation.worst.time_s = begin_s;
   violation.to_s = end_s;
-  violation.worst.most_m = std::numeric_limits<double>::infinity();
+  violation.worst.max_m = std::numeric_limits<double>::infinity();
   violation.worst.object = inside->object;
   violation.worst.point_m = inside->world_m;
   violation.object_inside = true;

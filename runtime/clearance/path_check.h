@@ -27,14 +27,14 @@ struct CheckRequest {
   bool felt_seat_is_enough = false;
   // Objects known to be as far away as required where the part is installed: none is of the seat.
   LeftOut far_in_seat{};
-  // Is called now and then with the share of a walk along the path that is done, in one thread.
+  // Is called now and then with the fraction of a walk along the path that is done, in one thread.
   std::function<void(double)> progress{};
 };
 
 // The part at one moment of its path.
 struct CheckedMoment {
   double clearance_m = 0;  // proven at that moment
-  double most_m = 0;       // upper bound of the exact clearance; infinite where not known
+  double max_m = 0;        // upper bound of the exact clearance; infinite where not known
   double time_s = 0;
   std::uint32_t object = 0;  // the nearest; 0: not known
   glm::dvec3 point_m{0};     // of the part's surface there, world
@@ -77,8 +77,8 @@ struct CheckResult {
   bool clear() const { return violations.empty(); }
 
   double clearance_m = 0;  // proven along the whole path, but in the seat to its objects
-  bool at_least = false;   // nothing was near enough for `least` to be measured
-  CheckedMoment least;
+  bool at_least = false;   // nothing was near enough for `smallest` to be measured
+  CheckedMoment smallest;
   std::vector<Violation> violations;
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;

@@ -9,7 +9,7 @@ namespace {
 // Resolution of the walk, in voxels of travel: how far below the least distance of its samples
 // what is proven for the whole path may lie; the ends of a piece that is too near; what happens
 // inside of one; and the shortest way that it cuts.
-constexpr double kLeastTolerance = 0.05;
+constexpr double kMinTolerance = 0.05;
 constexpr double kEdge = 1.0 / 16;
 constexpr double kInside = 0.5;
 constexpr double kShortest = 1.0 / 4096;
@@ -18,7 +18,7 @@ constexpr double kShortest = 1.0 / 4096;
 constexpr double kCoarse = 8;
 
 // How many poses a straight way is compared with at most.
-constexpr std::size_t kMostPoses = 1024;
+constexpr std::size_t kMaxPoses = 1024;
 
 constexpr double kRounding = 1e-6;  // voxels: exceeds that of the bounds here
 
@@ -35,23 +35,23 @@ PathWalk::PathWalk(const CenterPath& path, PartDistance& part, double voxel_size
 
 // enough(): the distance that a piece must prove for the path's least distance to be known.
 // wanted(): the distance that also proves that no piece is too near.
-double PathWalk::enough() const { return limits_.least_voxels - kLeastTolerance; }
+double PathWalk::enough() const { return limits_.min_voxels - kMinTolerance; }
 double PathWalk::wanted() const { return std::max(limits_.required_voxels, enough()); }
 
 Sample PathWalk::sample(const Moment& moment, double enough_voxels) {
   ++tested_;
   Sample sample{moment, path_.travel_m(moment), {}};
-  sample.least = part_.at(path_.world_from_center(moment), sample.travel_m, enough_voxels);
-  if (sample.least.point != LeastDistance::kNone) {
-    limits_.least_voxels = std::min(limits_.least_voxels, sample.least.voxels);
+  sample.smallest = part_.at(path_.world_from_center(moment), sample.travel_m, enough_voxels);
+  if (sample.smallest.point != MinDistance::kNone) {
+    limits_.min_voxels = std::min(limits_.min_voxels, sample.smallest.voxels);
   }
   return sample;
 }
 
 double PathWalk::proven_between(const Sample& a, const Sample& b) const {
   const double travel = (b.travel_m - a.travel_m) / voxel_size_m_ + path_rounding_;
-  const double nearer = std::min(a.least.voxels, b.least.voxels) - path_rounding_;
-  const double farther = std::max(a.least.voxels, b.least.voxels) - path_rounding_;
+  const double nearer = std::min(a.smallest.voxels, b.smallest.voxels) - path_rounding_;
+  const double farther = std::max(a.smallest.voxels, b.smallest.voxels) - path_rounding_;
   const double by_ends = (nearer + farther - travel) / 2 - kRounding;
   if (by_ends >= wanted()) return by_ends;
   const double squared = nearer * nearer - travel * travel / 4;
@@ -59,7 +59,7 @@ double PathWalk::proven_between(const Sample& a, const Sample& b) const {
   // Where that would not do, nothing is gained by looking at every pose.
   const bool is_of_use = by_chord > by_ends && (by_chord >= wanted() || by_chord >= enough());
   const CenterPath::Between poses = CenterPath::between(a.moment, b.moment);
-  if (!is_of_use || poses.count() > kMostPoses) return by_ends;
+  if (!is_of_use || poses.count() > kMaxPoses) return by_ends;
   return std::max(by_ends, by_chord - path_.deviation_m(a.moment, b.moment) / voxel_size_m_);
 }
 
@@ -69,7 +69,7 @@ bool PathWalk::is_settled(const Sample& a, const Sample& b, double proven, doubl
   if (proven < enough()) return false;
   const double required = limits_.required_voxels;
   if (proven >= required) return true;
-  const bool near_a = a.least.voxels < required, near_b = b.least.voxels < required;
+  const bool near_a = a.smallest.voxels < required, near_b = b.smallest.voxels < required;
   if (near_a && near_b) return travel < kInside;
   return (near_a || near_b) && travel < kEdge;
 }
@@ -82,8 +82,8 @@ Moment PathWalk::between(const Sample& a, const Sample& b) {
   }
   if (last_subdivided_ != a.moment.pose) ++motions_subdivided_;
   last_subdivided_ = a.moment.pose;
-  const double end = b.moment.pose == a.moment.pose ? b.moment.share : 1;
-  return {a.moment.pose, (a.moment.share + end) / 2};
+  const double end = b.moment.pose == a.moment.pose ? b.moment.fraction : 1;
+  return {a.moment.pose, (a.moment.fraction + end) / 2};
 }
 
 void PathWalk::cover(const Sample& a, const Sample& b) {
@@ -92,15 +92,17 @@ void PathWalk::cover(const Sample& a, const Sample& b) {
   if (is_settled(a, b, proven, travel)) {
     const bool too_near = proven < limits_.required_voxels;
     pieces_.push_back(
-        {a.moment, b.moment, proven, too_near, b.least.voxels < a.least.voxels ? b : a});
+        {a.moment, b.moment, proven, too_near, b.smallest.voxels < a.smallest.voxels ? b : a});
     return;
   }
-  const double target = std::max(limits_.required_voxels, limits_.least_voxels);
+  const double target = std::max(limits_.required_voxels, limits_.min_voxels);
   Sample middle = sample(between(a, b), target + travel / 2 + margin_);
   // The ends may prove more there.
-  const double from_a = a.least.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_ - margin_;
-  const double from_b = b.least.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_ - margin_;
-  middle.least.voxels = std::max({middle.least.voxels, from_a, from_b});
+  const double from_a =
+      a.smallest.voxels - (middle.travel_m - a.travel_m) / voxel_size_m_ - margin_;
+  const double from_b =
+      b.smallest.voxels - (b.travel_m - middle.travel_m) / voxel_size_m_ - margin_;
+  middle.smallest.voxels = std::max({middle.smallest.voxels, from_a, from_b});
   cover(a, middle);
   cover(middle, b);
 }
@@ -109,11 +111,11 @@ void PathWalk::walk(const Moment& from, const Moment& to) {
   part_.forget();
   const double travel = (path_.travel_m(to) - path_.travel_m(from)) / voxel_size_m_;
   const double enough =
-      std::max(limits_.required_voxels, limits_.least_voxels) + travel / 2 + margin_;
+      std::max(limits_.required_voxels, limits_.min_voxels) + travel / 2 + margin_;
   const Sample first = sample(from, enough);
-  if (from.pose == to.pose && from.share == to.share) {
-    const bool too_near = first.least.voxels < limits_.required_voxels;
-    pieces_.push_back({from, to, first.least.voxels, too_near, first});
+  if (from.pose == to.pose && from.fraction == to.fraction) {
+    const bool too_near = first.smallest.voxels < limits_.required_voxels;
+    pieces_.push_back({from, to, first.smallest.voxels, too_near, first});
     return;
   }
   cover(first, sample(to, enough));
@@ -137,7 +139,7 @@ bool PathWalk::keep(const Sample& a, const Sample& b, bool or_nothing, Moment& u
   }
   if (travel < kEdge) return false;
   const Sample middle = tested(between(a, b), limits_.required_voxels + travel / 2 + margin_);
-  if (middle.least.voxels < limits_.required_voxels) {
+  if (middle.smallest.voxels < limits_.required_voxels) {
     if (!or_nothing) keep(a, middle, false, until);
     return false;
   }
@@ -145,10 +147,10 @@ bool PathWalk::keep(const Sample& a, const Sample& b, bool or_nothing, Moment& u
 }
 
 // An end by what is known of it, should that be enough or all that there is to know.
-Sample PathWalk::end(const Moment& moment, double enough_voxels, LeastDistance& known) {
-  const bool is_all = known.point != LeastDistance::kNone || known.voxels >= enough_voxels;
+Sample PathWalk::end(const Moment& moment, double enough_voxels, MinDistance& known) {
+  const bool is_all = known.point != MinDistance::kNone || known.voxels >= enough_voxels;
   if (known.voxels < limits_.required_voxels || !is_all) {
-    known = tested(moment, enough_voxels).least;
+    known = tested(moment, enough_voxels).smallest;
   }
   return {moment, path_.travel_m(moment), known};
 }
@@ -185,7 +187,7 @@ Moment PathWalk::kept_until(const Moment& from, const Moment& to, bool or_nothin
   const Sample last = end(to, enough, known.last);
   const Sample first = end(from, enough, known.first);
   Moment until = from;
-  if (first.least.voxels >= required) keep(first, last, or_nothing, until);
+  if (first.smallest.voxels >= required) keep(first, last, or_nothing, until);
   return until;
 }
 

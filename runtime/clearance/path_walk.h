@@ -23,26 +23,26 @@ namespace forcelayer::clearance {
 struct Sample {
   Moment moment;
   double travel_m = 0;
-  LeastDistance least;
+  MinDistance smallest;
 };
 
 // A piece of a path, from one sample to the next.
 struct Piece {
   Moment from, to;
-  double least_voxels = 0;  // proven for all of it
-  bool too_near = false;    // not proven to be as far as required
-  Sample worst;             // the nearer of its ends
+  double min_voxels = 0;  // proven for all of it
+  bool too_near = false;  // not proven to be as far as required
+  Sample worst;           // the nearer of its ends
 };
 
 struct WalkLimits {
   double required_voxels = 0;  // of shell points
-  double least_voxels = 0;     // the least distance found so far; only lesser ones are looked for
+  double min_voxels = 0;       // the least distance found so far; only lesser ones are looked for
 };
 
 // How far the shell points are at the ends of a way, as far as it is known; unknown below 0.
 struct KnownEnds {
   static constexpr double kUnknown = -1;
-  LeastDistance first{kUnknown}, last{kUnknown};
+  MinDistance first{kUnknown}, last{kUnknown};
 };
 
 // One walk. For one thread.
@@ -76,7 +76,7 @@ class PathWalk {
   void cover(const Sample& a, const Sample& b);
   bool keep(const Sample& a, const Sample& b, bool or_nothing, Moment& until);
   Sample tested(const Moment& moment, double enough_voxels);
-  Sample end(const Moment& moment, double enough_voxels, LeastDistance& known);
+  Sample end(const Moment& moment, double enough_voxels, MinDistance& known);
   bool is_too_near(const Moment& moment);
   bool is_too_near_between(const Moment& from, const Moment& to);
 

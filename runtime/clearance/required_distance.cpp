@@ -24,7 +24,7 @@ RequiredDistance::RequiredDistance(const Voxmap& voxmap, const Pshell& shell, do
       deviations_m_(voxmap.header().static_deviation_m + shell.header().part_deviation_m +
                     PartDistance(voxmap, shell, {}, 0).rounding_m()),
       point_off_surface_m_(off_surface_m(shell.header())),
-      voxels_(least_point_distance_for_m(terms_, required_m + deviations_m_) / voxel_size_m_) {}
+      voxels_(min_point_distance_for_m(terms_, required_m + deviations_m_) / voxel_size_m_) {}
 
 double RequiredDistance::clearance_m(double voxels) const {
   const double proven = surface_distance_bound_m(terms_, voxels * voxel_size_m_);

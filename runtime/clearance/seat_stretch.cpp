@@ -71,8 +71,8 @@ std::vector<std::uint32_t> SeatStretch::near_objects(const RequiredDistance& req
     LeftOut others(voxmap.header().object_count + std::size_t{1}, 1);
     others[number] = 0;
     PartDistance part(voxmap, parts_->query.shell(), others, required.voxels() + 1);
-    const LeastDistance least = part.at(parts_->in_seat, 0, required.voxels(), required.voxels());
-    if (least.voxels < required.voxels()) near.push_back(number);
+    const MinDistance smallest = part.at(parts_->in_seat, 0, required.voxels(), required.voxels());
+    if (smallest.voxels < required.voxels()) near.push_back(number);
   }
   return near;
 }
@@ -136,18 +136,19 @@ std::optional<Moment> SeatStretch::first_where(const CenterPath& path, const Mom
   double tested_m = -1;
   while (true) {
     const double travel_m = path.travel_m(at);
-    const bool at_end = at.pose == to.pose && at.share == to.share;
+    const bool at_end = at.pose == to.pose && at.fraction == to.fraction;
     if (tested_m < 0 || travel_m > tested_m || at_end) {
       if (is_so(path.world_from_center(at))) return at;
       tested_m = travel_m;
     }
     if (at_end) return std::nullopt;
     // Onward by a step within the motion, or to its end.
-    const double end = at.pose == to.pose ? to.share : 1;
+    const double end = at.pose == to.pose ? to.fraction : 1;
     const double left_m =
         path.travel_m({at.pose + (end == 1 ? 1u : 0u), end == 1 ? 0 : end}) - travel_m;
-    const double share = left_m > step_m ? at.share + (end - at.share) * step_m / left_m : end;
-    at = share < 1 ? Moment{at.pose, share} : Moment{at.pose + 1, 0};
+    const double fraction =
+        left_m > step_m ? at.fraction + (end - at.fraction) * step_m / left_m : end;
+    at = fraction < 1 ? Moment{at.pose, fraction} : Moment{at.pose + 1, 0};
   }
 }
 

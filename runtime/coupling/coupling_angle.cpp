@@ -18,7 +18,7 @@ glm::dvec3 continuous_angle(const glm::dquat& part, const glm::dquat& target,
   return glm::dot(b, b) < glm::dot(a, a) ? longer : shorter;
 }
 
-double torque_share(double angle_rad) noexcept {
+double torque_fraction(double angle_rad) noexcept {
   const double beyond = std::max(0.0, angle_rad - kFullTorqueRad);
   return std::max(0.0, 1 - beyond / (2 * M_PI - kFullTorqueRad));
 }

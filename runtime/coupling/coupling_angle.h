@@ -13,10 +13,10 @@ namespace forcelayer::coupling {
 glm::dvec3 continuous_angle(const glm::dquat& part, const glm::dquat& target,
                             const glm::dvec3& last) noexcept;
 
-// Share of the coupling's torque at an angle: all of it up to three quarters of a turn, fading to
-// nothing at a whole turn, where the part is at its target again and no axis is left. So the torque
-// is continuous there too.
-double torque_share(double angle_rad) noexcept;
+// Fraction of the coupling's torque at an angle: all of it up to three quarters of a turn, fading
+// to nothing at a whole turn, where the part is at its target again and no axis is left. So the
+// torque is continuous there too.
+double torque_fraction(double angle_rad) noexcept;
 
 // Integral of the above from three quarters of a turn to `angle_rad`, rad; 0 below.
 double faded_angle_rad(double angle_rad) noexcept;

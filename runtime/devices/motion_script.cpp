@@ -38,11 +38,11 @@ Pose MotionScript::pose(double time_s) const noexcept {
   const std::size_t at = segment(time_s);
   if (at + 1 == rows_.size()) return rows_.back().world_from_handle;
   const Row &a = rows_[at], &b = rows_[at + 1];
-  const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+  const double fraction = (time_s - a.time_s) / (b.time_s - a.time_s);
   const Pose &from = a.world_from_handle, &to = b.world_from_handle;
   const glm::dvec3 turn =
-      coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) * share;
-  return {from.position_m + (to.position_m - from.position_m) * share,
+      coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) * fraction;
+  return {from.position_m + (to.position_m - from.position_m) * fraction,
           glm::normalize(coupling::rotation_by(turn) * from.orientation)};
 }
 

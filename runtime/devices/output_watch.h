@@ -11,12 +11,12 @@
 
 namespace forcelayer::devices {
 
-// Gain of an output that is `age_share` of its stale limit old: 1 up to kLateGrace (two periods of
-// 1 kHz in 5 ms, so that one late frame is not felt), from there falling in a line to 0.
+// Gain of an output that is `age_fraction` of its stale limit old: 1 up to kLateGrace (two periods
+// of 1 kHz in 5 ms, so that one late frame is not felt), from there falling in a line to 0.
 inline constexpr double kLateGrace = 0.4;
-inline double late_gain(double age_share) noexcept {
-  if (age_share <= kLateGrace) return 1;
-  return age_share < 1 ? (1 - age_share) / (1 - kLateGrace) : 0;
+inline double late_gain(double age_fraction) noexcept {
+  if (age_fraction <= kLateGrace) return 1;
+  return age_fraction < 1 ? (1 - age_fraction) / (1 - kLateGrace) : 0;
 }
 
 class OutputWatch {

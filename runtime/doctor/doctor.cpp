@@ -291,8 +291,8 @@ void sleep_through(double seconds, loop::DurationHistogram& late) {
 Finding clock_quality(double seconds) {
   const auto late = std::make_unique<loop::DurationHistogram>();
   std::thread([&] { sleep_through(seconds, *late); }).join();
-  const auto us = [&](double share) {
-    return static_cast<double>(late->quantile_ns(share)) / 1000;
+  const auto us = [&](double fraction) {
+    return static_cast<double>(late->quantile_ns(fraction)) / 1000;
   };
   std::ostringstream seen;
   seen.precision(3);

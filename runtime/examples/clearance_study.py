@@ -16,7 +16,7 @@ import forcelayer
 
 scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 run = forcelayer.replay(scene, part, "run.flr")
-least = run.report["least_clearance"]
+least = run.report["min_clearance"]
 print(f"least clearance {1000 * least['clearance_m']:.2f} mm to {least['object']} at {least['t_s']} s")
 
 # %% Its clearance over time, colored by the object that is nearest

@@ -33,13 +33,13 @@ static_assert(kChunk % kLanes == 0 && kBefore % kLanes == 0);
 // a std::vector.
 struct Averaging {
   Averaging(const query::CollectedPoints& points, const FieldSamples& samples, float voxel_size_m,
-            float least_depth, ContactSet& set)
+            float min_depth, ContactSet& set)
       : r{points.rx.data(), points.ry.data(), points.rz.data()},
         g{samples.gx.data(), samples.gy.data(), samples.gz.data()},
         own{samples.dx.data(), samples.dy.data(), samples.dz.data()},
         depth_m(set.depth_m.data()),
         direction{set.ux.data(), set.uy.data(), set.uz.data()},
-        least_depth_m(least_depth) {
+        min_depth_m(min_depth) {
     const float radius_m = kNeighbourVoxels * voxel_size_m;
     per_radius2_1pm2 = 1.0f / (radius_m * radius_m);
   }
@@ -47,7 +47,7 @@ struct Averaging {
   const float *r[3], *g[3], *own[3];  // places, slopes and directions of the samples
   const float* depth_m;
   float* direction[3];  // to be set
-  float least_depth_m, per_radius2_1pm2;
+  float min_depth_m, per_radius2_1pm2;
 };
 
 // Places and slopes of kLanes samples: all that their weights for each other depend on.
@@ -95,15 +95,15 @@ HWY_INLINE void set_directions(const Averaging& a, std::size_t i, std::size_t la
   VF size = length(slope);
   const bool all_strong = hn::AllTrue(kF, hn::Ge(size, weak));
   if (!all_strong) {
-    const VF share = hn::Min(one, hn::Div(size, weak));
-    rest = hn::Mul(hn::Sub(one, share), weak);
-    for (VF& axis : mixed) axis = hn::Mul(share, axis);
+    const VF fraction = hn::Min(one, hn::Div(size, weak));
+    rest = hn::Mul(hn::Sub(one, fraction), weak);
+    for (VF& axis : mixed) axis = hn::Mul(fraction, axis);
   }
   for (int axis = 0; axis < 3; ++axis) {
     mixed[axis] = hn::Add(mixed[axis], hn::Mul(rest, hn::LoadU(kF, a.own[axis] + i)));
   }
   if (!all_strong) size = length(mixed);
-  const auto deep = hn::Gt(hn::LoadU(kF, a.depth_m + i), hn::Set(kF, a.least_depth_m));
+  const auto deep = hn::Gt(hn::LoadU(kF, a.depth_m + i), hn::Set(kF, a.min_depth_m));
   const auto meant = hn::And(hn::And(deep, hn::Gt(size, hn::Zero(kF))), hn::FirstN(kF, lanes));
   for (int axis = 0; axis < 3; ++axis) {
     float* to = a.direction[axis] + i;
@@ -152,8 +152,8 @@ HWY_INLINE void average_around(const Averaging& a, std::size_t begin, std::size_
 }
 
 void average_on_target(const query::CollectedPoints& points, const FieldSamples& samples,
-                       float voxel_size_m, float least_depth_m, ContactSet& set) {
-  const Averaging a(points, samples, voxel_size_m, least_depth_m, set);
+                       float voxel_size_m, float min_depth_m, ContactSet& set) {
+  const Averaging a(points, samples, voxel_size_m, min_depth_m, set);
   const std::size_t count = set.count;
   if (count <= kWindow) {
     average_over(a, 0, count, 0, count);
@@ -178,8 +178,8 @@ namespace forcelayer::field {
 HWY_EXPORT(average_on_target);
 
 void average_directions(const query::CollectedPoints& points, const FieldSamples& samples,
-                        float voxel_size_m, float least_depth_m, ContactSet& set) noexcept {
-  HWY_DYNAMIC_DISPATCH(average_on_target)(points, samples, voxel_size_m, least_depth_m, set);
+                        float voxel_size_m, float min_depth_m, ContactSet& set) noexcept {
+  HWY_DYNAMIC_DISPATCH(average_on_target)(points, samples, voxel_size_m, min_depth_m, set);
 }
 
 }  // namespace forcelayer::field

@@ -16,7 +16,7 @@ namespace forcelayer::field {
 
 inline constexpr float kNeighbourVoxels = 5.0f;
 
-// Sets the direction of every contact of `set` that is deeper than `least_depth_m`. `samples` are
+// Sets the direction of every contact of `set` that is deeper than `min_depth_m`. `samples` are
 // the field's measure() of `points`, and contact n of `set` is sample n.
 //
 // The average runs over 32 samples in the shell's order, which keeps neighbors together: the 16
@@ -26,6 +26,6 @@ inline constexpr float kNeighbourVoxels = 5.0f;
 // so that a wall that faces another way does not count. Where the slopes cancel, the field's own
 // direction takes over. Vectors of every width give the same bits.
 void average_directions(const query::CollectedPoints& points, const FieldSamples& samples,
-                        float voxel_size_m, float least_depth_m, ContactSet& set) noexcept;
+                        float voxel_size_m, float min_depth_m, ContactSet& set) noexcept;
 
 }  // namespace forcelayer::field

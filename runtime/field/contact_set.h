@@ -40,7 +40,7 @@ struct ContactSet {
                                 // (without a standoff), or with a proven distance below the guard's
   // No shell point is nearer to the static mesh, m: the least proven distance, and at most that of
   // a point in a free voxel. 0 where nothing is proven.
-  float least_distance_m = 0;
+  float min_distance_m = 0;
   std::uint32_t nearest =
       kNone;  // its place in the set; kNone where all are farther, or none known
   static constexpr std::uint32_t kNone = UINT32_MAX;

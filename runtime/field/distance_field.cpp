@@ -81,7 +81,7 @@ const std::uint8_t* DistanceBricks::hold_brick(std::int32_t bx, std::int32_t by,
 // From the brick and the 26 around it. Outside the directory all is free.
 void DistanceBricks::gather(const BrickIndex& brick, Halo& halo) noexcept {
   const std::array<std::uint32_t, 27> entries = brick_entries<3>(
-      map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(kMostDistanceCode));
+      map_, {brick[0] - 1, brick[1] - 1, brick[2] - 1}, uniform_entry(kMaxDistanceCode));
   halo = {};
   for (std::size_t n = 0; n < entries.size(); n += 3) {
     const HaloPart &in_x = kHaloParts[n / 9], &in_y = kHaloParts[n / 3 % 3];
@@ -120,7 +120,7 @@ void DistanceBricks::gather_voxelwise(const BrickIndex& brick, Halo& halo) noexc
     }
     const bool inside = map_.contains(voxel[0], voxel[1], voxel[2]);
     const std::uint32_t code =
-        inside ? unpacked_.code(voxel[0], voxel[1], voxel[2]) : kMostDistanceCode;
+        inside ? unpacked_.code(voxel[0], voxel[1], voxel[2]) : kMaxDistanceCode;
     Row& row = halo[static_cast<std::size_t>(in_halo[0])][static_cast<std::size_t>(in_halo[1])];
     if (in_halo[2] == 0) row = {0, 0};
     if (in_halo[2] < 8) {

@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // The constants of the push in distance_field.h.
-constexpr float kBeyondSlope = 0.05f;  // share of the normal that counts beside the slope
+constexpr float kBeyondSlope = 0.05f;  // fraction of the normal that counts beside the slope
 constexpr float kBuriedVoxels = 1.5f;  // depth from which it begins to; half a voxel later in full
 constexpr float kNoDirection = 1e-6f;  // a shorter vector has no direction
 
@@ -36,33 +36,33 @@ HWY_INLINE VF raised(VI words) {
   return hn::BitCast(kF, hn::Or(bits, hn::BitCast(kI, hn::Set(kF, kRaised[kByte]))));
 }
 
-HWY_INLINE VF mix(VF a, VF b, VF share) { return hn::Add(a, hn::Mul(share, hn::Sub(b, a))); }
+HWY_INLINE VF mix(VF a, VF b, VF between) { return hn::Add(a, hn::Mul(between, hn::Sub(b, a))); }
 
 // Codes at one x and y, between z and z + 1, from the words there; and their step along z.
 template <int kByte>
-HWY_INLINE VF between_words(VI low, VI high, VF share, VF& step) {
+HWY_INLINE VF between_words(VI low, VI high, VF between, VF& step) {
   const VF code = raised<kByte>(low);
   step = hn::Sub(raised<kByte>(high), code);
-  return hn::Add(hn::Sub(code, hn::Set(kF, kRaised[kByte])), hn::Mul(share, step));
+  return hn::Add(hn::Sub(code, hn::Set(kF, kRaised[kByte])), hn::Mul(between, step));
 }
 
 // Codes between the corners of a cell, and their slope per voxel, from the cell's words.
-HWY_INLINE VF between_corners(VI low, VI high, const VF (&share)[3], VF (&slope)[3]) {
+HWY_INLINE VF between_corners(VI low, VI high, const VF (&between)[3], VF (&slope)[3]) {
   VF at_x[2], step_y[2], step_z_x[2];
   for (int x = 0; x < 2; ++x) {
     VF step_z[2];
-    const VF at_y0 = between_words<0>(low, high, share[2], step_z[0]);
-    const VF at_y1 = between_words<1>(low, high, share[2], step_z[1]);
+    const VF at_y0 = between_words<0>(low, high, between[2], step_z[0]);
+    const VF at_y1 = between_words<1>(low, high, between[2], step_z[1]);
     step_y[x] = hn::Sub(at_y1, at_y0);
-    at_x[x] = hn::Add(at_y0, hn::Mul(share[1], step_y[x]));
-    step_z_x[x] = mix(step_z[0], step_z[1], share[1]);
+    at_x[x] = hn::Add(at_y0, hn::Mul(between[1], step_y[x]));
+    step_z_x[x] = mix(step_z[0], step_z[1], between[1]);
     low = hn::ShiftRight<16>(low);
     high = hn::ShiftRight<16>(high);
   }
   slope[0] = hn::Sub(at_x[1], at_x[0]);
-  slope[1] = mix(step_y[0], step_y[1], share[0]);
-  slope[2] = mix(step_z_x[0], step_z_x[1], share[0]);
-  return hn::Add(at_x[0], hn::Mul(share[0], slope[0]));
+  slope[1] = mix(step_y[0], step_y[1], between[0]);
+  slope[2] = mix(step_z_x[0], step_z_x[1], between[0]);
+  return hn::Add(at_x[0], hn::Mul(between[0], slope[0]));
 }
 
 // Squared distances from the mesh, in codes, between the corners of a cell: each is that of the
@@ -73,18 +73,18 @@ HWY_INLINE VF squared_distance(VI words, VF mesh_code) {
   const VF above = hn::Max(hn::Sub(raised<kByte>(words), raised_mesh), hn::Zero(kF));
   return hn::Mul(above, above);
 }
-HWY_INLINE VF squared_between_corners(VI low, VI high, const VF (&share)[3], VF mesh_code) {
+HWY_INLINE VF squared_between_corners(VI low, VI high, const VF (&between)[3], VF mesh_code) {
   VF at_x[2];
   for (int x = 0; x < 2; ++x) {
     const VF at_y0 =
-        mix(squared_distance<0>(low, mesh_code), squared_distance<0>(high, mesh_code), share[2]);
+        mix(squared_distance<0>(low, mesh_code), squared_distance<0>(high, mesh_code), between[2]);
     const VF at_y1 =
-        mix(squared_distance<1>(low, mesh_code), squared_distance<1>(high, mesh_code), share[2]);
-    at_x[x] = mix(at_y0, at_y1, share[1]);
+        mix(squared_distance<1>(low, mesh_code), squared_distance<1>(high, mesh_code), between[2]);
+    at_x[x] = mix(at_y0, at_y1, between[1]);
     low = hn::ShiftRight<16>(low);
     high = hn::ShiftRight<16>(high);
   }
-  return mix(at_x[0], at_x[1], share[0]);
+  return mix(at_x[0], at_x[1], between[0]);
 }
 
 // Codes on one side of a cell, interpolated across it, from the words at its near and far edge.
@@ -99,9 +99,9 @@ HWY_INLINE VF between_edges(VI near_low, VI near_high, VF along, VI far_low, VI 
 // The slope along an axis, interpolated between the differences on both sides of the point's voxel
 // center, each of which belongs to the middle between its two centers. `cell` is the difference in
 // the point's cell, `code` the code at the point, `beside` the code beside the cell:
-//   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = share - 1/2
-HWY_INLINE VF continued(VF cell, VF share, VF code, VF beside) {
-  const VF a = hn::Sub(share, hn::Set(kF, 0.5f)), b = hn::Abs(a);
+//   (1 - 3/2 |a| + a^2) cell + a (beside - code), a = between - 1/2
+HWY_INLINE VF continued(VF cell, VF between, VF code, VF beside) {
+  const VF a = hn::Sub(between, hn::Set(kF, 0.5f)), b = hn::Abs(a);
   const VF kept = hn::Add(hn::Mul(hn::Sub(b, hn::Set(kF, 1.5f)), b), hn::Set(kF, 1.0f));
   return hn::Add(hn::Mul(kept, cell), hn::Mul(a, hn::Sub(beside, code)));
 }
@@ -151,7 +151,7 @@ HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
 
 // Results of the stages for the points of a chunk.
 struct Stages {
-  HWY_ALIGN float share[3][kChunk];  // the point's place between its cell's corners
+  HWY_ALIGN float between[3][kChunk];  // the point's place between its cell's corners
   // Key and slot of the point's brick, and the offsets of its words: those around its cell along z,
   // those beside the cell in x and in y.
   HWY_ALIGN std::int32_t key[kChunk];
@@ -196,44 +196,44 @@ class Kernel : public FieldKernel<DistanceBricks> {
     const auto missing = hn::AndNot(held, lanes.real);
     // Loaded anew: `lanes`, handed over by reference, would be written to the stack each time.
     if (HWY_UNLIKELY(!hn::AllFalse(kI, missing))) replace(load(first + i), i, missing);
-    VF share[3], slope[3];
-    for (int n = 0; n < 3; ++n) share[n] = hn::Load(kF, stages_.share[n] + i);
+    VF between[3], slope[3];
+    for (int n = 0; n < 3; ++n) between[n] = hn::Load(kF, stages_.between[n] + i);
     VI around[4], low, high;
     load_fours(stages_.around + 4 * i, around);
-    const VF code = between_corners(around[1], around[2], share, slope);
+    const VF code = between_corners(around[1], around[2], between, slope);
     load_pairs(stages_.beside_x + 2 * i, low, high);
-    const VF beside_x = between_edges<0, 1>(low, high, share[2], low, high, share[1]);
+    const VF beside_x = between_edges<0, 1>(low, high, between[2], low, high, between[1]);
     load_pairs(stages_.beside_y + 2 * i, low, high);
-    const VF beside_y = between_edges<0, 0>(low, high, share[2], hn::ShiftRight<16>(low),
-                                            hn::ShiftRight<16>(high), share[0]);
-    const auto from_below = hn::RebindMask(kI, hn::Lt(share[2], hn::Set(kF, 0.5f)));
+    const VF beside_y = between_edges<0, 0>(low, high, between[2], hn::ShiftRight<16>(low),
+                                            hn::ShiftRight<16>(high), between[0]);
+    const auto from_below = hn::RebindMask(kI, hn::Lt(between[2], hn::Set(kF, 0.5f)));
     low = hn::IfThenElse(from_below, around[0], around[3]);
     high = hn::ShiftRight<16>(low);
-    const VF beside_z = between_edges<0, 1>(low, high, share[0], low, high, share[1]);
+    const VF beside_z = between_edges<0, 1>(low, high, between[0], low, high, between[1]);
     const VF step = hn::Set(kF, scale_.voxels_per_code);
     hn::StoreU(hn::Mul(slope[0], step), kF, &samples_.ex[first + i]);
     hn::StoreU(hn::Mul(slope[1], step), kF, &samples_.ey[first + i]);
     hn::StoreU(hn::Mul(slope[2], step), kF, &samples_.ez[first + i]);
-    slope[0] = hn::Mul(continued(slope[0], share[0], code, beside_x), step);
-    slope[1] = hn::Mul(continued(slope[1], share[1], code, beside_y), step);
-    slope[2] = hn::Mul(continued(slope[2], share[2], code, beside_z), step);
+    slope[0] = hn::Mul(continued(slope[0], between[0], code, beside_x), step);
+    slope[1] = hn::Mul(continued(slope[1], between[1], code, beside_y), step);
+    slope[2] = hn::Mul(continued(slope[2], between[2], code, beside_z), step);
     const VF phi = hn::Mul(hn::Sub(code, hn::Set(kF, scale_.zero_code)), step);
     hn::StoreU(hn::Mul(phi, hn::Set(kF, scale_.voxel_size_m)), kF,
                &samples_.from_zero_force_m[first + i]);
     push(lanes, phi, slope, first + i);
-    prove(squared_between_corners(around[1], around[2], share, hn::Set(kF, scale_.mesh_code)),
-          share, first + i);
+    prove(squared_between_corners(around[1], around[2], between, hn::Set(kF, scale_.mesh_code)),
+          between, first + i);
   }
 
   // The proven distance, from the interpolated squares (distance_field.h). The squares are whole
   // numbers below 2^16. Three levels of interpolation round each by at most 2^-24 of their size a
-  // step, and a share is off by 2^-24: less than a tenth of a squared code together.
-  HWY_INLINE void prove(VF squared_codes, const VF (&share)[3], std::size_t first) {
+  // step, and a fraction is off by 2^-24: less than a tenth of a squared code together.
+  HWY_INLINE void prove(VF squared_codes, const VF (&between)[3], std::size_t first) {
     constexpr float kRounding = 0.125f;  // squared codes
     const VF one = hn::Set(kF, 1.0f);
     VF spread = hn::Zero(kF);
     for (int n = 0; n < 3; ++n) {
-      spread = hn::Add(spread, hn::Mul(share[n], hn::Sub(one, share[n])));
+      spread = hn::Add(spread, hn::Mul(between[n], hn::Sub(one, between[n])));
     }
     const VF lost = hn::Add(hn::Mul(spread, hn::Set(kF, scale_.squared_codes_per_voxel)),
                             hn::Set(kF, kRounding));
@@ -256,7 +256,7 @@ class Kernel : public FieldKernel<DistanceBricks> {
     const auto directed = hn::Gt(length, hn::Set(kF, kNoDirection));
     const VF per_length = hn::Div(one, length);
     for (int n = 0; n < 3; ++n) u[n] = hn::Mul(u[n], per_length);
-    const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kLeastSlope)), one);
+    const VF strength = hn::Min(hn::Mul(length, hn::Set(kF, 1 / kMinSlope)), one);
     VF depth_m = hn::Mul(hn::Mul(hn::Add(hn::Min(depth, one), beyond), strength), size_m);
     const VF nothing = hn::Mul(hn::Min(depth, hn::Zero(kF)), size_m);
     depth_m = hn::IfThenElse(directed, depth_m, nothing);
@@ -268,7 +268,7 @@ class Kernel : public FieldKernel<DistanceBricks> {
   // where the slope is weak.
   HWY_INLINE VF push_deep(const Lanes& lanes, VF depth, VF (&u)[3]) const {
     const VF one = hn::Set(kF, 1.0f);
-    const VF certain = hn::Min(hn::Mul(hn::Sqrt(dot(u, u)), hn::Set(kF, 1 / kLeastSlope)), one);
+    const VF certain = hn::Min(hn::Mul(hn::Sqrt(dot(u, u)), hn::Set(kF, 1 / kMinSlope)), one);
     const VF buried =
         clamp01(hn::Mul(hn::Sub(depth, hn::Set(kF, kBuriedVoxels)), hn::Set(kF, 2.0f)));
     const VF along_normal = hn::Mul(hn::Set(kF, kBeyondSlope), buried);
@@ -292,7 +292,7 @@ class Kernel : public FieldKernel<DistanceBricks> {
       // The cell's lowest voxel is the point's, or the one before it.
       const auto before = hn::Lt(lanes.fraction[n], half);
       const VF shifted = hn::Sub(lanes.fraction[n], half);
-      hn::Store(hn::IfThenElse(before, hn::Add(shifted, one), shifted), kF, stages_.share[n] + i);
+      hn::Store(hn::IfThenElse(before, hn::Add(shifted, one), shifted), kF, stages_.between[n] + i);
       const VI stride = hn::Set(kI, kStrides[n]);
       const auto is_before = hn::RebindMask(kI, before);
       at = hn::Add(at, hn::Mul(hn::And(lanes.voxel[n], seven), stride));

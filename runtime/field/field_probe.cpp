@@ -12,7 +12,7 @@ namespace {
 
 // Least and largest weight of a point. A shell may hold points of almost no area at its edges,
 // which must still hold the part off.
-constexpr float kLeastWeight = 0.25f, kMostWeight = 4.0f;
+constexpr float kMinWeight = 0.25f, kMaxWeight = 4.0f;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
-    weight_[i] = std::clamp(weight_m2[i] / mean_m2, kLeastWeight, kMostWeight);
+    weight_[i] = std::clamp(weight_m2[i] / mean_m2, kMinWeight, kMaxWeight);
   }
 }
 
@@ -90,7 +90,7 @@ std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept 
   const auto voxel = voxmap().in_directory(x, y, z);
   if (!voxel) return 0;
   const std::uint32_t code = unpacked_->code((*voxel)[0], (*voxel)[1], (*voxel)[2]);
-  if (code == 0 || code == kMostDistanceCode) return 0;
+  if (code == 0 || code == kMaxDistanceCode) return 0;
   return voxmap().objects()->lookup((*voxel)[0], (*voxel)[1], (*voxel)[2]).code;
 }
 

@@ -24,11 +24,11 @@ ForceCurve::Node ForceCurve::between_nodes(double depth_m) const noexcept {
   const double steps = std::min(depth_m / step_m_, static_cast<double>(nodes_.size() - 1));
   const auto i = std::min(static_cast<std::size_t>(steps), nodes_.size() - 2);
   const Node& low = nodes_[i];
-  const double share = steps - static_cast<double>(i);
-  const double force_m = low.force_m + share * (nodes_[i + 1].force_m - low.force_m);
+  const double fraction = steps - static_cast<double>(i);
+  const double force_m = low.force_m + fraction * (nodes_[i + 1].force_m - low.force_m);
   const double beyond_m = std::max(0.0, depth_m - steps * step_m_);
   return {force_m,
-          low.energy_m2 + 0.5 * share * step_m_ * (low.force_m + force_m) + beyond_m * force_m};
+          low.energy_m2 + 0.5 * fraction * step_m_ * (low.force_m + force_m) + beyond_m * force_m};
 }
 
 }  // namespace forcelayer::field

@@ -15,7 +15,7 @@
 namespace forcelayer::field {
 
 // A slope of a field, per voxel, that is shorter than this has no direction that can be trusted.
-inline constexpr float kLeastSlope = 0.1f;
+inline constexpr float kMinSlope = 0.1f;
 // A slope that is shorter than this, at a surface, is of a place near the middle of a sheet.
 inline constexpr float kSideSlope = 0.5f;
 
@@ -66,7 +66,7 @@ ForceKind usual_force(Model model, const Voxmap& voxmap);
 Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind,
                                                      const Voxmap& voxmap);
 
-// Mean area that a shell point stands for, m^2. A point's weight over this is its share of force
+// Mean area that a shell point stands for, m^2. A point's weight over this is its fraction of force
 // in a sum over contacts: 1 on average, whatever the number of points.
 double mean_point_area_m2(const Pshell& shell);
 

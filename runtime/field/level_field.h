@@ -14,7 +14,7 @@
 //   - Behind a plane with the unit normal n the layers are |n|_1 s apart, and phi falls by 1 over
 //     that distance. It falls almost evenly, because the kernel damps the layers' steps: to nothing
 //     where n lies along an axis or a face diagonal (sinc(f) sinc(2 f) at f = 1 and 1/2), and along
-//     a space diagonal to this share:
+//     a space diagonal to this fraction:
 //         trapezoid, 27 voxels          0.04
 //         quadratic B-spline, 27        0.18
 //         trilinear, 8                  0.32

@@ -44,21 +44,22 @@ constexpr int kUnit = 1024;
 struct Corners {
   std::int32_t sums[4][2] = {};  // [2 x + y][z]
 
-  std::int32_t at(int z, std::int32_t share_x, std::int32_t share_y) const {
-    return mix(mix(sums[0][z], sums[1][z], share_y), mix(sums[2][z], sums[3][z], share_y), share_x);
+  std::int32_t at(int z, std::int32_t fraction_x, std::int32_t fraction_y) const {
+    return mix(mix(sums[0][z], sums[1][z], fraction_y), mix(sums[2][z], sums[3][z], fraction_y),
+               fraction_x);
   }
 
  private:
-  static std::int32_t mix(std::int32_t a, std::int32_t b, std::int32_t share) {
-    return a + (((b - a) * share + 0x4000) >> 15);
+  static std::int32_t mix(std::int32_t a, std::int32_t b, std::int32_t fraction) {
+    return a + (((b - a) * fraction + 0x4000) >> 15);
   }
 };
 
 HWY_INLINE VF between_corners(const Corners& corners, const VF (&fraction)[3], float scale) {
-  const auto share_x = static_cast<std::int32_t>(fraction[0].raw * 32768.0f);
-  const auto share_y = static_cast<std::int32_t>(fraction[1].raw * 32768.0f);
-  const auto low = static_cast<float>(corners.at(0, share_x, share_y));
-  const auto high = static_cast<float>(corners.at(1, share_x, share_y));
+  const auto fraction_x = static_cast<std::int32_t>(fraction[0].raw * 32768.0f);
+  const auto fraction_y = static_cast<std::int32_t>(fraction[1].raw * 32768.0f);
+  const auto low = static_cast<float>(corners.at(0, fraction_x, fraction_y));
+  const auto high = static_cast<float>(corners.at(1, fraction_x, fraction_y));
   return VF((low + fraction[2].raw * (high - low)) * scale);
 }
 
@@ -114,24 +115,24 @@ HWY_INLINE VB level_bytes(VI word) {
   return hn::BitCast(kB, hn::And(word, hn::Set(kI, 0x0c0c0c0c)));
 }
 
-HWY_INLINE VH mix(VH a, VH b, VH share) {
-  return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), share));
+HWY_INLINE VH mix(VH a, VH b, VH fraction) {
+  return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), fraction));
 }
 
 // A fraction in 2^-15, rounded down, in both halves.
-HWY_INLINE VH fixed_share(VF fraction) {
-  const VI share = hn::ConvertTo(kI, hn::Mul(fraction, hn::Set(kF, 32768.0f)));
-  return hn::BitCast(kH, hn::Or(share, hn::ShiftLeft<16>(share)));
+HWY_INLINE VH fixed_fraction(VF fraction) {
+  const VI fixed = hn::ConvertTo(kI, hn::Mul(fraction, hn::Set(kF, 32768.0f)));
+  return hn::BitCast(kH, hn::Or(fixed, hn::ShiftLeft<16>(fixed)));
 }
 
 // Between the eight corners, times kUnit * 2^16.
-HWY_INLINE VF between_corners(const Corners& corners, VH share_x, VH share_y, VF share_z) {
-  const VH both =
-      mix(mix(corners[0], corners[1], share_y), mix(corners[2], corners[3], share_y), share_x);
+HWY_INLINE VF between_corners(const Corners& corners, VH fraction_x, VH fraction_y, VF fraction_z) {
+  const VH both = mix(mix(corners[0], corners[1], fraction_y),
+                      mix(corners[2], corners[3], fraction_y), fraction_x);
   const VI lanes = hn::BitCast(kI, both);
   const VF low = hn::ConvertTo(kF, hn::ShiftLeft<16>(lanes));
   const VF high = hn::ConvertTo(kF, hn::And(lanes, hn::Set(kI, ~0xffff)));
-  return hn::Add(low, hn::Mul(share_z, hn::Sub(high, low)));
+  return hn::Add(low, hn::Mul(fraction_z, hn::Sub(high, low)));
 }
 
 // phi (voxels) and its slope (per voxel).
@@ -159,13 +160,14 @@ HWY_INLINE void sample(const Planes& planes, const VF (&fraction)[3], VF& phi, V
       along[1][2 * x + y] = hn::Add(two_bytes<0>(across_y), two_bytes<1>(across_y));
     }
   }
-  const VH share_x = fixed_share(fraction[0]), share_y = fixed_share(fraction[1]);
+  const VH fraction_x = fixed_fraction(fraction[0]), fraction_y = fixed_fraction(fraction[1]);
   constexpr float kScale = 1.0f / (65536.0f * kUnit);
   const VF per_level = hn::Set(kF, kScale / 8), per_step = hn::Set(kF, kScale / 4);
-  phi = hn::Sub(hn::Mul(between_corners(level, share_x, share_y, fraction[2]), per_level),
+  phi = hn::Sub(hn::Mul(between_corners(level, fraction_x, fraction_y, fraction[2]), per_level),
                 hn::Set(kF, 1.0f));
   for (int axis = 0; axis < 3; ++axis) {
-    slope[axis] = hn::Mul(between_corners(along[axis], share_x, share_y, fraction[2]), per_step);
+    slope[axis] =
+        hn::Mul(between_corners(along[axis], fraction_x, fraction_y, fraction[2]), per_step);
   }
 }
 #endif

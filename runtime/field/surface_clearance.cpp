@@ -7,8 +7,8 @@ namespace forcelayer::field {
 PoseClearance point_clearance(const ContactSet& set, const glm::dvec3& center_m,
                               const ContactProbe& probe) noexcept {
   PoseClearance clearance;
-  if (!(set.least_distance_m > 0) || set.outside_map) return clearance;
-  clearance.clearance_m = double{set.least_distance_m};
+  if (!(set.min_distance_m > 0) || set.outside_map) return clearance;
+  clearance.clearance_m = double{set.min_distance_m};
   clearance.kind = ClearanceKind::kAtLeast;
   if (set.nearest == ContactSet::kNone) return clearance;
   clearance.kind = ClearanceKind::kProven;

@@ -43,8 +43,8 @@ struct Frame {
   double to_hand_j = 0;    // work of the last frame's device_wrench on the hand until now
   double generated_j = 0;  // sum over contact episodes of the peak of the work on the hand: what a
                            // passive scene, which stores none at first, could not give
-  // A path that leads the hand (voxrun --guide): its share of device_wrench, the work that it gave
-  // the hand so far, of which generated_j has nothing, and what that may be.
+  // A path that leads the hand (voxrun --guide): its fraction of device_wrench, the work that it
+  // gave the hand so far, of which generated_j has nothing, and what that may be.
   double guide_force_n = 0, guide_torque_nm = 0;
   double guide_given_j = 0, guide_allowed_j = 0;
   std::uint64_t outcome_hash = 0;  // of the wrench and the state after the step

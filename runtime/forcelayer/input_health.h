@@ -21,7 +21,7 @@ inline constexpr float kFallSteps = 65535;
 
 struct InputHealth {
   InputTrouble trouble = InputTrouble::kNone;  // else the input is invalid
-  float age_share = 0;                         // age of the reading over its stale limit; 0: fresh
+  float age_fraction = 0;                      // age of the reading over its stale limit; 0: fresh
   bool clutch = false;                         // the user holds the clutch
   bool swapping = false;                       // part and scene wait to be replaced, at zero output
   bool output_held = false;                    // the device's own side keeps the motors at zero

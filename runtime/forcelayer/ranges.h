@@ -13,7 +13,7 @@ struct Parameters;
 struct RunRequest;
 
 struct Range {
-  double least, most;
+  double smallest, largest;
 };
 
 inline constexpr Range kRatesHz{1, 100'000};

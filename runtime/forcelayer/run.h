@@ -43,7 +43,7 @@ namespace forcelayer {
 DeviceCapabilities default_device();
 
 // Limit of a handle's rotation over that of its speed: the wrist of a hand.
-inline constexpr double kTurnOfSpeedRadPerM = kMaxTurnsRadps.most / kMaxSpeedsMps.most;
+inline constexpr double kTurnOfSpeedRadPerM = kMaxTurnsRadps.largest / kMaxSpeedsMps.largest;
 
 // Everything that decides what a run is. The defaults are what most people want; only the files
 // must be named. open_run() refuses numbers out of their ranges (ranges.h, parameter_table()).
@@ -114,10 +114,10 @@ struct RunStatistics {
   double generated_j = 0;  // energy given to the hand that a passive scene could not give
 
   // The frame with the least clearance of those of which something is known.
-  ClearanceKind least_clearance_kind = ClearanceKind::kNone;
-  double least_clearance_m = 0, least_clearance_s = 0;  // how much, and when
-  std::uint32_t least_clearance_object = 0;  // to which object; 0: not known, or of a scene that
-                                             // was swapped out
+  ClearanceKind min_clearance_kind = ClearanceKind::kNone;
+  double min_clearance_m = 0, min_clearance_s = 0;  // how much, and when
+  std::uint32_t min_clearance_object = 0;  // to which object; 0: not known, or of a scene that
+                                           // was swapped out
   std::uint64_t step_p50_ns = 0, step_p99_ns = 0, step_max_ns = 0;
 };
 

@@ -13,6 +13,6 @@ inline constexpr double kStaleCeilingS = 0.05;
 // Periods of a device without a reading that are not its fault, and the slowest device with
 // motors: its periods of that number are the longest stale limit.
 inline constexpr double kStalePeriods = 2.5;
-inline constexpr double kLeastMotorsHz = kStalePeriods / kStaleCeilingS;
+inline constexpr double kMinMotorsHz = kStalePeriods / kStaleCeilingS;
 
 }  // namespace forcelayer

@@ -135,7 +135,7 @@ void BetweenPoints::press_pair(std::uint32_t a, std::uint32_t b, const Edge& edg
   const float depth_m = object->between_m - edge.distance_m;
   const glm::vec3 push = glm::mix(probe_.slope(b), probe_.slope(a), edge.weight);
   const float length = glm::length(push);
-  if (!(depth_m > 0 && length >= field::kLeastSlope)) return;
+  if (!(depth_m > 0 && length >= field::kMinSlope)) return;
   const glm::vec3 u = push / length;
   const glm::vec3 arm = glm::mix(probe_.arm_m(b), probe_.arm_m(a), edge.weight);
   const bool barred = edge.distance_m < object->between_floor_m;

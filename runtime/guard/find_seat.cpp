@@ -11,12 +11,12 @@ namespace {
 
 // The floor of a seat, in voxels: at least kSeatGiveVoxels deep, which leaves room for the contact
 // spring and for the error of interpolation between flat and curved faces, and at least
-// kLeastGiveVoxels below the deepest point of the seat.
-constexpr float kSeatGiveVoxels = 0.25f, kLeastGiveVoxels = 0.05f;
+// kMinGiveVoxels below the deepest point of the seat.
+constexpr float kSeatGiveVoxels = 0.25f, kMinGiveVoxels = 0.05f;
 
 // An object that lies deeper than this between two points in the seat stands in a gap of the part
 // that is narrower than its points are apart: nothing is felt between points of it.
-constexpr float kMostBetweenVoxels = 0.3f;
+constexpr float kMaxBetweenVoxels = 0.3f;
 
 // The floor must lie this far above the distance of the lowest code, in voxels: where some of the
 // eight centers have that code, the interpolated distance can be this much too large.
@@ -45,20 +45,20 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
   if (-double{object.corner_floor_m} < told_m) return {};
-  const double most_m = told_m - kLeastGiveVoxels * header.voxel_size_m;
-  if (most_m <= 0) {
+  const double max_m = told_m - kMinGiveVoxels * header.voxel_size_m;
+  if (max_m <= 0) {
     return Error{ErrorCode::kUsage, "", "start",
                  "the part touches " + name_of(object.object) +
                      ", and the stored distances do not reach deep enough to hold a seat",
                  "bake the scene with a larger --range"};
   }
-  char depth[80], most[80];
+  char depth[80], largest[80];
   std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
                 object.overlap_m < told_m ? "" : "more than ",
                 1000 * std::min(object.overlap_m, told_m));
-  std::snprintf(most, sizeof most, "; the stored distances hold a seat up to %.3g mm deep",
-                1000 * most_m);
-  return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + most,
+  std::snprintf(largest, sizeof largest, "; the stored distances hold a seat up to %.3g mm deep",
+                1000 * max_m);
+  return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
                "check --start and the units of both files; bake the scene with --free-seed where "
                "the inside of an object is air, or with a larger --range"};
 }
@@ -113,13 +113,13 @@ Status SeatRule::find(const Pose& world_from_center) {
   const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
     object.overlap_m = -double{object.corner_floor_m};
-    const auto floor_m = [&](float least_m) {
-      return std::min(least_m - kLeastGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -
+    const auto floor_m = [&](float min_m) {
+      return std::min(min_m - kMinGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -
              step_m;
     };
     object.floor_m = floor_m(object.contact_m);
     object.corner_floor_m = floor_m(object.corner_floor_m);
-    object.feels_between = object.between_m > -kMostBetweenVoxels * voxel_size_m;
+    object.feels_between = object.between_m > -kMaxBetweenVoxels * voxel_size_m;
     object.between_floor_m = floor_m(object.between_m);
     if (Status told = check_depth(object); !told) return told;
   }

@@ -33,15 +33,15 @@ bool PointRule::is_too_near(float proven_m) const noexcept { return !(proven_m >
 // Every point of the set is compared, none is skipped.
 void PointRule::mark_points(const float* proven_m, field::ContactSet& set) const noexcept {
   set.barred = 0;
-  set.least_distance_m = free_m_;
+  set.min_distance_m = free_m_;
   set.nearest = field::ContactSet::kNone;
   std::uint32_t proximity = 0;  // points of value 3 that are not barred
   for (std::uint32_t i = 0; i < set.count; ++i) {
     bool barred = by_value_ && field::is_interior(set.value[i]);
     if (proves_) {
       barred = barred || is_too_near(proven_m[i]);
-      if (proven_m[i] < set.least_distance_m) {
-        set.least_distance_m = proven_m[i];
+      if (proven_m[i] < set.min_distance_m) {
+        set.min_distance_m = proven_m[i];
         set.nearest = i;
       }
     }

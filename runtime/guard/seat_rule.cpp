@@ -62,7 +62,7 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
     if (out.is_barred[i] != 0) --out.barred;
     if (barred) ++out.barred;
     out.is_barred[i] = barred ? 1 : 0;
-    const glm::vec3 direction = steepness < field::kLeastSlope ? n : g / steepness;
+    const glm::vec3 direction = steepness < field::kMinSlope ? n : g / steepness;
     // Along the gradient, where it has the same side, the push is that of a potential: a closed
     // path gives nothing. The slope is some degrees aside of it.
     const glm::vec3 e = probe_.gradient(i);
@@ -85,7 +85,7 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
     out.gx[i] = g.x, out.gy[i] = g.y, out.gz[i] = g.z;
   }
   if (out.seated > 0) {
-    out.least_distance_m = 0;
+    out.min_distance_m = 0;
     out.nearest = field::ContactSet::kNone;
   }
   between_.press(seat_, out);

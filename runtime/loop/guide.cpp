@@ -17,9 +17,9 @@ double turn_rad(const glm::dquat& a, const glm::dquat& b) {
   return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b))));
 }
 
-// The energy of a spring with the stiffness 1 that is clamped to `most` at its stretch `x`.
-double clamped_energy(double x, double most) {
-  return x < most ? x * x / 2 : most * (x - most / 2);
+// The energy of a spring with the stiffness 1 that is clamped to `largest` at its stretch `x`.
+double clamped_energy(double x, double largest) {
+  return x < largest ? x * x / 2 : largest * (x - largest / 2);
 }
 
 // `pull` without its part against `contact`, in so far as that is felt: all of it from `full` on.
@@ -41,7 +41,7 @@ GuidePath::GuidePath(std::span<const Pose> poses, const GuideLimits& limits, dou
     at_m.push_back(at_m.back() + std::hypot(glm::distance(a.position_m, b.position_m) / scale_,
                                             lever_m_ * turn_rad(a.orientation, b.orientation)));
   }
-  const double steps = std::clamp(std::ceil(at_m.back() / kStepM), 1.0, kMostPlaces - 1.0);
+  const double steps = std::clamp(std::ceil(at_m.back() / kStepM), 1.0, kMaxPlaces - 1.0);
   step_m_ = at_m.back() / steps;
   std::size_t row = 0;
   glm::dquat last = poses.front().orientation;
@@ -50,10 +50,10 @@ GuidePath::GuidePath(std::span<const Pose> poses, const GuideLimits& limits, dou
     while (row + 2 < at_m.size() && at_m[row + 1] < s_m) ++row;
     const Pose &a = poses[row], &b = poses[std::min(row + 1, poses.size() - 1)];
     const double all_m = row + 1 < at_m.size() ? at_m[row + 1] - at_m[row] : 0;
-    const double share = all_m > 0 ? std::clamp((s_m - at_m[row]) / all_m, 0.0, 1.0) : 0;
-    glm::dquat q = glm::slerp(a.orientation, b.orientation, share);
+    const double fraction = all_m > 0 ? std::clamp((s_m - at_m[row]) / all_m, 0.0, 1.0) : 0;
+    glm::dquat q = glm::slerp(a.orientation, b.orientation, fraction);
     if (glm::dot(q, last) < 0) q = -q;
-    places_.push_back(place_of({glm::mix(a.position_m, b.position_m, share), q}));
+    places_.push_back(place_of({glm::mix(a.position_m, b.position_m, fraction), q}));
     last = q;
   }
 }
@@ -79,7 +79,7 @@ Pose GuidePath::at(double s_m) const noexcept {
 // Searches the straight pieces that begin at the places from `first` to before `last`.
 double GuidePath::nearest(const Pose& pose, std::size_t first, std::size_t last) const noexcept {
   const Place point = place_of(pose);
-  double least = INFINITY, found_m = 0;
+  double smallest = INFINITY, found_m = 0;
   for (std::size_t i = first; i < last; ++i) {
     const Place &a = places_[i], &b = places_[i + 1];
     double turns = 0;  // of a quaternion either sign is the same orientation
@@ -91,11 +91,11 @@ double GuidePath::nearest(const Pose& pose, std::size_t first, std::size_t last)
       length2 += (b[k] - a[k]) * (b[k] - a[k]);
       distance2 += to * to;
     }
-    const double share = length2 > 0 ? std::clamp(along / length2, 0.0, 1.0) : 0;
-    distance2 += share * (share * length2 - 2 * along);
-    if (distance2 >= least) continue;
-    least = distance2;
-    found_m = (static_cast<double>(i) + share) * step_m_;
+    const double fraction = length2 > 0 ? std::clamp(along / length2, 0.0, 1.0) : 0;
+    distance2 += fraction * (fraction * length2 - 2 * along);
+    if (distance2 >= smallest) continue;
+    smallest = distance2;
+    found_m = (static_cast<double>(i) + fraction) * step_m_;
   }
   return found_m;
 }
@@ -173,11 +173,11 @@ Wrench Guide::pull(const GuideFrame& frame, double dt_s) noexcept {
   farthest_m_ = std::max(farthest_m_, s_m_);
   allowed_j_ = begin_j_ + limits_.force_n * (limits_.reach_m + farthest_m_ - engaged_m_);
   const double left = (allowed_j_ - sum_j_) / (kFadesAt * limits_.force_n * limits_.reach_m);
-  const double share = strength_ * std::clamp(left, 0.0, 1.0);
+  const double fraction = strength_ * std::clamp(left, 0.0, 1.0);
   const Wrench whole = spring(frame);
   const Wrench& contact = frame.contact;
-  pulled_.force_n = behind(contact.force_n, whole.force_n * share, limits_.force_n);
-  pulled_.torque_nm = behind(contact.torque_nm, whole.torque_nm * share, limits_.torque_nm);
+  pulled_.force_n = behind(contact.force_n, whole.force_n * fraction, limits_.force_n);
+  pulled_.torque_nm = behind(contact.torque_nm, whole.torque_nm * fraction, limits_.torque_nm);
   pulled_.force_n = model::clamped(pulled_.force_n,
                                    std::max(0.0, frame.max_force_n - glm::length(contact.force_n)));
   pulled_.torque_nm = model::clamped(

@@ -44,7 +44,7 @@ struct GuideLimits {
 // rows may be cut by half a step.
 class GuidePath {
  public:
-  static constexpr std::size_t kMostPlaces = 4096;
+  static constexpr std::size_t kMaxPlaces = 4096;
   static constexpr double kStepM = 0.0005;
 
   // `world_from_center`: at least one pose of the part's centroid frame. `motion_scale`: scene
@@ -92,7 +92,7 @@ class Guide {
   // device. Once a frame.
   Wrench pull(const GuideFrame& frame, double dt_s) noexcept;
 
-  // The share of that wrench that the output lets through until the next frame.
+  // The fraction of that wrench that the output lets through until the next frame.
   void leave(double gain) noexcept;
   const Wrench& left() const { return left_; }
 

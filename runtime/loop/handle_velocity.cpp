@@ -43,14 +43,14 @@ Twist HandleVelocity::update(const Pose& device_from_handle, double dt_s) noexce
       median(d[0].linear_mps, d[1].linear_mps, d[2].linear_mps, kMaxSpeedMps);
   const glm::dvec3 angular_radps =
       median(d[0].angular_radps, d[1].angular_radps, d[2].angular_radps, kMaxTurnRadps);
-  const double share = dt_s / (dt_s + kTimeConstantS);
+  const double fraction = dt_s / (dt_s + kTimeConstantS);
   Twist& v = velocity_;
-  v.linear_mps = not_against(v.linear_mps + (linear_mps - v.linear_mps) * share, now.linear_mps);
-  v.angular_radps =
-      not_against(v.angular_radps + (angular_radps - v.angular_radps) * share, now.angular_radps);
+  v.linear_mps = not_against(v.linear_mps + (linear_mps - v.linear_mps) * fraction, now.linear_mps);
+  v.angular_radps = not_against(v.angular_radps + (angular_radps - v.angular_radps) * fraction,
+                                now.angular_radps);
   const bool still = now.linear_mps == glm::dvec3(0) && now.angular_radps == glm::dvec3(0) &&
-                     glm::length(v.linear_mps) < kLeastSpeedMps &&
-                     glm::length(v.angular_radps) < kLeastTurnRadps;
+                     glm::length(v.linear_mps) < kMinSpeedMps &&
+                     glm::length(v.angular_radps) < kMinTurnRadps;
   if (still) v = {};
   return v;
 }

@@ -18,10 +18,10 @@ namespace forcelayer::loop {
 class HandleVelocity {
  public:
   static constexpr double kTimeConstantS = 0.005;
-  static constexpr double kMaxSpeedMps = 10;       // of a hand: a fast throw
-  static constexpr double kMaxTurnRadps = 100;     // the same for the wrist
-  static constexpr double kLeastSpeedMps = 1e-6;   // of a handle that does not move: zero
-  static constexpr double kLeastTurnRadps = 1e-5;  // the same
+  static constexpr double kMaxSpeedMps = 10;     // of a hand: a fast throw
+  static constexpr double kMaxTurnRadps = 100;   // the same for the wrist
+  static constexpr double kMinSpeedMps = 1e-6;   // of a handle that does not move: zero
+  static constexpr double kMinTurnRadps = 1e-5;  // the same
 
   void reset() noexcept { *this = {}; }
 

@@ -11,9 +11,9 @@ std::uint64_t DurationHistogram::upper_end(std::uint32_t bucket) noexcept {
   return ((std::uint64_t{kSub} + bucket % kSub + 1) << octave) - 1;
 }
 
-std::uint64_t DurationHistogram::quantile_ns(double share) const {
+std::uint64_t DurationHistogram::quantile_ns(double fraction) const {
   if (count_ == 0) return 0;
-  const double wanted = std::ceil(share * static_cast<double>(count_));
+  const double wanted = std::ceil(fraction * static_cast<double>(count_));
   std::uint64_t seen = 0;
   for (std::uint32_t bucket = 0; bucket < kBuckets; ++bucket) {
     seen += buckets_[bucket];

@@ -21,9 +21,9 @@ class DurationHistogram {
   std::uint64_t count() const { return count_; }
   std::uint64_t max_ns() const { return max_ns_; }  // exact
 
-  // Smallest bucket's upper end that at least `share` of the values do not exceed, at most
+  // Smallest bucket's upper end that at least `fraction` of the values do not exceed, at most
   // max_ns(). 0 where nothing was recorded.
-  std::uint64_t quantile_ns(double share) const;
+  std::uint64_t quantile_ns(double fraction) const;
 
  private:
   static constexpr std::uint32_t kSubBits = 6;  // 64 buckets an octave

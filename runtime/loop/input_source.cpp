@@ -12,8 +12,8 @@ namespace forcelayer::loop {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length; a device's floats err by 1e-7
-constexpr double kLeastJumpM = 0.001;    // noise and quantization of the coarsest device
-constexpr double kLeastTurnRad = 0.01;   // the same of its rotation
+constexpr double kMinJumpM = 0.001;      // noise and quantization of the coarsest device
+constexpr double kMinTurnRad = 0.01;     // the same of its rotation
 
 // As a recording keeps it, so that a replay trips in the same frame. A sum that went back is that
 // of a new connection.
@@ -84,8 +84,8 @@ bool DeviceInput::jumped(const Pose& device_from_handle, double dt_s) const noex
   const double moved_m = glm::length(device_from_handle.position_m - last_good_.position_m);
   const double turned_rad = glm::length(coupling::rotation_vector(
       made_unit(device_from_handle).orientation * glm::conjugate(last_good_.orientation)));
-  return moved_m > kLeastJumpM + limits_.max_jump_mps * since_s ||
-         turned_rad > kLeastTurnRad + limits_.max_turn_radps * since_s;
+  return moved_m > kMinJumpM + limits_.max_jump_mps * since_s ||
+         turned_rad > kMinTurnRad + limits_.max_turn_radps * since_s;
 }
 
 bool DeviceInput::claims_too_much(const DeviceSample& sample) noexcept {
@@ -128,7 +128,7 @@ bool DeviceInput::next(double time_s, double dt_s, StepInput& input) noexcept {
   since_fresh_s_ += dt_s;
   health_ = {};
   health_.trouble = trouble(sample, dt_s);
-  health_.age_share = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
+  health_.age_fraction = static_cast<float>(std::min(1.0, age_s_ / limits_.stale_s));
   health_.output_held = sample.output_held;
   health_.output_fall = recordable_fall(sample.output_falls - output_falls_);
   output_falls_ = sample.output_falls;

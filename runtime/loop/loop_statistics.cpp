@@ -91,10 +91,10 @@ void WorstFrames::add(const MissedFrame& frame) noexcept {
     frames_[size_++] = frame;
     return;
   }
-  const auto least =
+  const auto smallest =
       std::min_element(frames_.begin(), frames_.end(),
                        [](const auto& a, const auto& b) { return a.late_ns < b.late_ns; });
-  if (least->late_ns < frame.late_ns) *least = frame;
+  if (smallest->late_ns < frame.late_ns) *smallest = frame;
 }
 
 void TouchedObjects::add(const TouchedObject& touched) noexcept {
@@ -132,12 +132,12 @@ void LoopStatistics::count_clearance(const Frame& frame) noexcept {
     ++unproven_frames;
     return;
   }
-  if (least_clearance.kind != ClearanceKind::kNone &&
-      report.clearance_m >= least_clearance.clearance_m) {
+  if (min_clearance.kind != ClearanceKind::kNone &&
+      report.clearance_m >= min_clearance.clearance_m) {
     return;
   }
-  least_clearance = {report.clearance_kind, report.clearance_m, frame.time_s,
-                     report.nearest_point_m, numbered(frame, report.nearest_object)};
+  min_clearance = {report.clearance_kind, report.clearance_m, frame.time_s, report.nearest_point_m,
+                   numbered(frame, report.nearest_object)};
 }
 
 void LoopStatistics::note_firsts(const Frame& frame) noexcept {
@@ -178,7 +178,7 @@ void LoopStatistics::count(const Frame& frame) noexcept {
   saturated_frames += report.saturated;
   faulty_frames += report.faults != 0;
   clutched_frames += frame.input.valid == kInputClutched;
-  held_readings += frame.health.age_share > 0;
+  held_readings += frame.health.age_fraction > 0;
   outcome_hash = (outcome_hash ^ frame.outcome_hash) * 0x100000001b3u;
   max_force_n = std::max(max_force_n, glm::length(frame.result.wrench.force_n));
   max_torque_nm = std::max(max_torque_nm, glm::length(frame.result.at_handle.torque_nm));

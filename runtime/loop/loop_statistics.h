@@ -145,13 +145,13 @@ struct LoopStatistics {
   std::uint64_t voluntary_switches = 0, involuntary_switches = 0;
 
   // The frame with the least clearance of those of which something is known.
-  struct LeastClearance {
+  struct MinClearance {
     ClearanceKind kind = ClearanceKind::kNone;
     double clearance_m = 0, time_s = 0;
     glm::dvec3 point_m{0};
     std::uint32_t object = 0;  // nearest to the point; 0: not known
   };
-  LeastClearance least_clearance;
+  MinClearance min_clearance;
   std::uint64_t unproven_frames = 0;  // of which no clearance is known
   TouchedObjects touched;
   TouchedInFrame touched_last{};                   // in the last frame

@@ -97,9 +97,9 @@ Wrench OutputStage::limited(const Wrench& wanted, double gain) const noexcept {
 }
 
 Wrench OutputStage::slewed(const Wrench& wanted, double dt_s) const noexcept {
-  const double share = dt_s / limits_.slew_s;
-  return {moved(last_.force_n, wanted.force_n, limits_.max_force_n * share),
-          moved(last_.torque_nm, wanted.torque_nm, limits_.max_torque_nm * share)};
+  const double fraction = dt_s / limits_.slew_s;
+  return {moved(last_.force_n, wanted.force_n, limits_.max_force_n * fraction),
+          moved(last_.torque_nm, wanted.torque_nm, limits_.max_torque_nm * fraction)};
 }
 
 // Whether the wrench may go out, whatever came before.
@@ -113,7 +113,7 @@ Wrench OutputStage::pass(const OutputFrame& frame, double dt_s) noexcept {
   input.cause = cause_to_trip(frame);
   input.lasting = row_of(input.cause).lasting;
   input.fault = fault_of(frame);
-  input.late_gain = devices::late_gain(frame.health.age_share);
+  input.late_gain = devices::late_gain(frame.health.age_fraction);
   input.device_fall = frame.health.output_fall;
   // A part that is held for a swap is looked at nowhere, and gripped anew in each frame.
   input.ready = !frame.health.swapping && (frame.free_of_contact || frame.unstretched);

@@ -70,10 +70,10 @@ std::vector<std::string> take_real_time_priority(int below) {
 }
 
 void limit_real_time_priority(int below) noexcept {
-  const auto most = static_cast<rlim_t>(kPriority - below);
+  const auto largest = static_cast<rlim_t>(kPriority - below);
   rlimit limit{};
   if (getrlimit(RLIMIT_RTPRIO, &limit) != 0) return;
-  limit = {std::min(limit.rlim_cur, most), std::min(limit.rlim_max, most)};
+  limit = {std::min(limit.rlim_cur, largest), std::min(limit.rlim_max, largest)};
   (void)setrlimit(RLIMIT_RTPRIO, &limit);
 }
 

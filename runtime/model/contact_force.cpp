@@ -25,7 +25,7 @@ struct SpringStep {
   double dt_s;
   double stiffness_n_per_m;  // of one point of mean area
   double damping_ns_per_m;   // of the same
-  double least_depth_m;      // of contacts that get a row
+  double min_depth_m;        // of contacts that get a row
 };
 
 // Sum over points that approach too fast of their rows times share, and of what is allowed.
@@ -86,14 +86,14 @@ void totals_on_target(const field::ContactSet& set, double full_m, const field::
   const VD per_full_1pm = hn::Set(kD, 1 / full_m);
   std::size_t touching = 0;
   for (std::size_t first = 0; first < kColumns; first += kLanes) {
-    VD sum_sharing = zero, sum_alone = zero, sum_rest = zero, most = zero;
+    VD sum_sharing = zero, sum_alone = zero, sum_rest = zero, largest = zero;
     for (std::size_t i = first; i < set.count; i += kColumns) {
       const VD signed_depth = load(set.depth_m, i);
       const auto touches = hn::And(hn::Gt(signed_depth, zero), hn::FirstN(kD, set.count - i));
       const VD depth = hn::IfThenElseZero(touches, signed_depth);
       const VD weight = hn::IfThenElse(touches, load(set.weight, i), one);
       touching += hn::CountTrue(kD, touches);
-      most = hn::Max(most, depth);
+      largest = hn::Max(largest, depth);
       const VD counted = hn::Min(hn::Mul(depth, per_full_1pm), one);
       sum_sharing = hn::Add(sum_sharing, hn::Mul(weight, counted));
       const VD by_itself = hn::Max(one, weight);
@@ -107,7 +107,7 @@ void totals_on_target(const field::ContactSet& set, double full_m, const field::
     hn::Store(sum_sharing, kD, sharing + first);
     hn::Store(sum_alone, kD, alone + first);
     hn::Store(sum_rest, kD, rest + first);
-    hn::Store(most, kD, deepest + first);
+    hn::Store(largest, kD, deepest + first);
   }
   out.count = static_cast<std::uint32_t>(touching);
   out.depth_m = static_cast<float>(*std::max_element(deepest, deepest + kColumns));
@@ -124,21 +124,21 @@ std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t coun
   for (std::size_t i = 0; i < count; i += kLanes) {
     const VD depth = load(set.depth_m, i);
     const auto kept =
-        hn::AndNot(hn::Lt(depth, hn::Set(kD, step.least_depth_m)), hn::FirstN(kD, count - i));
+        hn::AndNot(hn::Lt(depth, hn::Set(kD, step.min_depth_m)), hn::FirstN(kD, count - i));
     if (hn::AllFalse(kD, kept)) continue;
     VD column[8];
     separation_rows(set, i, column);
     const VD weight = load(set.weight, i), alone = hn::Max(one, weight);
-    const VD share =
+    const VD fraction =
         hn::Mul(hn::Set(kD, step.average),
                 hn::Add(alone, hn::Mul(hn::Set(kD, step.by_area), hn::Sub(weight, alone))));
-    const VD per_step = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), share));
+    const VD per_step = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), fraction));
     VD force = depth;
     if (!step.curve.is_straight()) {
       force = lane_by_lane(depth, [&](double depth_m) { return step.curve.force_m(depth_m); });
     }
-    const VD damping =
-        hn::IfThenElseZero(hn::Gt(force, zero), hn::Mul(hn::Set(kD, step.damping_ns_per_m), share));
+    const VD damping = hn::IfThenElseZero(hn::Gt(force, zero),
+                                          hn::Mul(hn::Set(kD, step.damping_ns_per_m), fraction));
     column[6] = hn::Mul(dt_s, hn::Add(per_step, damping));
     column[7] = hn::Div(hn::Mul(per_step, force), column[6]);
     if (hn::AllTrue(kD, kept)) {
@@ -179,9 +179,9 @@ void brake_sum_on_target(const field::ContactSet& set, const coupling::Vector6& 
       const VD excess_mps = hn::Sub(hn::Neg(speed), allowed_mps);
       const auto counted = hn::And(hn::And(hn::Lt(depth, zero), hn::Gt(excess_mps, zero)),
                                    hn::FirstN(kD, set.count - i));
-      const VD share = hn::IfThenElseZero(counted, hn::Mul(load(set.weight, i), excess_mps));
-      for (std::size_t n = 0; n < 6; ++n) sums[n] = hn::Add(sums[n], hn::Mul(share, j[n]));
-      sums[6] = hn::Add(sums[6], hn::Mul(share, allowed_mps));
+      const VD fraction = hn::IfThenElseZero(counted, hn::Mul(load(set.weight, i), excess_mps));
+      for (std::size_t n = 0; n < 6; ++n) sums[n] = hn::Add(sums[n], hn::Mul(fraction, j[n]));
+      sums[6] = hn::Add(sums[6], hn::Mul(fraction, allowed_mps));
     }
     for (std::size_t n = 0; n < kSums; ++n) hn::Store(sums[n], kD, columns[n] + first);
   }
@@ -221,9 +221,9 @@ double contact_energy_j(const ContactTotals& totals, const LoadSharing& load,
 
 ContactRow spring_row(const field::Contact& contact, double force_m, const LoadSharing& load,
                       const ContactLaw& law, double dt_s) noexcept {
-  const double share = load.share(contact);
-  const double stiffness = law.stiffness_n_per_m * share;
-  const double damping = force_m > 0 ? law.damping_ns_per_m * share : 0;
+  const double fraction = load.fraction(contact);
+  const double stiffness = law.stiffness_n_per_m * fraction;
+  const double damping = force_m > 0 ? law.damping_ns_per_m * fraction : 0;
   ContactRow row;
   row.j = separation_row(contact);
   row.weight = dt_s * (dt_s * stiffness + damping);

@@ -42,7 +42,7 @@ class LoadSharing {
   LoadSharing() = default;  // one contact
   explicit LoadSharing(const ContactTotals& totals) noexcept;
   // Factor on the stiffness of a contact.
-  double share(const field::Contact& contact) const noexcept {
+  double fraction(const field::Contact& contact) const noexcept {
     const double alone = std::max(1.0f, contact.weight);
     return average_ * (alone + by_area_ * (contact.weight - alone));
   }

@@ -47,9 +47,9 @@ bool descends(const Quadratic& q, const coupling::Vector6& from, const coupling:
   return coupling::dot(step, slope) - 0.5 * coupling::dot(step, q.matrix * step) <= 0;
 }
 
-coupling::Vector6 between(const coupling::Vector6& a, const coupling::Vector6& b, double share) {
+coupling::Vector6 between(const coupling::Vector6& a, const coupling::Vector6& b, double fraction) {
   coupling::Vector6 v;
-  for (int i = 0; i < 6; ++i) v[i] = a[i] + share * (b[i] - a[i]);
+  for (int i = 0; i < 6; ++i) v[i] = a[i] + fraction * (b[i] - a[i]);
   return v;
 }
 

@@ -22,10 +22,10 @@ constexpr int kResolves = 2;                // new solves with the contacts foun
 constexpr int kHalvings = 2;                // shortenings after that; then the part stays
 constexpr double kTravelMargin = 1 - 1e-9;  // keeps s/2 from being reached by rounding
 
-// A motion shorter than this share of a voxel is not made while the hand rests.
-constexpr double kLeastTravelVoxels = 1e-9;
-// While the hand rests, a motion must lower the energy by this share of k_T times its square.
-constexpr double kDescentShare = 1e-4;
+// A motion shorter than this fraction of a voxel is not made while the hand rests.
+constexpr double kMinTravelVoxels = 1e-9;
+// While the hand rests, a motion must lower the energy by this fraction of k_T times its square.
+constexpr double kDescentFraction = 1e-4;
 
 // Where a barred point must end, behind where a force layer of one voxel begins to push. That is
 // 0.1 to 0.8 voxels before the guard's place, by the kind of map.
@@ -141,12 +141,12 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
 
 // The least distance of a shell point; Simulation makes a clearance of it.
 void DefaultModel::report_distance(StepReport& report) const noexcept {
-  const field::PoseClearance least =
+  const field::PoseClearance smallest =
       field::point_clearance(here_, report.world_from_center.position_m, probe_);
-  report.clearance_m = least.clearance_m;
-  report.clearance_kind = least.kind;
-  report.nearest_point_m = least.nearest_point_m;
-  report.nearest_object = least.nearest_object;
+  report.clearance_m = smallest.clearance_m;
+  report.clearance_kind = smallest.kind;
+  report.nearest_point_m = smallest.nearest_point_m;
+  report.nearest_object = smallest.nearest_object;
 }
 
 void DefaultModel::open_seat(bool open) noexcept {
@@ -243,18 +243,18 @@ void DefaultModel::pull_to(const coupling::GripTarget& target, const State& stat
       potential_j(system.displacement.displacement, system.angle.displacement, here_);
 }
 
-// Solves for all of the remaining time; where that would travel beyond s/2, for an even share of
+// Solves for all of the remaining time; where that would travel beyond s/2, for an even fraction of
 // it, at whose end the hand has not yet come to its pose of this frame.
 void DefaultModel::choose(Motion& motion, const State& state, double remaining_s,
                           double dt_s) noexcept {
   solve_motion(motion, remaining_s);
-  const double shares =
+  const double fractions =
       std::ceil(travel_m(motion, remaining_s) /
                 (kTravelMargin * guard::kMaxTravelVoxels * parameters_.voxel_size_m));
-  if (shares > 1) {
-    const double left_s = remaining_s - remaining_s / shares;
+  if (fractions > 1) {
+    const double left_s = remaining_s - remaining_s / fractions;
     pull_to(coupling::earlier(motion.target, left_s / dt_s), state, motion);
-    solve_motion(motion, remaining_s / shares);
+    solve_motion(motion, remaining_s / fractions);
   }
   limit_travel(motion);
 }
@@ -275,10 +275,10 @@ void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
 bool DefaultModel::try_motion(State& state, Motion& motion, StepReport& report) noexcept {
   const coupling::GripTarget& target = motion.target;
   const double dt_s = motion.system.dt_s;
-  const double least_m = state.allowance_j == 0 ? kLeastTravelVoxels * parameters_.voxel_size_m : 0;
+  const double min_m = state.allowance_j == 0 ? kMinTravelVoxels * parameters_.voxel_size_m : 0;
   bool cut = false;
   for (int attempt = 0; attempt <= kResolves + kHalvings; ++attempt) {
-    if (!(travel_m(motion, dt_s) > least_m)) return false;
+    if (!(travel_m(motion, dt_s) > min_m)) return false;
     const Twist first{coupling::linear_part(motion.velocity),
                       coupling::angular_part(motion.velocity)};
     const double kinetic_j = kinetic_energy_j(mass_, state.world_from_center.orientation,
@@ -319,7 +319,7 @@ bool DefaultModel::affordable(const State& state, const Motion& motion, const Po
       kinetic_j + potential_j(coupling::grip_stretch_m(motion.target, candidate),
                               angle_rad(state, motion.target, candidate), there_);
   const double travel = travel_m(motion, motion.system.dt_s);
-  const double descent_j = kDescentShare * parameters_.coupling_n_per_m * travel * travel;
+  const double descent_j = kDescentFraction * parameters_.coupling_n_per_m * travel * travel;
   rise_j = energy_j + descent_j - motion.energy_before_j;
   return rise_j <= state.allowance_j;
 }
@@ -368,9 +368,9 @@ Pose DefaultModel::moved(const Pose& from, const coupling::GripTarget& target, M
   const double dt_s = motion.system.dt_s;
   const double limit_m = guard::kMaxTravelVoxels * parameters_.voxel_size_m;
   const glm::dvec3& arm_m = motion.system.arm_m;
-  for (double share = 1; share > 1e-3; share *= 0.5) {
-    const Twist first{share * coupling::linear_part(motion.velocity),
-                      share * coupling::angular_part(motion.velocity)};
+  for (double fraction = 1; fraction > 1e-3; fraction *= 0.5) {
+    const Twist first{fraction * coupling::linear_part(motion.velocity),
+                      fraction * coupling::angular_part(motion.velocity)};
     const double left_m = kTravelMargin * limit_m - dt_s * glm::length(first.linear_mps);
     velocity = at_arm(first, arm_m);
     Pose pose =
@@ -412,7 +412,7 @@ coupling::CouplingHalf DefaultModel::rotation_at(const glm::dvec3& angle_rad,
   const double angle = glm::length(angle_rad);
   if (angle > coupling::kFullTorqueRad) {
     rotation.limit = std::min(rotation_.limit, rotation_.stiffness * coupling::kFullTorqueRad);
-    rotation.limit *= coupling::torque_share(angle);
+    rotation.limit *= coupling::torque_fraction(angle);
   }
   return rotation;
 }

@@ -15,7 +15,7 @@ namespace {
 // iteration gains a factor of about that rotation.
 constexpr int kMidpointIterations = 3;
 
-// A last iteration that changes the rotation by more than this share has not converged: the
+// A last iteration that changes the rotation by more than this fraction has not converged: the
 // rotation is too fast for the step, and the rule does not bound its energy.
 constexpr double kConverged = 1e-4;
 
@@ -34,7 +34,7 @@ double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
 }
 
 Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity, double dt_s,
-             double most_turn_rad) noexcept {
+             double max_turn_rad) noexcept {
   Pose moved = world_from_center;
   moved.position_m += velocity.linear_mps * dt_s;
   if (velocity.angular_radps == glm::dvec3(0)) return moved;
@@ -54,8 +54,8 @@ Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& veloci
       glm::length(middle_radps - last_radps) <= kConverged * glm::length(middle_radps);
   glm::dvec3 turn_rad = middle_radps * dt_s;
   const double angle_rad = glm::length(turn_rad);
-  const bool held = angle_rad > most_turn_rad;
-  if (held) turn_rad *= most_turn_rad / angle_rad;
+  const bool held = angle_rad > max_turn_rad;
+  if (held) turn_rad *= max_turn_rad / angle_rad;
   moved.orientation = glm::normalize(coupling::rotation_by(turn_rad) * start);
   const double before = glm::dot(momentum, velocity.angular_radps);  // twice the energy
   velocity.angular_radps = angular_at(moved.orientation);

@@ -27,9 +27,9 @@ double kinetic_energy_j(const RigidMass& mass, const glm::dquat& orientation,
 // midpoint rule on SO(3): second order, time-reversible, momentum exact). `velocity.angular_radps`
 // becomes that at the end of the motion; the orientation is renormalised. A rotation too fast for
 // the step loses momentum rather than gain energy. Where the momentum of an asymmetric body turns
-// it by more than its first velocity would, `most_turn_rad` still bounds the angle. A zero velocity
+// it by more than its first velocity would, `max_turn_rad` still bounds the angle. A zero velocity
 // leaves every bit as it was.
 Pose advance(const RigidMass& mass, const Pose& world_from_center, Twist& velocity, double dt_s,
-             double most_turn_rad = std::numeric_limits<double>::infinity()) noexcept;
+             double max_turn_rad = std::numeric_limits<double>::infinity()) noexcept;
 
 }  // namespace forcelayer::model

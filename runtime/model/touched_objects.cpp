@@ -48,7 +48,7 @@ void report_touched(const field::ContactSet& set, const ContactTotals& totals,
   for (std::uint32_t i = 0; i < set.count && seen < totals.count; ++i) {
     if (!(set.depth_m[i] > 0)) continue;
     const field::Contact contact = set[i];
-    force_n += law.stiffness_n_per_m * load.share(contact) *
+    force_n += law.stiffness_n_per_m * load.fraction(contact) *
                law.curve.force_m(double{contact.depth_m}) * glm::dvec3(contact.direction);
     if (set.seat_open && set.of_seat[i] != 0) ++report.seat_contacts;
     if (in_run == 0 || set.depth_m[i] > set.depth_m[deepest]) deepest = i;

@@ -129,7 +129,7 @@ py::dict dict_of(const Scene& scene, const clearance::CheckedMoment& moment, dou
   py::dict d;
   d["clearance_m"] = clearance_m;
   d["at_most_m"] =
-      std::isfinite(moment.most_m) ? py::object(py::float_(moment.most_m)) : py::object(py::none());
+      std::isfinite(moment.max_m) ? py::object(py::float_(moment.max_m)) : py::object(py::none());
   d["t_s"] = moment.time_s;
   d["object"] = moment.object == 0 ? py::object(py::none())
                                    : py::str(std::string(scene.map.object_name(moment.object)));
@@ -142,9 +142,9 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
   d["verdict"] = result.clear() ? "clear" : "not clear";
   d["required_clearance_m"] = required_m;
   d["clearance_m"] = result.clearance_m;
-  d["least_clearance"] = result.at_least
-                             ? py::object(py::none())
-                             : py::object(dict_of(scene, result.least, result.clearance_m));
+  d["min_clearance"] = result.at_least
+                           ? py::object(py::none())
+                           : py::object(dict_of(scene, result.smallest, result.clearance_m));
   py::list violations;
   for (const clearance::Violation& violation : result.violations) {
     py::dict v;
@@ -306,7 +306,7 @@ A structured array with a row for each point:
     known             False beyond a side at which the scene was cropped
     distance_m        from the meshes, interpolated between stored distances; negative inside;
                       NaN where none is stored
-    least_distance_m  no point of the meshes is nearer; 0 where nothing is proven
+    min_distance_m  no point of the meshes is nearer; 0 where nothing is proven
     gradient          of the distance, world axes: away from the meshes; NaN where none is stored
     object            number of the nearest object, see `objects`; 0 where none is known
 
@@ -389,15 +389,15 @@ covering radius are not felt: it is not clear, unless `felt_seat` says that this
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, but in the seat to its objects, meters
-    least_clearance   the same, and where it is least: clearance_m, at_most_m (the exact clearance
+    min_clearance   the same, and where it is least: clearance_m, at_most_m (the exact clearance
                       of that moment is no more; None: not known), t_s, object, point_m; None where
                       nothing is near
     violations        a dict each: from_s, to_s, clearance_m (proven for all of it), worst (as
-                      least_clearance), pushed_into_seat, seat_not_settled, object_inside (the part,
+                      min_clearance), pushed_into_seat, seat_not_settled, object_inside (the part,
                       from the beginning on)
     seated            a dict each: from_s, to_s in which only objects of the seat are nearer than
                       required; way_m, a bound on how far any point of the part goes then;
-                      clearance_m, proven for all of it; nearest (as least_clearance)
+                      clearance_m, proven for all of it; nearest (as min_clearance)
     curve             a structured array: from_s, to_s, clearance_m (to all objects, in the seat too)
 
 `threads`: 0 for all; no answer depends on it. Other Python threads run meanwhile.
@@ -546,7 +546,7 @@ project's README.
 }  // namespace
 
 PYBIND11_MODULE(_forcelayer, module) {
-  PYBIND11_NUMPY_DTYPE(PointAnswer, value, known, distance_m, least_distance_m, gradient, object);
+  PYBIND11_NUMPY_DTYPE(PointAnswer, value, known, distance_m, min_distance_m, gradient, object);
   PYBIND11_NUMPY_DTYPE(PointCounts, interior, surface, proximity, outside_map);
   PYBIND11_NUMPY_DTYPE(clearance::CurvePiece, from_s, to_s, clearance_m);
   PYBIND11_NUMPY_DTYPE(ClearanceAnswer, clearance_m, measured, nearest_object, nearest_point_m,

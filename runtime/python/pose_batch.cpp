@@ -22,15 +22,15 @@ constexpr double kFarVoxels = 0x1p53;  // coordinates beyond stay beyond every m
 constexpr float kBelowOne = 0x1.fffffep-1f;
 constexpr std::size_t kChunksPerThread = 8;  // so that a slow thread holds up little
 
-// Calls work(worker, begin, end) for shares of `count` items, on this thread and on helpers. A
-// share that follows another is near it, which helps what remembers. work() returns the number of
+// Calls work(worker, begin, end) for portions of `count` items, on this thread and on helpers. A
+// portion that follows another is near it, which helps what remembers. work() returns the number of
 // an item that it cannot answer, or kAllDone; the least such number is returned.
 template <typename Work>
-std::int64_t share_out(std::size_t count, std::size_t workers, std::size_t least_share,
+std::int64_t share_out(std::size_t count, std::size_t workers, std::size_t min_portion,
                        const KeepGoing& keep_going, const Work& work) {
   using Clock = std::chrono::steady_clock;
-  const std::size_t share =
-      std::clamp<std::size_t>(count / (workers * kChunksPerThread), least_share, 64 * least_share);
+  const std::size_t portion =
+      std::clamp<std::size_t>(count / (workers * kChunksPerThread), min_portion, 64 * min_portion);
   std::atomic<std::size_t> next{0};
   std::atomic<std::int64_t> failed{std::numeric_limits<std::int64_t>::max()};
   std::atomic<bool> stopped{false};
@@ -38,12 +38,12 @@ std::int64_t share_out(std::size_t count, std::size_t workers, std::size_t least
     const machine::StepArithmetic arithmetic;
     auto asked = Clock::now();
     while (!stopped.load(std::memory_order_relaxed)) {
-      const std::size_t begin = next.fetch_add(share, std::memory_order_relaxed);
+      const std::size_t begin = next.fetch_add(portion, std::memory_order_relaxed);
       if (begin >= count) return;
-      const std::int64_t bad = work(worker, begin, std::min(begin + share, count));
+      const std::int64_t bad = work(worker, begin, std::min(begin + portion, count));
       if (bad != kAllDone) {
-        std::int64_t least = failed.load();
-        while (bad < least && !failed.compare_exchange_weak(least, bad)) {
+        std::int64_t smallest = failed.load();
+        while (bad < smallest && !failed.compare_exchange_weak(smallest, bad)) {
         }
         return;  // shares before this one were begun before it
       }
@@ -54,7 +54,7 @@ std::int64_t share_out(std::size_t count, std::size_t workers, std::size_t least
   };
   std::vector<std::thread> helpers;
   try {
-    for (std::size_t n = 1; n < workers && n * share < count; ++n) {
+    for (std::size_t n = 1; n < workers && n * portion < count; ++n) {
       helpers.emplace_back(run, n, false);
     }
   } catch (const std::system_error&) {  // no more threads: the others do the work
@@ -84,9 +84,9 @@ bool read_pose(const PoseNumbers& numbers, Pose& pose) {
 }  // namespace
 
 unsigned thread_count(unsigned wanted) {
-  constexpr unsigned kMost = 1024;
+  constexpr unsigned kMax = 1024;
   const unsigned all = std::max(1u, std::thread::hardware_concurrency());
-  return std::min(wanted == 0 ? all : wanted, kMost);
+  return std::min(wanted == 0 ? all : wanted, kMax);
 }
 
 // One thread's view of scene and part.
@@ -114,12 +114,12 @@ class PoseBatch::Probe {
     if (!probe_) prepare();
     pose = pose * Pose{center_m_, {1, 0, 0, 0}};
     probe_->query_pose(pose, contacts_);
-    field::PoseClearance least = field::point_clearance(contacts_, pose.position_m, *probe_);
-    surface_.prove(least.kind, least.clearance_m);
-    out.measured = least.kind == ClearanceKind::kProven;
-    out.clearance_m = least.kind == ClearanceKind::kNone ? kNan : least.clearance_m;
-    out.nearest_object = out.measured ? least.nearest_object : 0;
-    const glm::dvec3 at = out.measured ? least.nearest_point_m : glm::dvec3(kNan);
+    field::PoseClearance smallest = field::point_clearance(contacts_, pose.position_m, *probe_);
+    surface_.prove(smallest.kind, smallest.clearance_m);
+    out.measured = smallest.kind == ClearanceKind::kProven;
+    out.clearance_m = smallest.kind == ClearanceKind::kNone ? kNan : smallest.clearance_m;
+    out.nearest_object = out.measured ? smallest.nearest_object : 0;
+    const glm::dvec3 at = out.measured ? smallest.nearest_point_m : glm::dvec3(kNan);
     out.nearest_point_m = {at.x, at.y, at.z};
     out.interior = contacts_.interior;
     out.surface = contacts_.surface;
@@ -163,12 +163,12 @@ Result<std::unique_ptr<PoseBatch>> PoseBatch::create(const Voxmap& scene, const 
 template <typename Answer>
 std::int64_t PoseBatch::answer(std::span<const PoseNumbers> poses, unsigned threads,
                                std::span<Answer> answers, const KeepGoing& keep_going) {
-  constexpr std::size_t kLeastShare = 64;
+  constexpr std::size_t kMinPortion = 64;
   const std::lock_guard lock(mutex_);
   const std::size_t workers =
-      std::min<std::size_t>(thread_count(threads), poses.size() / kLeastShare + 1);
+      std::min<std::size_t>(thread_count(threads), poses.size() / kMinPortion + 1);
   make_for_each(probes_, workers, [&] { return std::make_unique<Probe>(scene_, part_); });
-  return share_out(poses.size(), workers, kLeastShare, keep_going,
+  return share_out(poses.size(), workers, kMinPortion, keep_going,
                    [&](std::size_t worker, std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
                        if (!probes_[worker]->answer(poses[i], answers[i])) {
@@ -237,7 +237,7 @@ class PointBatch::Reader {
     out.value = static_cast<std::uint8_t>(scene_.value(voxel[0], voxel[1], voxel[2]));
     if (!out.known) return;
     out.object = scene_.nearest_object(voxel[0], voxel[1], voxel[2]);
-    if (out.value == 0) out.least_distance_m = free_distance_m(scene_.header());
+    if (out.value == 0) out.min_distance_m = free_distance_m(scene_.header());
     for (const std::int64_t at : relative) {
       if (at < 0 || at >= std::int64_t{1} << 30) return;
     }
@@ -272,7 +272,7 @@ class PointBatch::Reader {
       }
       if (!is_known || !distances.contains(at[0], at[1], at[2])) continue;
       const std::uint32_t code = unpacked_->code(at[0], at[1], at[2]);
-      stored += code != 0 && code != kMostDistanceCode;
+      stored += code != 0 && code != kMaxDistanceCode;
     }
     return stored;
   }
@@ -281,7 +281,7 @@ class PointBatch::Reader {
     field_->measure(points_, samples_);
     for (std::uint32_t n = 0; n < points_.count; ++n) {
       PointAnswer& out = answers[points_.index[n]];
-      out.least_distance_m = std::max(out.least_distance_m, double{samples_.distance_m[n]});
+      out.min_distance_m = std::max(out.min_distance_m, double{samples_.distance_m[n]});
       if (!is_measured_[n]) continue;
       out.distance_m = scene_.header().zero_force_m + double{samples_.from_zero_force_m[n]};
       out.gradient = {double{samples_.gx[n]}, double{samples_.gy[n]}, double{samples_.gz[n]}};

@@ -37,7 +37,7 @@ struct ClearanceAnswer {
 // The scene at one point.
 struct PointAnswer {
   double distance_m = 0;             // from the static mesh, interpolated; NaN where none is stored
-  double least_distance_m = 0;       // no point of the mesh is nearer; 0: nothing is proven
+  double min_distance_m = 0;         // no point of the mesh is nearer; 0: nothing is proven
   std::array<double, 3> gradient{};  // of the distance, world axes; NaN where none is stored
   std::uint32_t object = 0;          // number of the nearest object; 0: not known
   std::uint8_t value = 0;            // of the voxel: VoxelValue

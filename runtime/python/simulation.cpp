@@ -69,15 +69,15 @@ py::object object_or_none(const Scene& scene, std::uint32_t object) {
   return object == 0 ? py::object(py::none()) : py::str(object_text(scene, object));
 }
 
-py::object least_clearance(const Scene& scene, const loop::LoopStatistics& s) {
-  const auto& least = s.least_clearance;
-  if (least.kind == ClearanceKind::kNone) return py::none();
+py::object min_clearance(const Scene& scene, const loop::LoopStatistics& s) {
+  const auto& smallest = s.min_clearance;
+  if (smallest.kind == ClearanceKind::kNone) return py::none();
   py::dict d;
-  d["clearance_m"] = least.clearance_m;
-  d["t_s"] = least.time_s;
-  d["at_least"] = least.kind == ClearanceKind::kAtLeast;
-  d["object"] = object_or_none(scene, least.object);
-  if (least.kind == ClearanceKind::kProven) d["point_m"] = numbers(least.point_m);
+  d["clearance_m"] = smallest.clearance_m;
+  d["t_s"] = smallest.time_s;
+  d["at_least"] = smallest.kind == ClearanceKind::kAtLeast;
+  d["object"] = object_or_none(scene, smallest.object);
+  if (smallest.kind == ClearanceKind::kProven) d["point_m"] = numbers(smallest.point_m);
   return d;
 }
 
@@ -96,7 +96,7 @@ py::dict report_of(const Scene& scene, const loop::LoopStatistics& s, double rat
   d["max_force_n"] = s.max_force_n;
   d["max_torque_nm"] = s.max_torque_nm;
   d["guarantee_from_s"] = s.guarantee_from_s;
-  d["least_clearance"] = least_clearance(scene, s);
+  d["min_clearance"] = min_clearance(scene, s);
   py::list touched;
   for (const loop::TouchedTotal& total : s.touched.totals()) {
     py::dict entry;

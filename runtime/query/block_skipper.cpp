@@ -11,8 +11,8 @@
 namespace forcelayer::query {
 namespace {
 
-constexpr std::uint32_t kGroup = 16;        // discs looked at together: a vector
-constexpr double kMostMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
+constexpr std::uint32_t kGroup = 16;       // discs looked at together: a vector
+constexpr double kMaxMotionVoxels = 4096;  // then all slack is forgotten, so that floats stay fine
 constexpr float kMotionRounding = RowSkipper::kMotionRounding;
 constexpr double kUnitTolerance = 1e-9;  // of an orientation's length, squared; else no skipping
 constexpr double kRadiusRounding = 1 + 1e-6;  // of a float radius in voxels
@@ -89,7 +89,7 @@ void BlockSkipper::spend_motion(const Pose& pose) noexcept {
   }
   has_last_ = true;
   last_ = pose;
-  if (!(travel_voxels_ + radius_voxels_ * turn_rad_ < kMostMotionVoxels)) forget_slack();
+  if (!(travel_voxels_ + radius_voxels_ * turn_rad_ < kMaxMotionVoxels)) forget_slack();
 }
 
 std::uint32_t BlockSkipper::not_known_free(const Level& level, std::uint32_t begin,
@@ -114,7 +114,7 @@ std::uint32_t BlockSkipper::not_known_free(const Level& level, std::uint32_t beg
 void BlockSkipper::remember_blocks(std::uint32_t super, std::uint32_t begin,
                                    std::uint32_t end) noexcept {
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
-  float left = kMostMotionVoxels;
+  float left = kMaxMotionVoxels;
   for (std::uint32_t i = begin; i < end; ++i) {
     left = std::min(left, blocks_.free_until[i] - (travel + blocks_.reach_voxels[i] * turn));
   }
@@ -131,7 +131,7 @@ void BlockSkipper::survey(Level& level, std::uint32_t begin, std::uint32_t end) 
   const auto travel = static_cast<float>(travel_voxels_), turn = static_cast<float>(turn_rad_);
   for (std::uint32_t i = begin; i < end; ++i) {
     const float here = travel + level.reach_voxels[i] * turn;
-    const float by = std::min(slack[i - begin], static_cast<float>(kMostMotionVoxels));
+    const float by = std::min(slack[i - begin], static_cast<float>(kMaxMotionVoxels));
     const float until = by > kMotionRounding ? here + by - kMotionRounding : kNever;
     if (until == kNever) level.let_be[i] = looks_until_surveyed(begin);
     level.free_until[i] = options_.coherence ? std::max(level.free_until[i], until) : until;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kBrickWords = kNodeEntries * kValueBits / 32;
 constexpr int kEdge = kBrickEdge;
-constexpr float kMostExtent = 64;         // voxels: a larger disc is not looked at
+constexpr float kMaxExtent = 64;          // voxels: a larger disc is not looked at
 constexpr float kAcrossRounding = 2e-6f;  // of the square of a component of a float unit vector
 constexpr float kOffsetRounding = 1e-5f;  // voxels: of normal . x inside a brick, in floats
 
@@ -45,21 +45,21 @@ std::array<int, 3> vector_area(const Columns& columns) {
 }
 
 // Half of the disc's extent along a direction on which its axis has the component `along`, and by
-// how much `most` lengthens it.
+// how much `largest` lengthens it.
 struct Extent {
   float half, growth;
 };
 
-inline Extent extent_of(const PlacedDisc& disc, const Leeway& most, float along) {
+inline Extent extent_of(const PlacedDisc& disc, const Leeway& largest, float along) {
   const float across = std::sqrt(greater(0, 1 + kAcrossRounding - along * along));
   along = std::abs(along);
   return {disc.radius * across + disc.half_height * along + disc.margin,
-          most.across * across + most.along * along};
+          largest.across * across + largest.along * along};
 }
 
-// The share of `most` that the disc lies on the free side of a brick's bound; `corner` is the
+// The fraction of `largest` that the disc lies on the free side of a brick's bound; `corner` is the
 // brick's, as the disc's center is given.
-float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most,
+float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& largest,
              const std::array<float, 3>& corner) {
   float along = 0, center = -bound.offset, length2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -69,7 +69,7 @@ float beyond(const BrickBound& bound, const PlacedDisc& disc, const Leeway& most
     length2 += n * n;
   }
   if (!(length2 > 0)) return -1;
-  const Extent extent = extent_of(disc, most, along);
+  const Extent extent = extent_of(disc, largest, along);
   return (center - extent.half) / extent.growth;
 }
 
@@ -130,14 +130,14 @@ BrickBounds::BrickBounds(const Voxmap& voxmap) {
   }
 }
 
-float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
-                         const Leeway& most) const noexcept {
+float BrickBounds::fraction(const KernelMap& map, const PlacedDisc& disc,
+                            const Leeway& largest) const noexcept {
   std::array<float, 3> low{}, high{}, per_voxel{};
   std::array<int, 3> first{}, last{};  // cells
-  float share = 1;
+  float fraction = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    const Extent extent = extent_of(disc, most, disc.axis[axis]);
-    if (!(extent.half < kMostExtent)) return -1;
+    const Extent extent = extent_of(disc, largest, disc.axis[axis]);
+    if (!(extent.half < kMaxExtent)) return -1;
     low[axis] = disc.center[axis] - extent.half;
     high[axis] = disc.center[axis] + extent.half;
     per_voxel[axis] = 1 / extent.growth;
@@ -150,20 +150,20 @@ float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
       const float inside =
           std::min(low[axis] - static_cast<float>(double(map.known_min[axis]) - whole),
                    static_cast<float>(double(map.known_max[axis]) - whole) - high[axis]);
-      share = std::min(share, inside * per_voxel[axis]);
+      fraction = std::min(fraction, inside * per_voxel[axis]);
     }
   }
   const auto corner = [&](int axis, int cell) { return float(cell * kEdge - disc.whole[axis]); };
-  // The share by which the disc lies off the cells whose corner is at `at`.
+  // The fraction by which the disc lies off the cells whose corner is at `at`.
   const auto gap = [&](int axis, float at) {
     return greater(low[axis] - (at + kEdge), at - high[axis]) * per_voxel[axis];
   };
   CellNode node;
   for (int x = first[0]; x <= last[0]; ++x) {
     const float at_x = corner(0, x), off_x = gap(0, at_x);
-    for (int y = first[1]; y <= last[1] && off_x < share; ++y) {
+    for (int y = first[1]; y <= last[1] && off_x < fraction; ++y) {
       const float at_y = corner(1, y), off_xy = greater(off_x, gap(1, at_y));
-      for (int z = first[2]; z <= last[2] && off_xy < share;) {
+      for (int z = first[2]; z <= last[2] && off_xy < fraction;) {
         const int end = std::min(last[2], z | 7) + 1;  // of the node
         if (node.at != std::array<int, 3>{x >> 3, y >> 3, z >> 3}) {
           node = node_at(map, x >> 3, y >> 3, z >> 3);
@@ -174,16 +174,16 @@ float BrickBounds::share(const KernelMap& map, const PlacedDisc& disc,
           if (is_free(entry)) continue;
           const float at_z = corner(2, z);
           float off = greater(off_xy, gap(2, at_z));
-          if (off < share && !is_uniform(entry)) {
-            off = greater(off, beyond(bounds_[entry], disc, most, {at_x, at_y, at_z}));
+          if (off < fraction && !is_uniform(entry)) {
+            off = greater(off, beyond(bounds_[entry], disc, largest, {at_x, at_y, at_z}));
           }
-          if (off < share) share = off;
-          if (share <= 0) return share;
+          if (off < fraction) fraction = off;
+          if (fraction <= 0) return fraction;
         }
       }
     }
   }
-  return share;
+  return fraction;
 }
 
 }  // namespace forcelayer::query

@@ -41,9 +41,10 @@ class BrickBounds {
  public:
   explicit BrickBounds(const Voxmap& voxmap);
 
-  // The share of `most`, at most 1, by which the disc may move before one of its points can lie in
-  // a voxel that is not free or not known. At most 0 where this cannot tell.
-  float share(const KernelMap& map, const PlacedDisc& disc, const Leeway& most) const noexcept;
+  // The fraction of `largest`, at most 1, by which the disc may move before one of its points can
+  // lie in a voxel that is not free or not known. At most 0 where this cannot tell.
+  float fraction(const KernelMap& map, const PlacedDisc& disc,
+                 const Leeway& largest) const noexcept;
 
  private:
   std::vector<BrickBound> bounds_;

@@ -323,8 +323,8 @@ void ContactQuery::collect_shared(const VoxelPose& pose, std::uint32_t super_blo
     CollectedPoints& out;
   };
   SharedRun run{*this, pose, super_blocks, out};
-  const auto most = static_cast<std::uint32_t>(chunks_.size());
-  chunk_count_ = std::min(super_blocks, most);
+  const auto largest = static_cast<std::uint32_t>(chunks_.size());
+  chunk_count_ = std::min(super_blocks, largest);
   const std::span<Chunk> chunks(chunks_.data(), chunk_count_);
   workers_->run(
       [](void* context, std::uint32_t chunk) noexcept {

@@ -48,16 +48,16 @@ class ShellSurface {
 
   // The distance of the nearest point; infinity where all are farther than `at_most_m`.
   double distance_m(const glm::dvec3& place, double at_most_m) const {
-    double least_m = std::nextafter(at_most_m, std::numeric_limits<double>::infinity());
+    double min_m = std::nextafter(at_most_m, std::numeric_limits<double>::infinity());
     bool found = false;
-    for_each_block([&](const Group& group) { return group.distance_m(place) < least_m; },
+    for_each_block([&](const Group& group) { return group.distance_m(place) < min_m; },
                    [&](std::uint64_t block) {
                      for_each_point(block, [&](std::uint64_t i) {
                        const double distance = glm::length(place - point_m(i));
-                       if (distance < least_m) least_m = distance, found = true;
+                       if (distance < min_m) min_m = distance, found = true;
                      });
                    });
-    return found ? least_m : std::numeric_limits<double>::infinity();
+    return found ? min_m : std::numeric_limits<double>::infinity();
   }
 
   // 1 inside, 0 outside. Each point is a piece of surface of its own area that faces along its
@@ -173,15 +173,15 @@ class EnclosedSearch {
 
   // The voxel of 4^3 that is deepest in the solid.
   void look_at_part(const Index& low) {
-    double least_m = std::numeric_limits<double>::infinity();
+    double min_m = std::numeric_limits<double>::infinity();
     Index deepest{};
     for (std::int64_t n = 0; n < 64; ++n) {
       const Index voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
       if (voxmap_.value(voxel[0], voxel[1], voxel[2]) != VoxelValue::kInterior) continue;
       const double mesh_m = mesh_within_m(voxel);
-      if (mesh_m < least_m) least_m = mesh_m, deepest = voxel;
+      if (mesh_m < min_m) min_m = mesh_m, deepest = voxel;
     }
-    if (least_m < std::numeric_limits<double>::infinity()) keep_if_enclosed(deepest, least_m);
+    if (min_m < std::numeric_limits<double>::infinity()) keep_if_enclosed(deepest, min_m);
   }
 
   // An upper bound of the object's distance from the voxel's center.
@@ -189,7 +189,7 @@ class EnclosedSearch {
     if (voxmap_.distances() == nullptr) {
       return std::sqrt(3.0) * std::max(1u, voxmap_.header().offset_layers) * size_m_;
     }
-    return std::max(0.0, voxmap_.most_distance_m(voxel[0], voxel[1], voxel[2]));
+    return std::max(0.0, voxmap_.max_distance_m(voxel[0], voxel[1], voxel[2]));
   }
 
   void keep_if_enclosed(const Index& voxel, double mesh_m) {

@@ -26,7 +26,7 @@ void pause() noexcept {
 
 }  // namespace
 
-QueryWorkers::QueryWorkers(unsigned helpers) : shares_(helpers + std::size_t{1}) {
+QueryWorkers::QueryWorkers(unsigned helpers) : portions_(helpers + std::size_t{1}) {
   try {
     for (std::size_t own = 1; own <= helpers; ++own) {
       threads_.emplace_back([this, own] { help(own); });
@@ -56,23 +56,23 @@ std::vector<std::string> QueryWorkers::take_real_time_priority() {
   return machine::give_real_time_priority(threads_);
 }
 
-// Takes the next chunk of a share and does it. False where none is left.
-bool QueryWorkers::take_chunk(Share& share) noexcept {
-  std::uint64_t ticket = share.ticket.load(std::memory_order_acquire);
+// Takes the next chunk of a portion and does it. False where none is left.
+bool QueryWorkers::take_chunk(Portion& portion) noexcept {
+  std::uint64_t ticket = portion.ticket.load(std::memory_order_acquire);
   do {
     if (next_of(ticket) >= end_of(ticket)) return false;
-  } while (!share.ticket.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
-                                               std::memory_order_acquire));
+  } while (!portion.ticket.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel,
+                                                 std::memory_order_acquire));
   // The job cannot end, nor job_ change, before this chunk is counted as done.
   job_(context_, static_cast<std::uint32_t>(next_of(ticket)));
   return true;
 }
 
-// Does the chunks of a thread's own share, then those that others have left.
+// Does the chunks of a thread's own portion, then those that others have left.
 void QueryWorkers::work(std::size_t own) noexcept {
   std::uint32_t done = 0;
-  for (std::size_t i = 0; i < shares_.size(); ++i) {
-    while (take_chunk(shares_[(own + i) % shares_.size()])) ++done;
+  for (std::size_t i = 0; i < portions_.size(); ++i) {
+    while (take_chunk(portions_[(own + i) % portions_.size()])) ++done;
   }
   if (done > 0) done_.fetch_add(done, std::memory_order_release);
 }
@@ -98,11 +98,11 @@ void QueryWorkers::run(Job job, void* context, std::uint32_t chunks) noexcept {
   context_ = context;
   done_.store(0, std::memory_order_relaxed);
   const std::uint64_t generation = generation_.load(std::memory_order_relaxed) + 1;
-  for (std::size_t i = 0; i < shares_.size(); ++i) {
-    const std::uint64_t begin = chunks * i / shares_.size(),
-                        end = chunks * (i + 1) / shares_.size();
-    shares_[i].ticket.store(generation << (2 * kCountBits) | end << kCountBits | begin,
-                            std::memory_order_release);
+  for (std::size_t i = 0; i < portions_.size(); ++i) {
+    const std::uint64_t begin = chunks * i / portions_.size(),
+                        end = chunks * (i + 1) / portions_.size();
+    portions_[i].ticket.store(generation << (2 * kCountBits) | end << kCountBits | begin,
+                              std::memory_order_release);
   }
   generation_.store(generation, std::memory_order_release);
   work(0);

@@ -16,15 +16,15 @@ constexpr float kAxisRounding = 1e-4f;      // voxels: of a disc's height along 
 // Leeway is sought for a number of runs like the last one, within bounds in voxels. More lasts
 // longer, and takes more bricks to find. Beside a wall a part slides and turns farther than it
 // presses.
-constexpr float kMostRuns = 60, kLeastLeeway = 0.5f;
-constexpr Leeway kMostBlockLeeway = {3, 8}, kMostRowLeeway = {2, 6};
+constexpr float kMaxRuns = 60, kMinLeeway = 0.5f;
+constexpr Leeway kMaxBlockLeeway = {3, 8}, kMaxRowLeeway = {2, 6};
 // Runs that leeway must last, else looking up is cheaper than trying again.
-constexpr float kLeastRuns = 2;
+constexpr float kMinRuns = 2;
 // A piece that is not free most likely has points in contact, now and in the next runs; trying a
 // row costs about as much as looking it up. So after a try in vain it is let be for 16 to 31 looks,
 // by its number, and after each further one for twice as many, up to eight times: pieces that were
 // all tried in one run are not all tried again in one, which would take several times as long.
-constexpr std::uint8_t kMostDoublings = 3;
+constexpr std::uint8_t kMaxDoublings = 3;
 
 std::uint8_t looks_until_tried(std::uint32_t piece, std::uint8_t doublings) {
   return static_cast<std::uint8_t>((16 + (piece * 2654435761u >> 28)) << doublings);
@@ -144,7 +144,7 @@ float RowSkipper::leeway_left(const FoundFree& found, const Placed& now,
 }
 
 // Whether a disc that is not known to be free is.
-bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& largest, float spent,
                              std::uint32_t& tries) noexcept {
   FoundFree& found = pieces.found[i];
   const PartDisc& disc = pieces.discs[i];
@@ -166,13 +166,13 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
                              disc.shape[3] * scale_,
                              margin_};
   const Leeway last = last_motion(now, placed.radius);
-  const Leeway wanted = {std::clamp(kMostRuns * last.along, kLeastLeeway, most.along),
-                         std::clamp(kMostRuns * last.across, kLeastLeeway, most.across)};
-  const float share = bounds_.share(*map_, placed, wanted);
-  const Leeway leeway = {share * wanted.along, share * wanted.across};
+  const Leeway wanted = {std::clamp(kMaxRuns * last.along, kMinLeeway, largest.along),
+                         std::clamp(kMaxRuns * last.across, kMinLeeway, largest.across)};
+  const float fraction = bounds_.fraction(*map_, placed, wanted);
+  const Leeway leeway = {fraction * wanted.along, fraction * wanted.across};
   const float left = std::min(leeway.along, leeway.across) - kMotionRounding;
-  if (left > 0 && leeway.along > kMotionRounding + kLeastRuns * last.along &&
-      leeway.across > kMotionRounding + kLeastRuns * last.across) {
+  if (left > 0 && leeway.along > kMotionRounding + kMinRuns * last.along &&
+      leeway.across > kMotionRounding + kMinRuns * last.across) {
     found = {{now.center + from_base_, now.axis}, leeway};
     pieces.free_until[i] = spent + left;
     pieces.doublings[i] = 0;
@@ -183,12 +183,12 @@ bool RowSkipper::look_around(Pieces& pieces, std::uint32_t i, const Leeway& most
   if (coherence_) {
     --tries;
     pieces.let_be[i] = looks_until_tried(i, pieces.doublings[i]);
-    if (pieces.doublings[i] < kMostDoublings) ++pieces.doublings[i];
+    if (pieces.doublings[i] < kMaxDoublings) ++pieces.doublings[i];
   }
   return false;
 }
 
-inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& largest, float spent,
                                 std::uint32_t& tries) noexcept {
   if (coherence_) {
     if (spent < pieces.free_until[i]) return true;
@@ -198,7 +198,7 @@ inline bool RowSkipper::is_free(Pieces& pieces, std::uint32_t i, const Leeway& m
     }
     if (tries == 0 && pieces.free_until[i] == kNever) return false;
   }
-  return look_around(pieces, i, most, spent, tries);
+  return look_around(pieces, i, largest, spent, tries);
 }
 
 float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
@@ -211,12 +211,12 @@ float RowSkipper::known_free_until(std::uint32_t block, float spent) noexcept {
 
 float RowSkipper::take_near(std::uint32_t block, float spent, std::uint32_t& tries,
                             std::uint32_t* rows, std::uint32_t& count) noexcept {
-  if (is_free(blocks_, block, kMostBlockLeeway, spent, tries)) return blocks_.free_until[block];
+  if (is_free(blocks_, block, kMaxBlockLeeway, spent, tries)) return blocks_.free_until[block];
   const std::uint32_t before = count, begin = block * block_rows_;
   const std::uint32_t end = std::min(begin + block_rows_, row_count_);
   float until = std::numeric_limits<float>::max();
   for (std::uint32_t row = begin; row < end; ++row) {
-    if (!is_free(rows_, row, kMostRowLeeway, spent, tries)) rows[count++] = row;
+    if (!is_free(rows_, row, kMaxRowLeeway, spent, tries)) rows[count++] = row;
     until = std::min(until, rows_.free_until[row]);
   }
   return count == before ? until : kNever;

@@ -82,9 +82,9 @@ class RowSkipper {
   Placed place(const PartDisc& disc) const noexcept;
   Leeway last_motion(const Placed& disc, float radius) const noexcept;
   float leeway_left(const FoundFree& found, const Placed& now, const PartDisc& disc) const noexcept;
-  bool look_around(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+  bool look_around(Pieces& pieces, std::uint32_t i, const Leeway& largest, float spent,
                    std::uint32_t& tries) noexcept;
-  bool is_free(Pieces& pieces, std::uint32_t i, const Leeway& most, float spent,
+  bool is_free(Pieces& pieces, std::uint32_t i, const Leeway& largest, float spent,
                std::uint32_t& tries) noexcept;
 
   bool coherence_;

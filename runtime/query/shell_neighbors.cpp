@@ -35,7 +35,7 @@ ShellNeighbors::ShellNeighbors(const PshellView& shell, double distance_m)
           std::max(std::uint64_t{i} + 1, std::uint64_t{b} * shell.block_points);
       const std::uint64_t end =
           std::min(shell.point_count, (std::uint64_t{b} + 1) * shell.block_points);
-      for (std::uint64_t j = begin; j < end && ranges_[i].count < kMost; ++j) {
+      for (std::uint64_t j = begin; j < end && ranges_[i].count < kMax; ++j) {
         const float x = shell.x[j] - shell.x[i], y = shell.y[j] - shell.y[i],
                     z = shell.z[j] - shell.z[i];
         if (x * x + y * y + z * z > near_m * near_m) continue;

@@ -10,10 +10,10 @@
 namespace forcelayer::query {
 
 // Every pair of points within a distance once, found from the point that comes first in the shell.
-// A point counts at most kMost of them.
+// A point counts at most kMax of them.
 class ShellNeighbors {
  public:
-  static constexpr std::size_t kMost = 24;
+  static constexpr std::size_t kMax = 24;
 
   // Set-up only: compares all blocks of the shell.
   ShellNeighbors(const PshellView& shell, double distance_m);

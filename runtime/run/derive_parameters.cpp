@@ -20,8 +20,8 @@ constexpr double kComfortableLoad = 1.0 / 4;  // h sqrt(k_T / m): the spring alo
 constexpr double kFieldMargin = 0.9;          // of the largest stable K_ff
 constexpr double kAveragedPoints = 10;        // paper 5.2
 
-// Share of the stiffness that the device bears: a default lies inside the bound, not on it.
-constexpr double kBoundShare = 0.9;
+// Fraction of the stiffness that the device bears: a default lies inside the bound, not on it.
+constexpr double kBoundFraction = 0.9;
 
 // The default model's.
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
@@ -33,7 +33,7 @@ constexpr double kContactDampingRatio = 0.6;
 constexpr double kThrowMps = 3;
 constexpr double kRecoveryMps = 0.05;
 constexpr double kAllowanceFadeS = 0.01;
-constexpr double kLeastMomentShare = 1e-3;  // of the largest principal moment
+constexpr double kMinMomentFraction = 1e-3;  // of the largest principal moment
 
 constexpr ParameterInfo kTable[] = {
     {"mass_kg", "apparent mass of the part in the scene, kg", &Parameters::mass_kg, {1e-6, 1e3}},
@@ -150,7 +150,7 @@ constexpr const char* kInertial =
 
 // The hand feels a stiffness, damping or mass of the scene times this (placement.h): the square of
 // the motion scale. Moments, torques and their stiffness have no scale.
-double felt_share(const RunRequest& request) {
+double felt_fraction(const RunRequest& request) {
   return request.placement.motion_scale * request.placement.motion_scale;
 }
 
@@ -161,7 +161,7 @@ Bound stiffness_bound(const RunRequest& request, double dt_s) {
   if (device.max_stiffness_n_per_m > 0) bound.lower_to(device.max_stiffness_n_per_m, kRated);
   bound.lower_to(renderable_stiffness(device.damping_ns_per_m, device.delay_s, dt_s), kDamped);
   bound.lower_to(dissipated_stiffness(device.friction_n, device.encoder_step_m), kQuantised);
-  bound.value /= felt_share(request);
+  bound.value /= felt_fraction(request);
   return bound;
 }
 
@@ -185,7 +185,7 @@ Bound damping_bound(const DeviceCapabilities& device, double inertia, double dt_
 // The bound of a damping in the scene.
 Bound linear_damping_bound(const RunRequest& request, double dt_s) {
   Bound bound = damping_bound(request.device, request.device.apparent_mass_kg, dt_s);
-  bound.value /= felt_share(request);
+  bound.value /= felt_fraction(request);
   return bound;
 }
 
@@ -218,7 +218,7 @@ void warn_of_coupling(const RunRequest& request, DerivedParameters& derived) {
 }
 
 std::string borne_reason(const char* what, const DeviceCapabilities& device, const Bound& bound) {
-  return format("%g of the ", kBoundShare) + what + " that " + device.name +
+  return format("%g of the ", kBoundFraction) + what + " that " + device.name +
          " bears: " + bound.source;
 }
 
@@ -228,14 +228,14 @@ constexpr const char* kLinearDamping = "damping over the motion scale squared";
 // A damping that is critical, or what the device bears of it.
 void choose_damping(Choice& choice, const char* name, double critical, const char* why,
                     const char* what, const DeviceCapabilities& device, const Bound& bound) {
-  const double borne = kBoundShare * bound.value;
+  const double borne = kBoundFraction * bound.value;
   choice.set(name, std::min(critical, borne),
              borne < critical ? borne_reason(what, device, bound) : why);
 }
 
 // Apparent mass: what the hand feels is the scene's times the square of the motion scale.
 void choose_mass(const RunRequest& request, Choice& choice) {
-  choice.set("mass_kg", kApparentMassKg / felt_share(request),
+  choice.set("mass_kg", kApparentMassKg / felt_fraction(request),
              request.placement.motion_scale == 1
                  ? "apparent mass of the paper (5.1)"
                  : "apparent mass of the paper (5.1) over the motion scale squared");
@@ -265,14 +265,14 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   const double dt_s = 1 / p.rate_hz, inertia_kgm2 = p.inertia_kgm2[0][0];
   const double comfortable = kComfortableLoad * kComfortableLoad * p.mass_kg / (dt_s * dt_s);
   const Bound bound = stiffness_bound(request, dt_s);
-  const double borne = kBoundShare * bound.value;
+  const double borne = kBoundFraction * bound.value;
   choice.set("coupling_n_per_m", std::min(comfortable, borne),
              borne < comfortable ? borne_reason(kLinear, device, bound)
                                  : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
   choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
              "2 sqrt(m k_T): critically damped (paper 5.1)");
   const Bound bound_rot = rotation_bound(device, dt_s);
-  const double borne_rot = kBoundShare * bound_rot.value;
+  const double borne_rot = kBoundFraction * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency ? borne_reason("stiffness", device, bound_rot)
@@ -332,10 +332,10 @@ glm::dmat3 shell_inertia_kgm2(const PshellHeader& shell, double mass_kg, double 
   model::PrincipalInertia inertia =
       model::principal_inertia(glm::dmat3(i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2]));
   const double largest_m2 = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
-  const double least_m2 = std::max(kLeastMomentShare * largest_m2, voxel_size_m * voxel_size_m / 4);
+  const double min_m2 = std::max(kMinMomentFraction * largest_m2, voxel_size_m * voxel_size_m / 4);
   for (int axis = 0; axis < 3; ++axis) {
     inertia.moments[axis] =
-        mass_kg * std::max(least_m2, std::min(inertia.moments[axis], radius_m * radius_m));
+        mass_kg * std::max(min_m2, std::min(inertia.moments[axis], radius_m * radius_m));
   }
   return model::tensor_of(inertia);
 }
@@ -352,14 +352,14 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   const Bound bound = stiffness_bound(request, dt_s);
   const bool bounded = std::isfinite(bound.value);
   choice.set("coupling_n_per_m",
-             bounded ? kBoundShare * bound.value : kUnratedStiffness / felt_share(request),
+             bounded ? kBoundFraction * bound.value : kUnratedStiffness / felt_fraction(request),
              bounded ? borne_reason(kLinear, device, bound)
                      : device.name + " states no stiffness and no damping");
   choose_damping(choice, "coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
                  "2 sqrt(m k_T): critically damped (paper 5.1)", kLinearDamping, device,
                  linear_damping_bound(request, dt_s));
   const Bound bound_rot = rotation_bound(device, dt_s);
-  const double borne_rot = kBoundShare * bound_rot.value;
+  const double borne_rot = kBoundFraction * bound_rot.value;
   const double same_frequency = p.coupling_n_per_m * mean_moment(p.inertia_kgm2) / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency
@@ -420,7 +420,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   // The moment goes with the mass that the hand feels: with the scene's, k_R, which goes with the
   // moment, would be as many times softer at large motion scales as k_T is at the device stiffer
   // than in the scene.
-  const double felt_kg = p.mass_kg * felt_share(request);
+  const double felt_kg = p.mass_kg * felt_fraction(request);
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), felt_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, derived);
   const double covering = steepest_n_per_m(voxmap);

@@ -16,7 +16,7 @@ constexpr double kDerived = 1e30;  // far above what any range of the others lea
 struct Rating {
   const char* name;
   double DeviceCapabilities::*member;
-  double most;  // the least is 0: none, or not known
+  double largest;  // the least is 0: none, or not known
 };
 constexpr Rating kRatings[] = {
     {"max_force_n", &DeviceCapabilities::max_force_n, 1000},
@@ -33,21 +33,23 @@ constexpr Rating kRatings[] = {
     {"apparent_inertia_kgm2", &DeviceCapabilities::apparent_inertia_kgm2, 1000},
     {"delay_s", &DeviceCapabilities::delay_s, 1},
     {"workspace_radius_m", &DeviceCapabilities::workspace_radius_m, 1000},
-    {"rate_hz", &DeviceCapabilities::rate_hz, kRatesHz.most},
+    {"rate_hz", &DeviceCapabilities::rate_hz, kRatesHz.largest},
     {"watchdog_s", &DeviceCapabilities::watchdog_s, 1}};
 
 }  // namespace
 
 Status check_range(std::string_view name, double value, const Range& range) {
-  if (value >= range.least && value <= range.most) return {};  // neither for NaN
+  if (value >= range.smallest && value <= range.largest) return {};  // neither for NaN
   char text[100];
-  std::snprintf(text, sizeof text, "%.6g is not from %.6g to %.6g", value, range.least, range.most);
+  std::snprintf(text, sizeof text, "%.6g is not from %.6g to %.6g", value, range.smallest,
+                range.largest);
   return Error{ErrorCode::kUsage, "", name, text, ""};
 }
 
 Status check_ratings(const DeviceCapabilities& device) {
   for (const Rating& rating : kRatings) {
-    if (Status s = check_range(rating.name, device.*rating.member, {0, rating.most}); !s) return s;
+    if (Status s = check_range(rating.name, device.*rating.member, {0, rating.largest}); !s)
+      return s;
   }
   return {};
 }
@@ -78,9 +80,9 @@ Status check_recorded(const Parameters& p) {
     const double value = p.*(info.member);
     const bool at_device =
         info.member == &Parameters::max_force_n || info.member == &Parameters::max_torque_nm;
-    const double most = at_device ? info.range.most : kDerived;
+    const double largest = at_device ? info.range.largest : kDerived;
     if (info.may_be_infinite && std::isinf(value) && value > 0) continue;
-    if (Status s = check_range(info.name, value, {0, most}); !s) return s;
+    if (Status s = check_range(info.name, value, {0, largest}); !s) return s;
   }
   return {};
 }

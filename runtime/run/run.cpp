@@ -364,12 +364,12 @@ RunStatistics Run::statistics() const {
   out.max_force_n = seen.max_device_force_n;
   out.max_torque_nm = seen.max_device_torque_nm;
   out.generated_j = seen.generated_j;
-  out.least_clearance_kind = seen.least_clearance.kind;
-  out.least_clearance_m = seen.least_clearance.clearance_m;
-  out.least_clearance_s = seen.least_clearance.time_s;
+  out.min_clearance_kind = seen.min_clearance.kind;
+  out.min_clearance_m = seen.min_clearance.clearance_m;
+  out.min_clearance_s = seen.min_clearance.time_s;
   const std::uint32_t before = parts_->started->servo.objects_before();
-  const std::uint32_t object = seen.least_clearance.object;
-  out.least_clearance_object = object > before ? object - before : 0;
+  const std::uint32_t object = seen.min_clearance.object;
+  out.min_clearance_object = object > before ? object - before : 0;
   out.step_p50_ns = seen.step.quantile_ns(0.5);
   out.step_p99_ns = seen.step.quantile_ns(0.99);
   out.step_max_ns = seen.step.max_ns();

@@ -45,9 +45,9 @@ double chord_m(const VoxmapHeader& voxmap) {
 
 // The fewest layers that leave something when this length, in voxels, is spent.
 std::string layers_text(double spent_voxels) {
-  constexpr double kMostLayers = 30;  // that voxelize bakes
+  constexpr double kMaxLayers = 30;  // that voxelize bakes
   const double layers = std::floor(std::hypot(spent_voxels, 0.25)) + 2;
-  if (!(layers <= kMostLayers)) return "bake both for larger voxels";
+  if (!(layers <= kMaxLayers)) return "bake both for larger voxels";
   return "bake the scene with --layers " + std::to_string(static_cast<int>(layers));
 }
 
@@ -58,7 +58,7 @@ std::string standoff_text(const VoxmapHeader& voxmap, double pose_error_m, doubl
   const double s = voxmap.voxel_size_m;
   const double spent_m = voxmap.static_deviation_m + part_deviation_m + pose_error_m;
   const double between_m =
-      least_point_distance_for_m(guard.shell, spent_m + kAboveNothing * s) + arc_m;
+      min_point_distance_for_m(guard.shell, spent_m + kAboveNothing * s) + arc_m;
   const double guard_m = std::hypot(between_m, 0.25 * s);
   const double standoff_m = voxmap.zero_force_m + std::max(0.0, guard_m - guard.distance_m);
   char text[64];

@@ -251,7 +251,7 @@ InputHealth health_of(const RecordedFrame& frame) {
   InputHealth health;
   health.trouble =
       trouble < kInputTroubles ? static_cast<InputTrouble>(trouble) : InputTrouble::kDeviceLost;
-  health.age_share = frame.age_share >= 0 && frame.age_share <= 1 ? frame.age_share : 1;
+  health.age_fraction = frame.age_fraction >= 0 && frame.age_fraction <= 1 ? frame.age_fraction : 1;
   health.clutch = (frame.health & kRecordedClutch) != 0;
   health.output_held = (frame.health & kRecordedOutputHeld) != 0;
   health.loop_late = (frame.health & kRecordedLoopLate) != 0;
@@ -270,7 +270,7 @@ Status RecordingWriter::add(const Frame& frame) {
                       in.buttons,
                       in.valid,
                       frame.outcome_hash,
-                      frame.health.age_share,
+                      frame.health.age_fraction,
                       recorded_health(frame.health)});
   ++frames_;
   return pending_.size() < kFlushFrames ? Status{} : flush();

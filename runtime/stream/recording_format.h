@@ -57,7 +57,7 @@ struct RecordedFrame {                      // offset
   std::uint32_t buttons;                    // 104
   std::uint32_t valid;                      // 108  InputUse
   std::uint64_t outcome_hash;               // 112  of the wrench and the state after the step
-  float age_share;                          // 120  InputHealth::age_share
+  float age_fraction;                       // 120  InputHealth::age_fraction
   std::uint32_t health;                     // 124  InputTrouble, RecordedHealth bits, output_fall
 };
 static_assert(sizeof(RecordedFrame) == 128);

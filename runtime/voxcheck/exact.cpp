@@ -21,15 +21,15 @@ std::vector<ProvenMoment> moments_of(const CheckResult& result, bool some_are_al
   std::vector<ProvenMoment> moments;
   const auto add = [&](const CheckedMoment& moment) {
     if (moment.beyond_side) return;
-    const double most_m = std::isfinite(moment.most_m) ? moment.most_m : kNothingM;
+    const double max_m = std::isfinite(moment.max_m) ? moment.max_m : kNothingM;
     bool seated = false;
     for (const auto& stretch : result.seated) {
       seated |= moment.time_s >= stretch.from_s && moment.time_s <= stretch.to_s;
     }
-    const double least_m = seated || some_are_allowed ? 0 : moment.clearance_m;
-    moments.push_back({moment.time_s, least_m, most_m, seated});
+    const double min_m = seated || some_are_allowed ? 0 : moment.clearance_m;
+    moments.push_back({moment.time_s, min_m, max_m, seated});
   };
-  add(result.least);
+  add(result.smallest);
   for (const Violation& v : result.violations) {
     if (v.of_distance()) add(v.worst);
   }
@@ -44,9 +44,9 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.path = options.path;
   name_meshes(options, request);
   request.required_m = options.clearance_m;
-  request.least_s = result.least.time_s;
-  if (std::isfinite(result.least.most_m) && !result.at_least) {
-    request.most_m = result.least.most_m;
+  request.min_s = result.smallest.time_s;
+  if (std::isfinite(result.smallest.max_m) && !result.at_least) {
+    request.max_m = result.smallest.max_m;
   }
   for (std::uint32_t object = 1; object < allowed.size(); ++object) {
     if (allowed[object] != 0) request.allowed.push_back(object);
@@ -76,7 +76,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
       stretch.too_near = true;
     }
     // A stretch that is clear and cannot have the least distance need not be measured.
-    if (!stretch.too_near && request.most_m && stretch.proven_m > *request.most_m) continue;
+    if (!stretch.too_near && request.max_m && stretch.proven_m > *request.max_m) continue;
     request.stretches.push_back(stretch);
   }
   request.moments = moments_of(result, some_are_allowed);
@@ -87,7 +87,7 @@ CheckedMoment checked(const ExactMoment& moment, double clearance_m, double marg
   const auto& p = moment.part_m;
   CheckedMoment checked;
   checked.clearance_m = clearance_m;
-  checked.most_m = moment.exact_m + margin_m;
+  checked.max_m = moment.exact_m + margin_m;
   checked.time_s = moment.time_s;
   checked.object = moment.object;
   checked.point_m = {p[0], p[1], p[2]};
@@ -133,11 +133,11 @@ void take(const ExactAnswer& answer, bool some_are_allowed, CheckResult& result)
     seated.clearance_m = std::max(seated.clearance_m, exact.clearance_m);
     seated.nearest = checked(exact.nearest, seated.clearance_m, answer.margin_m);
   }
-  if (answer.least.exact_m >= kNothingM) return;  // no object counts
+  if (answer.smallest.exact_m >= kNothingM) return;  // no object counts
   // The files may prove more than the measured distance less the deviations.
   if (some_are_allowed || !result.seated.empty()) result.clearance_m = 0;
   result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
-  result.least = checked(answer.least, result.clearance_m, answer.margin_m);
+  result.smallest = checked(answer.smallest, result.clearance_m, answer.margin_m);
   result.at_least = false;
 }
 

@@ -6,13 +6,13 @@ namespace forcelayer::voxcheck {
 // Found by their arguments alone, so not in a nameless namespace.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
-                                   pushed_into_seat, depth_m, depth_at_most_m, inside)
+                                   pushed_into_seat, depth_m, max_depth_m, inside)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
                                    settled)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, clearance_m, nearest)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, least, violations, seat,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,
                                    seated, moments, warnings)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, least_m, most_m, seated)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, min_m, max_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
 namespace {
@@ -72,8 +72,8 @@ std::string text_of(const ExactRequest& r) {
               {"allow_outside", r.allow_outside},
               {"sandbox", bytes_of(r.sandbox)},
               {"required_m", r.required_m},
-              {"least_s", r.least_s},
-              {"most_m", or_null(r.most_m)},
+              {"min_s", r.min_s},
+              {"max_m", or_null(r.max_m)},
               {"allowed", r.allowed},
               {"seat", r.seat},
               {"stretches", r.stretches},
@@ -100,8 +100,8 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("allow_outside").get_to(r.allow_outside);
         r.sandbox = text_from(json.at("sandbox"));
         json.at("required_m").get_to(r.required_m);
-        json.at("least_s").get_to(r.least_s);
-        r.most_m = unless_null(json.at("most_m"));
+        json.at("min_s").get_to(r.min_s);
+        r.max_m = unless_null(json.at("max_m"));
         json.at("allowed").get_to(r.allowed);
         json.at("seat").get_to(r.seat);
         json.at("stretches").get_to(r.stretches);

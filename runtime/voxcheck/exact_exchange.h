@@ -23,9 +23,9 @@ struct ProvenStretch {
 
 // The bounds of the exact distance at one moment, by the baked files.
 struct ProvenMoment {
-  double time_s = 0, least_m = 0;
-  double most_m = 0;    // kNothingM where they do not say
-  bool seated = false;  // the seat's objects do not count in `least_m`
+  double time_s = 0, min_m = 0;
+  double max_m = 0;     // kNothingM where they do not say
+  bool seated = false;  // the seat's objects do not count in `min_m`
 };
 
 struct ExactRequest {
@@ -35,8 +35,8 @@ struct ExactRequest {
   bool allow_outside = false;
   std::string sandbox;  // as typed behind --sandbox=; empty: not given
   double required_m = 0;
-  double least_s = 0;            // when the least clearance is proven,
-  std::optional<double> most_m;  // and what the exact one is no more than then, where known
+  double min_s = 0;             // when the least clearance is proven,
+  std::optional<double> max_m;  // and what the exact one is no more than then, where known
   std::vector<std::uint32_t> allowed, seat;   // objects of the scene, by number
   std::vector<ProvenStretch> stretches;       // in the order of time, without gaps
   std::vector<ProvenMoment> moments;          // to hold the meshes against
@@ -67,7 +67,7 @@ struct ExactViolation {
   // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
   // that meet elsewhere it is the deepest of a few moments, found coarsely; 0 where one of the two
   // has no inside.
-  double depth_m = 0, depth_at_most_m = 0;
+  double depth_m = 0, max_depth_m = 0;
   // All of the part was inside of a solid for a while, where its surface met none.
   bool inside = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
@@ -95,7 +95,7 @@ struct ExactNearest {
 struct ExactAnswer {
   double clearance_m = 0;  // that holds along the whole path, deviations and rounding taken off
   double margin_m = 0;     // deviations of scene and part, and rounding
-  ExactMoment least;
+  ExactMoment smallest;
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
   std::vector<ExactNearest> seated;  // for each of ExactRequest::seated

@@ -146,7 +146,7 @@ Status check(const Options& options) {
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
   command::ProgressLine line(options.quiet);
-  const auto show = [&](double share) { line.show("checking the path", share); };
+  const auto show = [&](double fraction) { line.show("checking the path", fraction); };
   clearance::CheckRequest request{options.clearance_m,
                                   options.threads,
                                   *allowed,

@@ -11,12 +11,12 @@
 namespace forcelayer::voxcheck {
 namespace {
 
-constexpr unsigned kMostThreads = 256;
+constexpr unsigned kMaxThreads = 256;
 
 }  // namespace
 
 OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
-  options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
+  options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
   app.add_option(
@@ -45,7 +45,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
                   "files leave open; repeatable");
   app.add_option("--threads", options_.threads,
                  "worker threads, default all; the answer does not depend on their number")
-      ->check(CLI::Range(1u, kMostThreads));
+      ->check(CLI::Range(1u, kMaxThreads));
   app.add_option("--picture", options_.picture,
                  "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
   app.add_option("--json", options_.json, "write a report");

@@ -33,8 +33,8 @@ Shown shown_of(const Report& report) {
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
             worst.depth_m > 0 ? &worst : nullptr, worst.object_inside};
   }
-  const bool known = report.exact && report.exact->least.exact_m < kNothingM;
-  return {report.result.least, known ? &report.exact->least : nullptr};
+  const bool known = report.exact && report.exact->smallest.exact_m < kNothingM;
+  return {report.result.smallest, known ? &report.exact->smallest : nullptr};
 }
 
 // The line between the two nearest points; without the meshes a dot at the part's.

@@ -65,7 +65,7 @@ std::string pushed_text(const Report& report, const Violation& v) {
     return text(
                "too close to call: in its seat at least %.6f and at most %.6f mm deep in %s, and "
                "%.6f mm are allowed, ",
-               1e3 * v.depth_m, ceil_nm_in_mm(exact.depth_at_most_m), object.c_str(),
+               1e3 * v.depth_m, ceil_nm_in_mm(exact.max_depth_m), object.c_str(),
                1e3 * seat->allowed_m) +
            place_text(v.worst);
   }
@@ -108,7 +108,7 @@ std::string violation_text(const Report& report, const Violation& v) {
            place_text(v.worst);
   }
   return line +
-         text("%.3f mm proven%s%s, ", floor_mm(v.clearance_m), most_text(v.worst).c_str(),
+         text("%.3f mm proven%s%s, ", floor_mm(v.clearance_m), max_text(v.worst).c_str(),
               to_object(report.scene, v.worst.object).c_str()) +
          place_text(v.worst);
 }
@@ -201,20 +201,21 @@ bool is_only_unsettled(const CheckResult& result) {
                                         [](const Violation& v) { return v.unsettled_seat; });
 }
 
-std::string least_text(const Report& report) {
+std::string min_text(const Report& report) {
   const CheckResult& r = report.result;
   const char* const outside = r.seated.empty() ? "" : "outside of its seat ";
-  if (report.exact && report.exact->least.exact_m < kNothingM) {
-    return text("least clearance %s%.3f mm exact%s, ", outside, 1e3 * report.exact->least.exact_m,
-                to_object(report.scene, r.least.object).c_str()) +
-           place_text(r.least);
+  if (report.exact && report.exact->smallest.exact_m < kNothingM) {
+    return text("least clearance %s%.3f mm exact%s, ", outside,
+                1e3 * report.exact->smallest.exact_m,
+                to_object(report.scene, r.smallest.object).c_str()) +
+           place_text(r.smallest);
   }
   if (r.at_least) {
     return text("%sat least %.3f mm, nothing is nearer", outside, floor_mm(r.clearance_m));
   }
   return text("least proven clearance %s%.3f mm%s%s, ", outside, floor_mm(r.clearance_m),
-              most_text(r.least).c_str(), to_object(report.scene, r.least.object).c_str()) +
-         place_text(r.least);
+              max_text(r.smallest).c_str(), to_object(report.scene, r.smallest.object).c_str()) +
+         place_text(r.smallest);
 }
 
 void add_exact(Json& json, const ExactMoment& moment) {
@@ -245,7 +246,7 @@ Json violation_json(const Report& report, const Violation& v) {
   json["object_inside"] = v.object_inside;
   if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report, v)) {
-    if (v.depth_m > 0) json["depth_at_most_m"] = exact->depth_at_most_m;
+    if (v.depth_m > 0) json["max_depth_m"] = exact->max_depth_m;
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
     json["inside"] = exact->inside;
@@ -336,7 +337,7 @@ const ExactViolation* exact_of(const Report& report, const Violation& v) {
 
 std::vector<std::string> picture_title(const Report& report) {
   const CheckResult& r = report.result;
-  if (r.clear()) return {"clear: " + required_text(report), least_text(report)};
+  if (r.clear()) return {"clear: " + required_text(report), min_text(report)};
   return {"NOT clear: " + required_text(report), violation_text(report, worst_of(r))};
 }
 
@@ -345,12 +346,12 @@ std::string verdict_text(const Report& report) {
   std::string line = seat_text(report);
   if (r.clear()) {
     if (is_refused_as_far(report)) line = std::string("NOT clear: ") + kFar + "; else ";
-    return line + "clear: " + required_text(report) + "; " + least_text(report) + "\n" +
+    return line + "clear: " + required_text(report) + "; " + min_text(report) + "\n" +
            seat_ways_text(report) + seat_depth_text(report) + hidden_text(hidden_within_m(report));
   }
   if (is_only_unsettled(r)) {
     line = "NOT clear: its seat is not settled; " + line + "clear: " + required_text(report) +
-           "; " + least_text(report) + "\n";
+           "; " + min_text(report) + "\n";
   } else {
     line += text("NOT clear: %s; %s in %zu stretch%s\n", required_text(report).c_str(),
                  report.exact ? "not kept" : "not proven", r.violations.size(),
@@ -374,10 +375,10 @@ Json report_json(const Report& report) {
   json["schema_version"] = 1;
   json["verdict"] = r.clear() && !is_refused_as_far(report) ? "clear" : "not clear";
   json["required_clearance_m"] = report.options.clearance_m;
-  json["least_clearance"] = moment_json(report.scene, r.least, r.clearance_m);
-  json["least_clearance"]["at_least"] = r.at_least;
+  json["min_clearance"] = moment_json(report.scene, r.smallest, r.clearance_m);
+  json["min_clearance"]["at_least"] = r.at_least;
   if (report.exact) {
-    add_exact(json["least_clearance"], report.exact->least);
+    add_exact(json["min_clearance"], report.exact->smallest);
     json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
                      {"moments_measured", report.exact->moments}};
   }

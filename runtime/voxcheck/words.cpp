@@ -53,9 +53,9 @@ std::string place_text(const CheckedMoment& moment) {
               near_zero(moment.point_m.y), near_zero(moment.point_m.z));
 }
 
-std::string most_text(const CheckedMoment& moment) {
-  if (!std::isfinite(moment.most_m)) return "";
-  return text(", at most %.3f mm", ceil_mm(moment.most_m));
+std::string max_text(const CheckedMoment& moment) {
+  if (!std::isfinite(moment.max_m)) return "";
+  return text(", at most %.3f mm", ceil_mm(moment.max_m));
 }
 
 std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
@@ -65,7 +65,7 @@ std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& res
               1e3 * seated.way_m, 1e3 * result.way_m) +
          (exact_m
               ? text("%.3f mm exact", 1e3 * *exact_m)
-              : text("%.3f mm proven", floor_mm(seated.clearance_m)) + most_text(seated.nearest)) +
+              : text("%.3f mm proven", floor_mm(seated.clearance_m)) + max_text(seated.nearest)) +
          to_object(scene, seated.nearest.object) + text(", at %.3f s\n", seated.nearest.time_s);
 }
 
@@ -90,8 +90,8 @@ Json moment_json(const Voxmap& scene, const CheckedMoment& moment, double cleara
   json["t_s"] = moment.time_s;
   json["object"] = moment.object == 0 ? Json(nullptr) : Json(object_name(scene, moment.object));
   json["point_m"] = {moment.point_m.x, moment.point_m.y, moment.point_m.z};
-  json["at_most_m"] = finite(moment.most_m);
-  json["slack_m"] = finite(std::max(0.0, moment.most_m - clearance_m));
+  json["at_most_m"] = finite(moment.max_m);
+  json["slack_m"] = finite(std::max(0.0, moment.max_m - clearance_m));
   return json;
 }
 

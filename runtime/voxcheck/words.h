@@ -35,7 +35,7 @@ std::string never_near_text(const char* given);
 std::string place_text(const clearance::CheckedMoment& moment);
 
 // ", at most 1.234 mm"; empty where no upper bound is known.
-std::string most_text(const clearance::CheckedMoment& moment);
+std::string max_text(const clearance::CheckedMoment& moment);
 
 // A line: how long the part is in its seat in that stretch, and how near it comes to what there.
 // `exact_m`: measured by the meshes; else the bounds are given.

@@ -15,7 +15,7 @@ namespace forcelayer::voxrun {
 namespace {
 
 constexpr long long kReadingNs = 3'000'000'000;
-constexpr double kLeastLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
+constexpr double kMinLoopPeriods = 2.5;  // of a slow loop, that its wrench may be old
 constexpr double kMaxWatchdogS = 0.1;
 constexpr long long kPollNs = 1'000'000;
 
@@ -28,14 +28,14 @@ Pose resting_handle(const Options& options) {
 
 // From rest to rest along `way_m`, with the least jerk.
 devices::MotionScript pulled(const Pose& from, const glm::dvec3& way_m) {
-  constexpr double kRestS = 0.3, kEndS = 0.2, kLeastS = 2, kMeanMps = 0.05, kRowsPerS = 100;
-  const double move_s = std::max(kLeastS, glm::length(way_m) / kMeanMps);
+  constexpr double kRestS = 0.3, kEndS = 0.2, kMinS = 2, kMeanMps = 0.05, kRowsPerS = 100;
+  const double move_s = std::max(kMinS, glm::length(way_m) / kMeanMps);
   std::vector<devices::MotionScript::Row> rows = {{0, from}};
   const auto count = static_cast<int>(std::ceil(move_s * kRowsPerS));
   for (int n = 0; n <= count; ++n) {
     const double t = static_cast<double>(n) / count;
-    const double share = t * t * t * (10 - 15 * t + 6 * t * t);
-    rows.push_back({kRestS + t * move_s, {from.position_m + share * way_m, from.orientation}});
+    const double fraction = t * t * t * (10 - 15 * t + 6 * t * t);
+    rows.push_back({kRestS + t * move_s, {from.position_m + fraction * way_m, from.orientation}});
   }
   rows.push_back({kRestS + move_s + kEndS, rows.back().world_from_handle});
   return devices::MotionScript(std::move(rows));
@@ -67,7 +67,7 @@ Result<ChosenDevice> make_sim(const Options& options) {
 
 // Age at which the device's side drops a wrench: periods of the loop, where it is slow.
 double watch_s(const Options& options) {
-  return std::max(options.run.stale_s, kLeastLoopPeriods / options.run.rate_hz);
+  return std::max(options.run.stale_s, kMinLoopPeriods / options.run.rate_hz);
 }
 
 // The device's side takes the motors to zero between the frames of a slower loop.

@@ -10,7 +10,7 @@
 namespace forcelayer::voxrun {
 namespace {
 
-constexpr double kMostButton = 31;  // of the 32 bits of a reading
+constexpr double kMaxButton = 31;  // of the 32 bits of a reading
 
 Error usage(std::string_view where, std::string_view what, std::string_view mend) {
   return {ErrorCode::kUsage, "", where, what, mend};
@@ -19,7 +19,7 @@ Error usage(std::string_view where, std::string_view what, std::string_view mend
 Status read_buttons(const std::string& text, Options& options) {
   constexpr double kNone = -1;
   double numbers[] = {kNone, kNone, kNone};
-  const command::Bounds bounds{0, kMostButton};
+  const command::Bounds bounds{0, kMaxButton};
   const command::ValueName names[] = {{.name = "clutch", .number = &numbers[0], .bounds = bounds},
                                       {.name = "scene", .number = &numbers[1], .bounds = bounds},
                                       {.name = "guide", .number = &numbers[2], .bounds = bounds}};

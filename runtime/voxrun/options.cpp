@@ -16,7 +16,7 @@ using command::about;
 
 constexpr double kLongestPullM = 1000;  // five and a half hours
 
-command::Bounds bounds_of(const Range& range) { return {range.least, range.most}; }
+command::Bounds bounds_of(const Range& range) { return {range.smallest, range.largest}; }
 
 Error usage(std::string_view where, std::string_view what, std::string_view mend) {
   return {ErrorCode::kUsage, "", where, what, mend};
@@ -52,8 +52,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
   command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", bounds_of(kRatesHz));
   command::add_count(app, "--threads", options_.run.threads,
-                     "threads of the contact query, default 1", static_cast<int>(kThreads.least),
-                     static_cast<int>(kThreads.most));
+                     "threads of the contact query, default 1", static_cast<int>(kThreads.smallest),
+                     static_cast<int>(kThreads.largest));
   command::add_text(app, "--model", texts_.model,
                     "dynamic model: default, or paper for the method of 1999");
   command::add_text(app, "--force", texts_.force,

@@ -223,15 +223,15 @@ Json object_json(const Scenes& scenes, std::uint32_t object) {
 }
 
 Json clearance_json(const Scenes& scenes, const loop::LoopStatistics& s) {
-  const auto& least = s.least_clearance;
-  if (least.kind == ClearanceKind::kNone) return nullptr;
+  const auto& smallest = s.min_clearance;
+  if (smallest.kind == ClearanceKind::kNone) return nullptr;
   Json json;
-  put(json, "clearance_m", least.clearance_m);
-  put(json, "t_s", least.time_s);
-  put(json, "at_least", least.kind == ClearanceKind::kAtLeast);
-  put(json, "object", object_json(scenes, least.object));
-  if (least.kind == ClearanceKind::kProven) {
-    put(json, "point_m", list({least.point_m.x, least.point_m.y, least.point_m.z}));
+  put(json, "clearance_m", smallest.clearance_m);
+  put(json, "t_s", smallest.time_s);
+  put(json, "at_least", smallest.kind == ClearanceKind::kAtLeast);
+  put(json, "object", object_json(scenes, smallest.object));
+  if (smallest.kind == ClearanceKind::kProven) {
+    put(json, "point_m", list({smallest.point_m.x, smallest.point_m.y, smallest.point_m.z}));
   }
   return json;
 }
@@ -448,7 +448,7 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "contact_frames", s.contact_frames);
   put(json, "guard_cuts", s.guard_cuts);
   put(json, "barred_frames", s.barred_frames);
-  put(json, "least_clearance", clearance_json(scenes, s));
+  put(json, "min_clearance", clearance_json(scenes, s));
   put(json, "unproven_frames", s.unproven_frames);
   put(json, "outside_map_frames", s.outside_map_frames);
   add_objects(scenes, s, json);

@@ -24,7 +24,7 @@ std::unique_ptr<UsedScene> used(const Run& run, const std::string& path) {
   return scene;
 }
 
-std::optional<double> least(const std::optional<double>& a, const std::optional<double>& b) {
+std::optional<double> smallest(const std::optional<double>& a, const std::optional<double>& b) {
   return a && b ? std::optional(std::min(*a, *b)) : std::nullopt;
 }
 
@@ -87,8 +87,8 @@ std::vector<guard::SeatObject> Scenes::seat() const {
 SeparationGuarantee Scenes::guarantee() const {
   SeparationGuarantee all = (*this)[0].guarantee;
   for (std::size_t n = 1; n < count(); ++n) {
-    all.tested_m = least(all.tested_m, (*this)[n].guarantee.tested_m);
-    all.swept_m = least(all.swept_m, (*this)[n].guarantee.swept_m);
+    all.tested_m = smallest(all.tested_m, (*this)[n].guarantee.tested_m);
+    all.swept_m = smallest(all.swept_m, (*this)[n].guarantee.swept_m);
   }
   return all;
 }

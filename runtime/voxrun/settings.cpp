@@ -34,7 +34,7 @@ constexpr LoopSetting kLoopSettings[kLoopNumbers] = {
 
 constexpr double kNotSet = -1;  // below every range
 
-command::Bounds bounds_of(const Range& range) { return {range.least, range.most}; }
+command::Bounds bounds_of(const Range& range) { return {range.smallest, range.largest}; }
 
 }  // namespace
 

@@ -126,16 +126,17 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
 
 // The least clearance, rounded down.
 std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
-  const auto& least = s.least_clearance;
-  if (least.kind == ClearanceKind::kNone) return "no clearance is known";
-  const double mm = std::floor(least.clearance_m * 1e6) / 1e3;
+  const auto& smallest = s.min_clearance;
+  if (smallest.kind == ClearanceKind::kNone) return "no clearance is known";
+  const double mm = std::floor(smallest.clearance_m * 1e6) / 1e3;
   std::string part;
-  if (least.kind == ClearanceKind::kAtLeast) {
+  if (smallest.kind == ClearanceKind::kAtLeast) {
     part = text("clearance at least %.3f mm, nothing was nearer", mm);
   } else {
     part = text("least proven clearance %.3f mm%s%s at %.3f s, at %.4g, %.4g, %.4g m", mm,
-                least.object != 0 ? " to " : "", escaped(scenes.object_text(least.object)).c_str(),
-                least.time_s, least.point_m.x, least.point_m.y, least.point_m.z);
+                smallest.object != 0 ? " to " : "",
+                escaped(scenes.object_text(smallest.object)).c_str(), smallest.time_s,
+                smallest.point_m.x, smallest.point_m.y, smallest.point_m.z);
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
     part += text(", not known in %llu frame%s", printable(n), ending(n));
@@ -166,12 +167,12 @@ bool is_held(const Outcome& outcome) {
 
 bool Pull::short_of_end() const { return went_m < kFollowed * led_m; }
 
-std::string seat_text(const Scenes& scenes, double least_overlap_m) {
+std::string seat_text(const Scenes& scenes, double min_overlap_m) {
   std::string line;
   std::size_t count = 0;
   for (const auto& of_seat : scenes.seat()) {
     std::string object = printed(scenes, of_seat.object);
-    if (of_seat.overlap_m > least_overlap_m) {
+    if (of_seat.overlap_m > min_overlap_m) {
       object += text(" (%.3g mm inside)", 1000 * of_seat.overlap_m);
     }
     list(line, count++, object);

@@ -26,8 +26,8 @@ struct Outcome {
 };
 
 // The objects of the part's seat, escaped, the first few by name; empty without a seat. An overlap
-// of more than `least_overlap_m` is said.
-std::string seat_text(const Scenes& scenes, double least_overlap_m);
+// of more than `min_overlap_m` is said.
+std::string seat_text(const Scenes& scenes, double min_overlap_m);
 
 // `proven`, `penetrated` (a penetration frame), `seated` (the seat was not left), `held` (off its
 // motion, or short of the end of its pull), or `unknown` (a premise failed, a scene was missed, a

@@ -19,7 +19,7 @@ const double kTriangleM = std::sqrt(3.0) / 2 * kPitchM;
 constexpr std::array<double, 4> kCorners{-kPitchM / 16, kPitchM / 16, kPitchM * 3 / 8,
                                          kPitchM * 5 / 8};
 
-// The z of the k-th corner along the helix at a share of a turn.
+// The z of the k-th corner along the helix at a fraction of a turn.
 double corner_m(int k, double turn) {
   const int pitch = k >= 0 ? k / 4 : (k - 3) / 4;
   return kPitchM * (pitch + turn) + kCorners[static_cast<std::size_t>(k - 4 * pitch)];

@@ -52,7 +52,7 @@ FILES = {
     "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
     "wrench_commanded": (("voxel_m", "compared"), {}),
     "motion_drift": (("model", "frames"), {}),
-    "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_share": 1.3}),
+    "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_fraction": 1.3}),
     "stability_field": (("factor",), {"penetration_ratio": 1.5}),
     "stability_grips": (("model", "scale", "delay_s", "hand", "clutch", "axis", "arm_m"), {}),
     "stability_seats": (("seed", "pair", "covering_voxels"), {}),

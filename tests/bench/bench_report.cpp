@@ -48,8 +48,8 @@ std::string file_name(const std::string& path) {
 Percentiles percentiles(std::vector<double> sample) {
   if (sample.empty()) return {NAN, NAN, NAN, NAN};
   std::sort(sample.begin(), sample.end());
-  const auto at = [&](double share) {
-    const auto rank = static_cast<std::size_t>(std::ceil(share * double(sample.size())));
+  const auto at = [&](double fraction) {
+    const auto rank = static_cast<std::size_t>(std::ceil(fraction * double(sample.size())));
     return sample[std::min(sample.size() - 1, rank == 0 ? 0 : rank - 1)];
   };
   return {at(0.5), at(0.99), at(0.999), sample.back()};

@@ -36,11 +36,11 @@ struct Choice {
 constexpr const char* kGroups[] = {"generated", "sample", "shared", "all"};
 
 // Judges whole scenes of each family, from seed 1 on, until there are enough. The generated family
-// has `generated_share` of them, the others share the rest. `judge` says how many it judged.
+// has `generated_fraction` of them, the others share the rest. `judge` says how many it judged.
 template <class Judge>
-void judge_families(const Choice& choice, double generated_share, const Judge& judge) {
+void judge_families(const Choice& choice, double generated_fraction, const Judge& judge) {
   const auto families = clearance_families();
-  const double each = (1 - generated_share) / static_cast<double>(families.size() - 1);
+  const double each = (1 - generated_fraction) / static_cast<double>(families.size() - 1);
   for (const ClearanceFamily& family : families) {
     const std::string name(family.name), needs(family.needs);
     if (!choice.only.empty() && std::ranges::find(choice.only, name) == choice.only.end()) continue;
@@ -48,8 +48,8 @@ void judge_families(const Choice& choice, double generated_share, const Judge& j
       std::printf("%s left out: no %s\n", name.c_str(), needs.c_str());
       continue;
     }
-    const double share = family.group == "generated" ? generated_share : each;
-    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(choice.count));
+    const double fraction = family.group == "generated" ? generated_fraction : each;
+    const auto wanted = static_cast<std::size_t>(fraction * static_cast<double>(choice.count));
     std::size_t judged = 0;
     for (std::uint64_t seed = 1; judged < wanted; ++seed) judged += judge(family, seed);
   }
@@ -100,7 +100,7 @@ bool judge_frames(const Choice& choice, Json& results) {
                                      {"without", summary.without},
                                      {"slack_median", summary.slack.median},
                                      {"slack_p99", summary.slack.high},
-                                     {"slack_most", summary.slack.most}});
+                                     {"slack_most", summary.slack.largest}});
     }
   }
   return failed == 0;
@@ -146,7 +146,7 @@ bool judge_all_paths(const Choice& choice, Json& results) {
                                 {"poses", poses},
                                 {"median", spread.median},
                                 {"p99", spread.high},
-                                {"most", spread.most}});
+                                {"most", spread.largest}});
     }
   }
   return well;

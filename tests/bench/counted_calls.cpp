@@ -136,10 +136,10 @@ FORCELAYER_WRAP(FORCELAYER_MAKE_FIELD, Result<std::unique_ptr<field::ForceField>
 }
 
 FORCELAYER_WRAP(FORCELAYER_AVERAGE, void, average, const query::CollectedPoints& points,
-                const field::FieldSamples& samples, float voxel_size_m, float least_depth_m,
+                const field::FieldSamples& samples, float voxel_size_m, float min_depth_m,
                 field::ContactSet& set) {
   counts().count("directions averaged");
-  real_average(points, samples, voxel_size_m, least_depth_m, set);
+  real_average(points, samples, voxel_size_m, min_depth_m, set);
 }
 
 FORCELAYER_WRAP(FORCELAYER_DEFAULT_STEP, StepResult, default_step, model::DefaultModel* model,

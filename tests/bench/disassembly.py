@@ -80,7 +80,7 @@ class Assembly:
         meshes = ("--exact", self.path, *without, "--part", f"{self.path}#{part}", *self.units)
         checked = self.run("voxcheck", *files, at / "way.csv", "--clearance", clearance, "--seat", "0,0,0m",
                            *(meshes if self.exact else ("--felt-seat",)))
-        least = report["least_clearance"]
+        least = report["min_clearance"]
         row.update(out="yes", way_mm=1e3 * report["way_m"], clearance_mm=1e3 * least["clearance_m"], nearest=least["object"],
                    verdict="clear" if checked.returncode == 0 else self.said(checked))
         return row, ""

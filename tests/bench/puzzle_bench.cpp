@@ -61,10 +61,10 @@ struct Trials {
 };
 
 Trial search_once(const voxplan::Problem& problem, const voxplan::Destination& goal,
-                  std::uint64_t seed, double most_s) {
+                  std::uint64_t seed, double max_s) {
   voxplan::SearchRequest request;
   request.seed = seed;
-  request.most_s = most_s;
+  request.max_s = max_s;
   request.clock_s = cpu_s;
   const double begin_s = cpu_s();
   const auto r = value_of(voxplan::search(problem, goal, request));
@@ -76,8 +76,8 @@ Json quartiles(std::vector<double> sample) {
   if (sample.empty()) return {nullptr, nullptr, nullptr};
   std::sort(sample.begin(), sample.end());
   Json all = Json::array();
-  for (const double share : {0.25, 0.5, 0.75}) {
-    const double at = share * static_cast<double>(sample.size() - 1);
+  for (const double fraction : {0.25, 0.5, 0.75}) {
+    const double at = fraction * static_cast<double>(sample.size() - 1);
     const auto below = static_cast<std::size_t>(at);
     const std::size_t above = std::min(below + 1, sample.size() - 1);
     all.push_back(sample[below] +
@@ -147,11 +147,11 @@ Json row_of(const Puzzle& puzzle, double voxel_m, const char* validity, const Tr
 int run(int argc, char** argv) {
   CLI::App app{"Puzzles, taken apart by voxplan and by OMPL with FCL", "puzzle_bench"};
   int seeds = 10, poses = 20000;
-  double most_s = 20, voxel_mm = 0;
+  double max_s = 20, voxel_mm = 0;
   std::string json, only;
   std::string commands = std::filesystem::path(argv[0]).parent_path().string();
   app.add_option("--seeds", seeds);
-  app.add_option("--time", most_s, "of a trial, s of processor time");
+  app.add_option("--time", max_s, "of a trial, s of processor time");
   app.add_option("--voxel-size", voxel_mm, "mm; 0: a quarter of a puzzle's slack");
   app.add_option("--poses", poses, "of the comparison of the validity tests");
   app.add_option("--only", only, "puzzles whose names begin with it");
@@ -179,8 +179,8 @@ int run(int argc, char** argv) {
     Trials ours, theirs;
     for (int seed = 1; seed <= seeds; ++seed) {
       const auto n = static_cast<std::uint64_t>(seed);
-      ours.add(search_once(problem, goal, n, most_s), step_m);
-      theirs.add(solve_by_meshes(puzzle, problem, step_m, n, most_s), step_m);
+      ours.add(search_once(problem, goal, n, max_s), step_m);
+      theirs.add(solve_by_meshes(puzzle, problem, step_m, n, max_s), step_m);
     }
     const ValidityRates alone = validity_rates(puzzle, problem, poses);
     if (alone.wrong > 0) throw std::runtime_error("a pose is free that collides by the meshes");

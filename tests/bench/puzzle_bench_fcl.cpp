@@ -25,7 +25,7 @@ namespace og = ompl::geometric;
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
 // A space whose motions are tested in steps of travel. OMPL's own divides the way and the turn each
-// by a share of its extent, which makes the steps of a turn several times as short.
+// by a fraction of its extent, which makes the steps of a turn several times as short.
 class Space final : public ob::SE3StateSpace {
  public:
   Space(double radius_m, double step_m) : step_m_(step_m) { setSubspaceWeight(1, 2 * radius_m); }
@@ -39,7 +39,7 @@ class Space final : public ob::SE3StateSpace {
 
 constexpr std::uint64_t kPosesARound = 4000;
 constexpr std::uint64_t kClockEvery = 64;  // poses, as of voxplan
-constexpr unsigned kMostGoals = 1000;
+constexpr unsigned kMaxGoals = 1000;
 
 Pose pose_of(const ob::State* state) {
   const auto& s = *state->as<ob::SE3StateSpace::StateType>();
@@ -81,7 +81,7 @@ class OutOfScene final : public ob::GoalSampleableRegion {
     s.rotation().w = pose.orientation.w, s.rotation().x = pose.orientation.x;
     s.rotation().y = pose.orientation.y, s.rotation().z = pose.orientation.z;
   }
-  unsigned maxSampleCount() const override { return kMostGoals; }
+  unsigned maxSampleCount() const override { return kMaxGoals; }
 
  private:
   const voxplan::Destination& goal_;
@@ -111,7 +111,7 @@ bool MeshValidity::is_free(const Pose& world_from_center) const {
 }
 
 Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
-                      std::uint64_t seed, double most_s) {
+                      std::uint64_t seed, double max_s) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed + 1));
   const MeshValidity validity(puzzle, problem);
@@ -149,7 +149,7 @@ Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, dou
     planners.back()->setProblemDefinition(question);
     planners.back()->setup();
   }
-  const double begin_s = cpu_s(), end_s = begin_s + most_s;
+  const double begin_s = cpu_s(), end_s = begin_s + max_s;
   while (!question->hasExactSolution() && cpu_s() < end_s) {
     for (const auto& planner : planners) {
       const std::uint64_t enough = result.poses + kPosesARound;

@@ -34,6 +34,6 @@ struct Trial {
 // Four RRT-Connect of the ranges that voxplan gives its own, in turns, until one has a way out of
 // the scene. Motions are tested in steps of `step_m` of travel.
 Trial solve_by_meshes(const Puzzle& puzzle, const voxplan::Problem& problem, double step_m,
-                      std::uint64_t seed, double most_s);
+                      std::uint64_t seed, double max_s);
 
 }  // namespace forcelayer::bench

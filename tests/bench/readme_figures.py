@@ -69,7 +69,7 @@ def tail(k, n, p):
     return math.fsum(math.exp(value) for value in logs)
 
 
-def share_95(k, n):
+def fraction_95(k, n):
     """Clopper and Pearson's interval of a share."""
     def where(count, wanted):
         low, high = 0.0, 1.0
@@ -83,9 +83,9 @@ def share_95(k, n):
 def binomial(events, of):
     """For a share of independent trials; a new run's own interval must meet it."""
     def interval(_figure, row):
-        low, high = share_95(row[events], row[of])
+        low, high = fraction_95(row[events], row[of])
         return low, high, f"95%, {row[of]} trials"
-    interval.of_new = lambda row: share_95(row[events], row[of])
+    interval.of_new = lambda row: fraction_95(row[events], row[of])
     return interval
 
 

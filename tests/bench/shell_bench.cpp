@@ -142,7 +142,7 @@ class MeshCase {
     for (const Method& method : methods()) of_mesh.push_back(run(method));
     const double centers = of_mesh.back()["points"];
     for (Json& row : of_mesh) {
-      row["share_of_voxel_centers"] = row["points"].get<double>() / centers;
+      row["fraction_of_voxel_centers"] = row["points"].get<double>() / centers;
       print(row);
       rows.push_back(std::move(row));
     }
@@ -181,7 +181,7 @@ class MeshCase {
              {"points", header.point_count},
              {"radius_voxels", header.covering_radius_m / header.voxel_size_m},
              {"points_over_bound", pointshell::points_over_bound(header, header.area_m2)},
-             {"share_of_voxel_centers", nullptr},
+             {"fraction_of_voxel_centers", nullptr},
              {"normal_p50_deg", normals.p50},
              {"normal_p99_deg", normals.p99},
              {"normal_max_deg", normals.max},
@@ -202,7 +202,7 @@ class MeshCase {
         "%7.2f %6.0f %7.2f\n",
         row["mesh"].get<std::string>().c_str(), row["voxels"].get<int>(),
         row["method"].get<std::string>().c_str(), get("points"), get("radius_voxels"),
-        get("points_over_bound"), 100 * get("share_of_voxel_centers"), get("normal_p50_deg"),
+        get("points_over_bound"), 100 * get("fraction_of_voxel_centers"), get("normal_p50_deg"),
         get("normal_p99_deg"), get("normal_max_deg"), get("weight_sum_over_area"),
         get("block_voxels"), get("wall_s"), get("cpu_s"), get("peak_bytes") / 1e6, get("proof_s"));
     std::fflush(stdout);

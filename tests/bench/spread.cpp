@@ -23,9 +23,9 @@ Spread spread(std::vector<double> sample) {
   std::erase_if(sample, [](double x) { return !std::isfinite(x); });
   std::sort(sample.begin(), sample.end());
   const std::size_t n = sample.size();
-  const auto at = [&](double share) -> double {
+  const auto at = [&](double fraction) -> double {
     if (n == 0) return NAN;
-    const double place = share * static_cast<double>(n - 1);
+    const double place = fraction * static_cast<double>(n - 1);
     const auto i = static_cast<std::size_t>(place);
     const double next = sample[std::min(i + 1, n - 1)];
     return sample[i] + (place - static_cast<double>(i)) * (next - sample[i]);

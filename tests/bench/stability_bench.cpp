@@ -43,7 +43,7 @@ Json row_of(const char* campaign, std::string_view name, const char* model, cons
       "finite %llu\n",
       std::string(name).c_str(), model, count(m.penetration_frames), count(m.force_layer_frames),
       ratio.low, ratio.high, count(m.penetrating_trials), count(m.trials), m.worst_generated_j,
-      percentile(m.progress, 10), percentile(m.stuck_share, 50),
+      percentile(m.progress, 10), percentile(m.stuck_fraction, 50),
       measured ? m.smallest_distance_m * 1e3 : NAN, m.guaranteed_m * 1e3, count(m.non_finite));
   std::fflush(stdout);
   return {{"campaign", campaign},
@@ -58,10 +58,10 @@ Json row_of(const char* campaign, std::string_view name, const char* model, cons
           {"ratio_95_low", ratio.low},
           {"ratio_95_high", ratio.high},
           {"quiet", nullptr},
-          {"quiet_share", nullptr},
+          {"quiet_fraction", nullptr},
           {"energy_generated_j_worst", m.worst_generated_j},
           {"progress_p10", percentile(m.progress, 10)},
-          {"stuck_share_p50", percentile(m.stuck_share, 50)},
+          {"stuck_fraction_p50", percentile(m.stuck_fraction, 50)},
           {"smallest_distance_m", measured ? Json(m.smallest_distance_m) : Json(nullptr)},
           {"guaranteed_m", m.guaranteed_m},
           {"non_finite_frames", m.non_finite}};
@@ -94,7 +94,7 @@ Json rest_table(std::uint64_t trials) {
     }
     Json row = row_of("rest", "rest", name_of(model), sum);
     row["quiet"] = quiet;
-    row["quiet_share"] =
+    row["quiet_fraction"] =
         static_cast<double>(quiet) / static_cast<double>(std::max<std::uint64_t>(1, trials));
     std::printf("    quiet %llu of %llu\n", count(quiet), count(trials));
     rows.push_back(std::move(row));
@@ -114,16 +114,16 @@ Json table2(std::uint64_t contact_frames) {
                       {"paper, braking", Model::kPaper, true, {}},
                       {"default", Model::kDefault, true, {}}};
   // The same hands for all three, until each has its frames.
-  std::uint64_t least = 0;
-  for (std::uint64_t seed = 1; least < contact_frames; ++seed) {
+  std::uint64_t smallest = 0;
+  for (std::uint64_t seed = 1; smallest < contact_frames; ++seed) {
     Trial trial = collision_trial(seed);
-    least = UINT64_MAX;
+    smallest = UINT64_MAX;
     for (Contestant& one : all) {
       trial.braking = one.braking;
       trial.exact_distance = one.model == Model::kDefault;
       trial.distance_below_m = one.sum.smallest_distance_m;
       one.sum.add(run(trial, one.model));
-      least = std::min(least, one.sum.force_layer_frames);
+      smallest = std::min(smallest, one.sum.force_layer_frames);
     }
   }
   Json rows = Json::array();

@@ -35,7 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using test::VoxelKind;
 
-// A mesh deviates from the body by at most this share of a voxel: far below what is measured.
+// A mesh deviates from the body by at most this fraction of a voxel: far below what is measured.
 constexpr double kDeviationVoxels = 0.02;
 constexpr VoxelKind kKinds[] = {VoxelKind::kChebyshev, VoxelKind::kLean, VoxelKind::kFull};
 
@@ -133,7 +133,7 @@ void add_rows(double voxel_m, const std::string& contacts, const Values& methods
 }
 
 constexpr double kTimedS = 0.02;  // that a method may take in one contact, but for the least frames
-constexpr std::size_t kLeastFrames = 5;
+constexpr std::size_t kMinFrames = 5;
 
 // The median time of frames along poses, evenly spread over them where a method is slow, us.
 template <class WrenchAt>
@@ -143,7 +143,7 @@ double frame_us(const std::vector<Pose>& poses, const WrenchAt& wrench_at) {
   const double fits = kTimedS / std::max(now_s() - first_s, 1e-9);
   const auto stride =
       static_cast<std::size_t>(std::clamp(static_cast<double>(poses.size()) / fits, 1.0,
-                                          static_cast<double>(poses.size() / kLeastFrames)));
+                                          static_cast<double>(poses.size() / kMinFrames)));
   std::vector<double> us;
   for (std::size_t i = 0; i < poses.size(); i += stride) {
     const double start_s = now_s();

@@ -70,12 +70,12 @@ ContactCase::ContactCase(const Combination& combination, const PartShells& shell
   if (combination.wall_by_wall) offset_walls();
   const double touching = height_at(0.5 * s_);
   glm::dvec3 normal(0);
-  double least = 1e9;
+  double smallest = 1e9;
   const Placed at = place(touching, 0, 0);
   for (const auto& p : fine_.points_m) {
     glm::dvec3 g;
     const double d = body_.distance_m(at.rotation * p + at.position_m, &g);
-    if (d < least) least = d, normal = g;
+    if (d < smallest) smallest = d, normal = g;
   }
   if (combination.body == StaticKind::kWedge && combination.free_angle < M_PI) {
     const int steeper = norm1(body_.wall_normal(0)) > norm1(body_.wall_normal(1)) ? 0 : 1;
@@ -142,8 +142,8 @@ void ContactCase::offset_walls() {
   const glm::dvec3 n0 = body_.wall_normal(0), n1 = body_.wall_normal(1);
   const double l0 = zero_force_voxels(kind_, kLayers, n0),
                l1 = zero_force_voxels(kind_, kLayers, n1);
-  const double most = std::max(l0, l1);
-  body_.wall_shift_m = {(most - l0) * s_, (most - l1) * s_};
+  const double largest = std::max(l0, l1);
+  body_.wall_shift_m = {(largest - l0) * s_, (largest - l1) * s_};
   const double sine = std::cos(combination_.free_angle / 2);
   const double cosine = std::sin(combination_.free_angle / 2);
   // Where -sine x + cosine z = -shift 0 and sine x + cosine z = -shift 1.
@@ -151,13 +151,13 @@ void ContactCase::offset_walls() {
   base_m_.z = -(body_.wall_shift_m[0] + body_.wall_shift_m[1]) / (2 * cosine);
 }
 
-double ContactCase::least_distance(double height_m) const {
+double ContactCase::min_distance(double height_m) const {
   const Placed at = place(height_m, 0, 0);
-  double least = 1e9;
+  double smallest = 1e9;
   for (const auto& p : fine_.points_m) {
-    least = std::min(least, body_.distance_m(at.rotation * p + at.position_m));
+    smallest = std::min(smallest, body_.distance_m(at.rotation * p + at.position_m));
   }
-  return least;
+  return smallest;
 }
 
 // The height at which the part's nearest point has this distance, by bisection.
@@ -169,7 +169,7 @@ double ContactCase::height_at(double distance_m) const {
   if (!heights_m_.empty()) low = heights_m_.front(), high = low + 2 * thickness_m_ * rate_;
   for (int i = 0; i < 28; ++i) {
     const double middle = (low + high) / 2;
-    (least_distance(middle) < distance_m ? low : high) = middle;
+    (min_distance(middle) < distance_m ? low : high) = middle;
   }
   return high;
 }

@@ -62,7 +62,7 @@ class ContactCase {
  private:
   void orient(std::mt19937_64& random);
   void offset_walls();
-  double least_distance(double height_m) const;
+  double min_distance(double height_m) const;
   double height_at(double distance_m) const;
   void bake_around();
   Placed place(double height_m, double a_m, double b_m) const;

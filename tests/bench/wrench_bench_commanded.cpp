@@ -18,7 +18,7 @@ constexpr double kDtS = 1e-3, kSpeedMps = 0.05, kFarM = 0.02;
 // So that a single contact is half a voxel deep, and many share the load.
 constexpr double kDeviceN = 60, kDeviceNm = 5, kPressN = 40, kDeepVoxels = 0.5;
 constexpr int kHeldFrames = 3000;
-constexpr double kLeastN = 5;  // that a compared part is pressed with
+constexpr double kMinN = 5;  // that a compared part is pressed with
 
 }  // namespace
 
@@ -49,20 +49,20 @@ void Commanded::see(const Voxmap& voxmap, const Pshell& shell, const Pose& above
   StepInput input;
   input.valid = 1;
   StepResult result;
-  double way_m = 0, most_m = 1e300;
+  double way_m = 0, max_m = 1e300;
   for (int held = 0; held < kHeldFrames && way_m < 4 * kFarM;) {
-    if (way_m < most_m) way_m += kSpeedMps * kDtS;
+    if (way_m < max_m) way_m += kSpeedMps * kDtS;
     input.world_from_handle = start;
     input.world_from_handle.position_m += way_m * in;
     input.handle_velocity = velocity.update(input.world_from_handle, kDtS);
     result = simulation->step(state, input, kDtS);
-    if (most_m == 1e300 && result.report.contacts > 0) {
-      most_m = way_m + kPressN / parameters.coupling_n_per_m;
+    if (max_m == 1e300 && result.report.contacts > 0) {
+      max_m = way_m + kPressN / parameters.coupling_n_per_m;
     }
-    if (way_m >= most_m) ++held;
+    if (way_m >= max_m) ++held;
   }
   const double force_n = glm::length(result.wrench.force_n);
-  if (state.settled == 0 || result.report.contacts == 0 || force_n < kLeastN) return;
+  if (state.settled == 0 || result.report.contacts == 0 || force_n < kMinN) return;
   const Wrench there = frame.at(result.report.world_from_center);
   const double k = parameters.field_n_per_m;
   const double off = glm::length(k * there.force_n - result.wrench.force_n) / force_n;

@@ -21,7 +21,7 @@ using VI = hn::Vec<Ints>;
 constexpr Floats kF;
 constexpr Ints kI;
 
-HWY_INLINE VF mix(VF a, VF b, VF share) { return hn::MulAdd(share, hn::Sub(b, a), a); }
+HWY_INLINE VF mix(VF a, VF b, VF between) { return hn::MulAdd(between, hn::Sub(b, a), a); }
 
 // The lists have room for whole vectors beyond their end, as those of the runtime's fields do.
 void measure_dense(const query::CollectedPoints& points, const DenseDistances& box,
@@ -32,13 +32,13 @@ void measure_dense(const query::CollectedPoints& points, const DenseDistances& b
   const std::int32_t stride[3] = {box.dims[1] * box.dims[2], box.dims[2], 1};
   const VF half = hn::Set(kF, 0.5f), one = hn::Set(kF, 1.0f);
   for (std::size_t i = 0; i < points.count; i += hn::Lanes(kF)) {
-    VF share[3];
+    VF between[3];
     VI at = hn::Zero(kI);
     auto inside = hn::FirstN(kI, points.count - i);
     for (int n = 0; n < 3; ++n) {
       const VF f = hn::LoadU(kF, fraction[n] + i);
       const auto before = hn::Lt(f, half);
-      share[n] = hn::Sub(hn::IfThenElse(before, hn::Add(f, one), f), half);
+      between[n] = hn::Sub(hn::IfThenElse(before, hn::Add(f, one), f), half);
       const VI cell = hn::Sub(hn::Sub(hn::LoadU(kI, voxel[n] + i), hn::Set(kI, first[n])),
                               hn::IfThenElseZero(hn::RebindMask(kI, before), hn::Set(kI, 1)));
       inside = hn::AndNot(hn::Lt(cell, hn::Zero(kI)), inside);
@@ -53,14 +53,14 @@ void measure_dense(const query::CollectedPoints& points, const DenseDistances& b
       const VF a0 = hn::GatherIndex(kF, plane, at), a1 = hn::GatherIndex(kF, plane + 1, at);
       const VF b0 = hn::GatherIndex(kF, plane + stride[1], at);
       const VF b1 = hn::GatherIndex(kF, plane + stride[1] + 1, at);
-      const VF a = mix(a0, a1, share[2]), b = mix(b0, b1, share[2]);
+      const VF a = mix(a0, a1, between[2]), b = mix(b0, b1, between[2]);
       step_y[x] = hn::Sub(b, a);
-      step_z[x] = mix(hn::Sub(a1, a0), hn::Sub(b1, b0), share[1]);
-      at_x[x] = mix(a, b, share[1]);
+      step_z[x] = mix(hn::Sub(a1, a0), hn::Sub(b1, b0), between[1]);
+      at_x[x] = mix(a, b, between[1]);
     }
-    const VF distance = mix(at_x[0], at_x[1], share[0]);
-    const VF slope[3] = {hn::Sub(at_x[1], at_x[0]), mix(step_y[0], step_y[1], share[0]),
-                         mix(step_z[0], step_z[1], share[0])};
+    const VF distance = mix(at_x[0], at_x[1], between[0]);
+    const VF slope[3] = {hn::Sub(at_x[1], at_x[0]), mix(step_y[0], step_y[1], between[0]),
+                         mix(step_z[0], step_z[1], between[0])};
     const VF square =
         hn::MulAdd(slope[0], slope[0], hn::MulAdd(slope[1], slope[1], hn::Mul(slope[2], slope[2])));
     const auto directed = hn::And(hn::RebindMask(kF, inside), hn::Gt(square, hn::Zero(kF)));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kOffsets = 121;
 // Torque over force, in radii of the part, below which the true torque is nothing to compare with.
-constexpr double kLeastArm = 0.2;
+constexpr double kMinArm = 0.2;
 
 // The offset and the gain that suit the mean forces best.
 struct Fit {
@@ -48,7 +48,7 @@ struct Left {
   // Where nothing is felt and something is there, all of it is error.
   double force_error() const { return true2 > 0 ? std::sqrt(error2 / true2) : 1; }
   double torque_error(double part_radius_m) const {
-    const bool has_torque = torque2 > true2 * std::pow(kLeastArm * part_radius_m, 2);
+    const bool has_torque = torque2 > true2 * std::pow(kMinArm * part_radius_m, 2);
     return has_torque ? std::sqrt(torque_error2 / torque2) : NAN;
   }
 };

@@ -160,9 +160,9 @@ PairContact::PairContact(const mesh::Mesh& scene, const ExactDistance& distance,
       s_(voxel_size_m),
       reach_m_(2 * longest_side(scene) + part.tested.radius_m) {
   const glm::dquat world_from_scene_turn = random_turn(random);
-  std::uniform_real_distribution<double> share(0, 1);
+  std::uniform_real_distribution<double> fraction(0, 1);
   for (std::size_t i = 0; i < kShifts; ++i) {
-    const double x = share(random), y = share(random), z = share(random);
+    const double x = fraction(random), y = fraction(random), z = fraction(random);
     world_from_scene_.push_back({glm::dvec3(x, y, z) * s_, world_from_scene_turn});
   }
   for (int tries = 0; !approach(random); ++tries) {
@@ -182,30 +182,30 @@ glm::dvec3 PairContact::placed(const glm::dvec3& on_part_m, double height_m) con
 // surely free. The height, or minus infinity where it passes by or begins too near.
 double PairContact::advanced_to(double height_m, double distance_m) {
   for (;;) {
-    double least = 1e300;
-    // The least that a distance can be now, measured anew where that is below `least`, and then not
-    // much farther than matters.
+    double smallest = 1e300;
+    // The least that a distance can be now, measured anew where that is below `smallest`, and then
+    // not much farther than matters.
     const auto at_least = [&](Measured& last, const glm::dvec3& on_part_m, double radius_m) {
       const auto now = [&] {
         return last.distance_m - std::abs(last.height_m - height_m) - radius_m;
       };
-      if (now() >= least) return now();
-      const double within_m = 3 * least + radius_m;  // of use for a while
+      if (now() >= smallest) return now();
+      const double within_m = 3 * smallest + radius_m;  // of use for a while
       const auto foot = distance_.foot(placed(on_part_m, height_m), within_m);
       last = {std::min(foot.distance_m, within_m), height_m};
       return now();
     };
     for (std::size_t b = 0; b < part_.blocks.size(); ++b) {
       const PairPart::Block& block = part_.blocks[b];
-      if (at_least(block_at_[b], block.center_m, block.radius_m) >= least) continue;
+      if (at_least(block_at_[b], block.center_m, block.radius_m) >= smallest) continue;
       for (std::size_t i = block.first; i < block.first + block.count; ++i) {
         const double distance = at_least(point_at_[i], part_.fine_m[i], 0);
-        if (distance < least) least = distance, nearest_ = i;
+        if (distance < smallest) smallest = distance, nearest_ = i;
       }
     }
-    if (least < distance_m - kTouchM) return -INFINITY;  // it was nearer before it began
-    if (least <= distance_m + kTouchM) return height_m;
-    height_m -= least - distance_m;
+    if (smallest < distance_m - kTouchM) return -INFINITY;  // it was nearer before it began
+    if (smallest <= distance_m + kTouchM) return height_m;
+    height_m -= smallest - distance_m;
     if (height_m < -reach_m_) return -INFINITY;
   }
 }
@@ -278,8 +278,8 @@ void PairContact::tabulate_truth() {
       std::vector<SurfaceSample> samples;
       for (std::size_t n = 0; n < near_.size(); ++n) {
         const std::size_t i = near_[n];
-        const double most_m = last[n].distance_m + std::abs(last[n].height_m - height) + kTouchM;
-        const auto foot = distance_.foot(placed(part_.fine_m[i], height), std::min(most_m, last_m));
+        const double max_m = last[n].distance_m + std::abs(last[n].height_m - height) + kTouchM;
+        const auto foot = distance_.foot(placed(part_.fine_m[i], height), std::min(max_m, last_m));
         if (!std::isfinite(foot.distance_m)) continue;
         last[n] = {foot.distance_m, height};
         samples.push_back(
@@ -384,8 +384,8 @@ std::vector<Pose> PairContact::frames(VoxelKind kind) const {
   const std::vector<double>& heights_m = layer(kind).heights_m;
   std::vector<Pose> poses;
   for (std::size_t n = 0; n < kFrames; ++n) {
-    const double share = 1 - static_cast<double>(n) / (kFrames - 1);
-    const double height = heights_m.front() + share * (heights_m.back() - heights_m.front());
+    const double fraction = 1 - static_cast<double>(n) / (kFrames - 1);
+    const double height = heights_m.front() + fraction * (heights_m.back() - heights_m.front());
     poses.push_back(world_from_scene_[0] * at_height(height));
   }
   return poses;

@@ -16,13 +16,13 @@ namespace {
 // u . p over cube and plane, by duality the least support of u - l n over its breakpoints.
 bool half_plane_meets(const glm::dvec3& c, double half, const glm::dvec3& n, const glm::dvec3& u) {
   if (std::abs(glm::dot(n, c)) > half * norm1(n)) return false;
-  double least = 1e300;
+  double smallest = 1e300;
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(n[axis]) < 1e-12) continue;
     const glm::dvec3 w = u - (u[axis] / n[axis]) * n;
-    least = std::min(least, glm::dot(w, c) + half * norm1(w));
+    smallest = std::min(smallest, glm::dot(w, c) + half * norm1(w));
   }
-  return least >= 0;
+  return smallest >= 0;
 }
 
 // Least and largest distance of the cube from the line through the origin along `axes[2]`.
@@ -36,7 +36,7 @@ std::array<double, 2> distances_from_axis(const glm::dmat3& axes, const glm::dve
     for (int i = 0; i < 3; ++i) at += (mask >> i & 1) ? edge[i] : -edge[i];
     return at;
   };
-  double least = 1e300, largest = 0;
+  double smallest = 1e300, largest = 0;
   for (int mask = 0; mask < 8; ++mask) {
     const glm::dvec2 a = corner(mask);
     largest = std::max(largest, glm::length(a));
@@ -45,7 +45,7 @@ std::array<double, 2> distances_from_axis(const glm::dmat3& axes, const glm::dve
       const glm::dvec2 d = corner(mask | 1 << i) - a;
       const double length2 = glm::dot(d, d);
       const double t = length2 > 0 ? std::clamp(-glm::dot(a, d) / length2, 0.0, 1.0) : 0;
-      least = std::min(least, glm::length(a + t * d));
+      smallest = std::min(smallest, glm::length(a + t * d));
     }
   }
   bool holds_axis = true;
@@ -55,7 +55,7 @@ std::array<double, 2> distances_from_axis(const glm::dmat3& axes, const glm::dve
     for (const glm::dvec2& other : edge) reach += std::abs(glm::dot(across, other));
     holds_axis = holds_axis && std::abs(glm::dot(across, center)) <= reach;
   }
-  return {holds_axis ? 0 : least, largest};
+  return {holds_axis ? 0 : smallest, largest};
 }
 
 }  // namespace
@@ -107,8 +107,8 @@ bool AnalyticStatic::meets_cube(const glm::dvec3& center, double half) const {
            glm::length(a + half) >= radius_m;
   }
   if (kind == StaticKind::kBore) {
-    const auto [least, largest] = distances_from_axis(rotation, c, half);
-    return least <= radius_m && largest >= radius_m;
+    const auto [smallest, largest] = distances_from_axis(rotation, c, half);
+    return smallest <= radius_m && largest >= radius_m;
   }
   for (const double side : {1.0, -1.0}) {
     const glm::dvec3 along(side * std::sin(free_angle / 2), 0, std::cos(free_angle / 2));

@@ -181,9 +181,9 @@ std::vector<std::array<glm::dvec3, 3>> sphere_triangles(int parts) {
   std::vector<std::array<glm::dvec3, 3>> triangles;
   for (const auto& face : kIcosahedron) {
     const auto at = [&](int i, int j) {
-      const auto share = [&](int n) { return std::sin(edge * n / parts); };
-      return glm::normalize(corner[face[0]] * share(parts - i - j) + corner[face[1]] * share(i) +
-                            corner[face[2]] * share(j));
+      const auto fraction = [&](int n) { return std::sin(edge * n / parts); };
+      return glm::normalize(corner[face[0]] * fraction(parts - i - j) +
+                            corner[face[1]] * fraction(i) + corner[face[2]] * fraction(j));
     };
     for (int i = 0; i < parts; ++i)
       for (int j = 0; i + j < parts; ++j) {

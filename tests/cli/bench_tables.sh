@@ -28,13 +28,13 @@ report() {  # report FILE BENCHMARK COMMAND RESULTS
     \"system\": \"Linux x86_64\", \"date\": \"2026-01-02T03:04:05Z\"}, \"results\": $4}" >"$folder/reports/$1.json"
 }
 report a stability "bench cases" '[{"campaign": "cases", "case": "c", "model": "default", "penetration_ratio": 0.5}]'
-report b stability "bench rest" '[{"campaign": "rest", "case": "r", "model": "default", "quiet_share": 1.0}]'
+report b stability "bench rest" '[{"campaign": "rest", "case": "r", "model": "default", "quiet_fraction": 1.0}]'
 report c path "bench paths" '{"path_poses": [{"scenes": "all", "moments": 10}], "path": []}'
 "$folder/tests/bench/bench_csv.py" write "$folder/reports" "$folder/csv" >/dev/null
 cat >"$folder/wanted" <<'WANTED'
 # run 1: bench cases; 2026-01-02
 # run 2: bench rest; 2026-01-02
-run,campaign,case,model,penetration_ratio,quiet_share
+run,campaign,case,model,penetration_ratio,quiet_fraction
 1,cases,c,default,0.5,
 2,rest,r,default,,1
 WANTED

@@ -35,7 +35,7 @@ import json
 run = json.load(open("near.json"))
 assert 0.0005 < run["guaranteed_swept_separation_m"] < run["guaranteed_separation_m"] < 0.005, run
 assert run["force_layer_frames"] > 100 and run["penetration_frames"] == run["barred_frames"] == 0, run
-assert run["guaranteed_separation_m"] <= run["least_clearance"]["clearance_m"] < 0.0065, run
+assert run["guaranteed_separation_m"] <= run["min_clearance"]["clearance_m"] < 0.0065, run
 PYTHON
 status=0
 "$bin/voxrun" near.vox fine.pshell --device sim --force tangent-plane --duration 1s >near.txt 2>&1 || status=$?
@@ -66,7 +66,7 @@ assert abs(run["guaranteed_swept_separation_m"] - swept) < 1e-12, (shell, run, s
 assert full["guaranteed_separation_m"] > (0.5 if shell == "centers" else 1.1) * s - full["pose_error_m"] - spent + part["covering_radius_m"], (shell, full)
 assert 0 < full["guaranteed_separation_m"] - full["guaranteed_swept_separation_m"] < 0.05 * s, (shell, full)
 assert full["barred_frames"] == 0 and full["unproven_frames"] == 0, shell
-least = full["least_clearance"]
+least = full["min_clearance"]
 assert not least["at_least"] and full["guaranteed_separation_m"] < least["clearance_m"] < 3 * s, (shell, least)
 printed = re.search(r"guaranteed separation: ([0-9.]+) mm", open(shell + ".txt").read())
 assert printed and 0.98 * rested < 1e-3 * float(printed[1]) <= rested, (shell, printed, rested)

@@ -184,7 +184,7 @@ def names_all(text):
 
 def verdict(folder, name):
     report = json.loads((folder / f"verdicts/{name}.json").read_text())
-    keys = ("verdict", "least_clearance", "violations", "poses", "required_clearance_m", "exact")
+    keys = ("verdict", "min_clearance", "violations", "poses", "required_clearance_m", "exact")
     return {key: report[key] for key in keys}
 
 

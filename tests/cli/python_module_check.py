@@ -110,7 +110,7 @@ def check_against_twin(scene, part, poses):
     assert differing < len(poses) / 20, differing
     # A point's own bound, less what the shell can lose, is no more than what is proven; and no
     # clearance is above the least interpolated distance and the error of interpolation.
-    least = sampled["least_distance_m"].min(axis=1)
+    least = sampled["min_distance_m"].min(axis=1)
     known = numpy.isfinite(answers["clearance_m"])
     assert known.sum() > len(poses) / 4 and (~known).sum() > 0
     assert (least[known] - part.covering_radius_m - 1e-4 <= answers["clearance_m"][known]).all()
@@ -195,9 +195,9 @@ def check_paths(scene, part, run):
         report = json.load(open("check.json"))
         answer = scene.check(part, frames["t_s"], frames["world_from_part"], required_m, allow=allow)
         assert answer["verdict"] == report["verdict"] == ("clear" if status == 0 else "not clear")
-        assert abs(answer["clearance_m"] - report["least_clearance"]["clearance_m"]) < 1e-9
-        assert answer["clearance_m"] <= answer["least_clearance"]["clearance_m"]
-        assert answer["least_clearance"]["object"] == report["least_clearance"]["object"]
+        assert abs(answer["clearance_m"] - report["min_clearance"]["clearance_m"]) < 1e-9
+        assert answer["clearance_m"] <= answer["min_clearance"]["clearance_m"]
+        assert answer["min_clearance"]["object"] == report["min_clearance"]["object"]
         times = [(v["from_s"], v["to_s"]) for v in answer["violations"]]
         assert times == [(v["from_s"], v["to_s"]) for v in report["violations"]]
         assert {v["worst"]["object"] for v in answer["violations"]}.isdisjoint(allow)
@@ -240,7 +240,7 @@ def check_simulation(scene, part, run):
     frames = simulation.run(hand)
     assert frames["contacts"].max() > 0 and frames["interior"].max() == 0
     assert simulation.report["frames"] == 600 and simulation.report["penetration_frames"] == 0
-    assert simulation.report["least_clearance"]["clearance_m"] == numpy.nanmin(frames["clearance_m"])
+    assert simulation.report["min_clearance"]["clearance_m"] == numpy.nanmin(frames["clearance_m"])
     simulation.start(start)
     steps = [simulation.step(pose).tobytes() for pose in hand]
     assert b"".join(steps) == frames.tobytes()

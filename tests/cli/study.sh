@@ -48,7 +48,7 @@ import json, re, sys
 from html.parser import HTMLParser
 page = open("pin/report.html").read()
 report, verdict = json.load(open("pin.json")), json.load(open("pin/verdict.json"))
-assert report["verdict"] == verdict["verdict"] == "clear" and report["check"]["least_clearance"] == verdict["least_clearance"]
+assert report["verdict"] == verdict["verdict"] == "clear" and report["check"]["min_clearance"] == verdict["min_clearance"]
 assert [step["status"] for step in report["steps"]] == [0] * len(report["steps"])
 tags, texts = [], []
 class Reader(HTMLParser):
@@ -64,7 +64,7 @@ assert "url(" not in page and "@import" not in page
 assert ("img" in [tag for tag, _ in tags]) == (sys.argv[1] == "") and "svg" in [tag for tag, _ in tags]
 said = " ".join(texts)
 assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox" in said
-assert f"{1e3 * verdict['least_clearance']['exact_m']:.3f} mm exact" in said
+assert f"{1e3 * verdict['min_clearance']['exact_m']:.3f} mm exact" in said
 [seated] = verdict["seated"]
 assert "least clearance outside of its seat" in said
 assert f"{1e3 * seated['way_m']:.3f} mm of a path of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said

@@ -78,7 +78,7 @@ python3 - <<'PYTHON'
 import json
 over = json.load(open("over.json"))
 assert over["verdict"] == "clear" and over["violations"] == [] and over["poses"] == 3, over
-assert over["required_clearance_m"] == 0.0127 and over["least_clearance"]["clearance_m"] >= 0.0127, over
+assert over["required_clearance_m"] == 0.0127 and over["min_clearance"]["clearance_m"] >= 0.0127, over
 PYTHON
 
 # A violation between two rows is seen. Every report says the same.
@@ -247,7 +247,7 @@ for name in ("out.json", "wider.json"):
 assert told("wider.json")["seated"][0]["way_m"] > told("out.json")["seated"][0]["way_m"] + 0.003
 assert told("trace.json") == told("path.json") == told("run.json")
 a, b = told("out.json"), told("mm.json")
-assert abs(a["least_clearance"]["clearance_m"] - b["least_clearance"]["clearance_m"]) < 1e-9, (a, b)
+assert abs(a["min_clearance"]["clearance_m"] - b["min_clearance"]["clearance_m"]) < 1e-9, (a, b)
 assert a["seated"][0]["to_s"] == b["seated"][0]["to_s"]
 PYTHON
 "$bin/voxinfo" path mm.csv -o back.csv --quiet
@@ -279,7 +279,7 @@ import json
 settled, nearer, graze, crossed, seated = (
     json.load(open(name + ".json")) for name in ("settled", "nearer", "graze", "crossed", "seated"))
 assert settled["verdict"] == "clear" and settled["violations"] == []
-least = settled["least_clearance"]
+least = settled["min_clearance"]
 assert abs(least["exact_m"] - 0.003) < 1e-9 and 0 < least["slack_m"] < 5e-6, least
 apart = sum((a - b) ** 2 for a, b in zip(least["point_m"], least["object_point_m"])) ** 0.5
 assert abs(apart - least["exact_m"]) < 1e-9 and settled["exact"]["moments_measured"] > 2
@@ -291,11 +291,11 @@ assert all(v["graze"] and abs(v["exact_m"] - 0.003) < 1e-8 for v in graze["viola
 [v] = crossed["violations"]
 assert v["exact_m"] == 0 and v["from_s"] < 0.5 < v["to_s"], v
 apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 0.5
-assert 0.001 < v["depth_m"] <= v["depth_at_most_m"] and abs(apart - v["depth_m"]) < 1e-6, (apart, v)
+assert 0.001 < v["depth_m"] <= v["max_depth_m"] and abs(apart - v["depth_m"]) < 1e-6, (apart, v)
 assert not any(v["graze"] for v in json.load(open("met.json"))["violations"])
 # It left its seat 1.6 mm up, and rose.
-exact = seated["least_clearance"]["exact_m"]
-assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["least_clearance"]
+exact = seated["min_clearance"]["exact_m"]
+assert seated["verdict"] == "clear" and 0.001 < exact < 0.0025, seated["min_clearance"]
 [stretch] = seated["seated"]
 assert stretch["exact_m"] < 1e-5 and stretch["at_most_m"] < 1e-4 and 0.001 < stretch["way_m"] < 0.005, stretch
 [seat] = seated["seat_depths"]

@@ -112,7 +112,7 @@ check 6 cropped.vox part.pshell side.csv --clearance 1mm
 says 's: 0\.000 mm to a cropped side of the scene, beyond which nothing is known, at 2\.000 s'
 check 0 room.vox part.pshell over.csv --clearance 1mm --allow floor --allow wall --json all.json
 says 'at least [0-9.]+ mm, nothing is nearer$'
-python3 -c 'import json; assert json.load(open("all.json"))["least_clearance"]["at_least"]' || fail "all are allowed, and one is near"
+python3 -c 'import json; assert json.load(open("all.json"))["min_clearance"]["at_least"]' || fail "all are allowed, and one is near"
 
 # Where the system starts no more threads, fewer give the same answer.
 if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
@@ -149,7 +149,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   "$bin/voxelize" floor.obj --units mm --voxel-size 2mm --quiet -o under.vox
   "$bin/pointshell" tip.obj --units mm --voxel-size 2mm --method voxel-centers --quiet -o centers.pshell
   check 6 under.vox centers.pshell down.csv --clearance 20mm --json centers.json
-  python3 -c 'import json; v = json.load(open("centers.json"))["least_clearance"]; assert v["clearance_m"] <= 0.0093 <= v["at_most_m"] < 0.0115, v' ||
+  python3 -c 'import json; v = json.load(open("centers.json"))["min_clearance"]; assert v["clearance_m"] <= 0.0093 <= v["at_most_m"] < 0.0115, v' ||
     fail "the tip is 9.3 mm up: $(cat centers.json)"
   check 0 under.vox centers.pshell down.csv --clearance 1mm --exact floor.obj --part tip.obj --units mm
   says '^clear: .* 9\.300 mm exact to floor'
@@ -180,7 +180,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   python3 - <<'END' || fail "the reports: $(cat inside.json through.json)"
 import json
 [v] = json.load(open("inside.json"))["violations"]
-assert v["inside"] and v["exact_m"] == 0 and 0.045 <= v["depth_m"] <= v["depth_at_most_m"] < 0.056, v
+assert v["inside"] and v["exact_m"] == 0 and 0.045 <= v["depth_m"] <= v["max_depth_m"] < 0.056, v
 [v] = json.load(open("through.json"))["violations"]  # 1 mm before the one side to 1 mm behind the other
 assert v["inside"] and abs(v["from_s"] - 0.22) < 1e-3 and abs(v["to_s"] - 0.78) < 1e-3, v
 END

@@ -27,13 +27,13 @@ grep -qE '^  objects that do not count may hide others within 6 mm of them; --ex
 python3 - <<'END' || fail "the report: $(cat up.json)"
 import json
 report = json.load(open("up.json"))
-assert report["found"] and report["required_clearance_m"] == 0.002 <= report["least_clearance"]["clearance_m"]
+assert report["found"] and report["required_clearance_m"] == 0.002 <= report["min_clearance"]["clearance_m"]
 rows = [line.split(",") for line in open("up.csv").read().splitlines()]
 assert report["rows"] == len(rows) - 1 and float(rows[-1][0]) == report["duration_s"]
 assert [float(cell) for cell in rows[1]] == [0, 0, 0, 0, 1, 0, 0, 0], rows[1]
 assert report["seat"][0] == "Gearbox/Housing" and report["seated"][0]["from_s"] == 0
 check = json.load(open("check.json"))
-assert all(report[key] == check[key] for key in ("seat", "seated", "least_clearance", "hidden_within_m")), (report, check)
+assert all(report[key] == check[key] for key in ("seat", "seated", "min_clearance", "hidden_within_m")), (report, check)
 END
 plan 0 opened.vox cover.pshell --clearance 2mm -o again.csv --threads 1 --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"

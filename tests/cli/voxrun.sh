@@ -33,7 +33,7 @@ run, again = json.load(open("run.json")), json.load(open("again.json"))
 for key in """model frames force_layer_frames penetration_frames penetration_ratio guard_cuts
 outside_map_frames saturated_frames guaranteed_separation_m guaranteed_swept_separation_m step_ns
 deadline_misses max_force_n max_torque_nm energy_generated_j parameters verdict seated_frames
-guarantee_from_s seat least_clearance touched_objects""".split():
+guarantee_from_s seat min_clearance touched_objects""".split():
     assert key in run, key
 assert all(k in run["step_ns"] for k in ("p50", "p99", "p999", "max"))
 assert run["frames"] == 700 and run["force_layer_frames"] > 100, run["frames"]

@@ -53,7 +53,7 @@ assert 0.2 < run["guarantee_from_s"] < 0.5, run["guarantee_from_s"]
 assert run["seated_frames"] == round(1000 * run["guarantee_from_s"]), run["seated_frames"]
 [seat] = run["seat"]
 assert seat["object"] == "Gearbox/Housing" and seat["points"] > 100 and abs(seat["overlap_m"]) < 1e-4, seat
-least = run["least_clearance"]
+least = run["min_clearance"]
 assert least["object"] == "Gearbox/Housing" and least["t_s"] >= run["guarantee_from_s"], least
 assert least["clearance_m"] > run["guaranteed_separation_m"] > 0, least
 assert list(rows[0])[-1] == "nearest_object" and len(rows) == run["frames"]
@@ -73,7 +73,7 @@ grep -q '^touched Gearbox/.*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { ca
 python3 - <<'PYTHON'
 import json
 run = json.load(open("run.json"))
-assert run["verdict"] == "seated" and run["guarantee_from_s"] is None and run["least_clearance"] is None
+assert run["verdict"] == "seated" and run["guarantee_from_s"] is None and run["min_clearance"] is None
 assert run["seated_frames"] == run["unproven_frames"] == run["frames"] > 900
 assert len(run["seat"]) == 5
 touched = run["touched_objects"]
@@ -100,7 +100,7 @@ import json
 run = json.load(open("run.json"))
 [touched] = run["touched_objects"]
 assert touched["name"] == "Gearbox/Housing" and touched["max_force_n"] > 1, touched
-assert run["least_clearance"]["clearance_m"] >= run["guaranteed_separation_m"] - 1e-9, run["least_clearance"]
+assert run["min_clearance"]["clearance_m"] >= run["guaranteed_separation_m"] - 1e-9, run["min_clearance"]
 PYTHON
 run 6 opened.vox cover.pshell --motion back.csv --fail-on contact --fail-on penetration
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part touched the scene, against Gearbox/Housing; --trace shows every frame$'

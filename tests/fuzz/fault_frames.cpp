@@ -224,16 +224,16 @@ class Episode {
     if (!(force_n <= kPuppetForceN * (1 + 1e-9) && torque_nm <= kPuppetTorqueNm * (1 + 1e-9))) {
       breaks("a wrench beyond its limits");
     }
-    const double share = kDt / limits_.slew_s * (1 + 1e-9);
+    const double fraction = kDt / limits_.slew_s * (1 + 1e-9);
     const bool force_slew =
-        force_n > 0 && glm::length(w.force_n - last_.force_n) > kPuppetForceN * share;
+        force_n > 0 && glm::length(w.force_n - last_.force_n) > kPuppetForceN * fraction;
     const bool torque_slew =
-        torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > kPuppetTorqueNm * share;
+        torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > kPuppetTorqueNm * fraction;
     if (force_slew || torque_slew) breaks("a wrench beyond its slew");
     const bool bad = kind_ < kZeroAtOnce || old_ticks_ > kStaleTicks + 1 || kind_ == kLate;
     if (bad && !zero) breaks("force in the frame of a fault");
     since_bad_ = bad ? 0 : since_bad_ + 1;
-    // The share of the wrench that may be back by now: nothing for zero_s, then a ramp.
+    // The fraction of the wrench that may be back by now: nothing for zero_s, then a ramp.
     const double gain =
         (static_cast<double>(since_bad_) * kDt - limits_.zero_s) / limits_.ramp_s + 0.006;
     if (since_bad_ < 300 && (force_n > kPuppetForceN * std::max(gain, 0.0) ||

@@ -124,7 +124,7 @@ TEST(Golden, DistancesAndObjects) {
                   ->lookup(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z))
                   .code,
               code);
-    EXPECT_EQ(map->least_distance_m(x, y, z), (code - 127.0) * (0.001 / 32));
+    EXPECT_EQ(map->min_distance_m(x, y, z), (code - 127.0) * (0.001 / 32));
     EXPECT_EQ(map->nearest_object(x, y, z), GoldenDistances::object(x, y, z));
   });
   // A few of them by hand.
@@ -142,8 +142,8 @@ TEST(Golden, DistancesAndObjects) {
   EXPECT_EQ(map->object_name(0), "");
   EXPECT_EQ(map->object_name(3), "");
   // Outside the brick, and outside the directory.
-  EXPECT_EQ(map->least_distance_m(8, 0, 0), 128 * (0.001 / 32));
-  EXPECT_EQ(map->least_distance_m(-1, 0, 0), 128 * (0.001 / 32));
+  EXPECT_EQ(map->min_distance_m(8, 0, 0), 128 * (0.001 / 32));
+  EXPECT_EQ(map->min_distance_m(-1, 0, 0), 128 * (0.001 / 32));
   EXPECT_EQ(map->nearest_object(8, 0, 0), 0u);
   EXPECT_EQ(map->nearest_object(-1, 0, 0), 0u);
   EXPECT_EQ(map->view().lookup(64, 0, 0).clearance, 57u);

@@ -129,7 +129,7 @@ TEST(VoxmapFields, Standoff) {
 }
 
 TEST(VoxmapFields, Objects) {
-  for (const std::uint32_t wrong : {kMostObjects + 1, ~0u}) {
+  for (const std::uint32_t wrong : {kMaxObjects + 1, ~0u}) {
     expect_refused(distance_scene_bytes, AT(object_count), wrong, "object_count");
   }
   // A header that counts other objects than the names, and trees that it does not announce.
@@ -278,7 +278,7 @@ TEST(VoxmapSections, UniformTreesNeedADirectoryAlone) {
   });
   ASSERT_TRUE(map) << to_line(map.error());
   EXPECT_EQ(map->distance_counts().upper_nodes, 0u);
-  EXPECT_EQ(map->least_distance_m(3, 3, 3), 128 * (0.001 / 32));
+  EXPECT_EQ(map->min_distance_m(3, 3, 3), 128 * (0.001 / 32));
   EXPECT_EQ(map->nearest_object(3, 3, 3), 0u);
 }
 
@@ -405,7 +405,7 @@ void look_around(const Voxmap& map, std::mt19937_64& random) {
                        z = static_cast<std::int32_t>(world[2] - view.directory_origin[2]);
     if (view.contains(x, y, z)) sum += view.lookup(x, y, z).clearance;
     sum += map.object_name(map.nearest_object(world[0], world[1], world[2])).size();
-    sum += map.least_distance_m(world[0], world[1], world[2]) > 0;
+    sum += map.min_distance_m(world[0], world[1], world[2]) > 0;
   }
   for (const float force : map.compliance()) sum += force > 0;
   for (const char c : map.provenance()) sum += static_cast<unsigned char>(c);

@@ -35,7 +35,7 @@ Words random_brick(std::mt19937_64& random, unsigned dense) {
 // The layers of free voxels between a brick and its neighbor in a direction.
 int gap_of(const Words& brick, std::size_t towards) {
   const auto d = direction(towards);
-  int least = 8;
+  int smallest = 8;
   for (std::uint32_t n = 0; n < 512; ++n) {
     if (value_of(brick, n) == 0) continue;
     const int at[3] = {static_cast<int>(n >> 6), static_cast<int>(n >> 3 & 7),
@@ -44,9 +44,9 @@ int gap_of(const Words& brick, std::size_t towards) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (d[axis] != 0) gap = std::max(gap, d[axis] < 0 ? at[axis] : 7 - at[axis]);
     }
-    least = std::min(least, gap);
+    smallest = std::min(smallest, gap);
   }
-  return least;
+  return smallest;
 }
 
 TEST(BrickFacts, CountsBoxAndGapsAreThoseOfTheVoxels) {

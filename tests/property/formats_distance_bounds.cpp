@@ -36,7 +36,7 @@ TEST(DistanceBounds, LayersImplyTheirDistance) {
   std::mt19937_64 random(1);
   // Radii of one to four layers, and of standoffs between them.
   for (const double more : {0.0, 0.11, 0.5, 1.0, 1.7, 2.0, 3.0}) {
-    const double radius = kLeastInteriorVoxels + more;
+    const double radius = kMinInteriorVoxels + more;
     for (int m = 0; m <= 5; ++m) {
       SCOPED_TRACE("radius " + std::to_string(radius) + " m " + std::to_string(m));
       const double bound = layer_distance_voxels(radius, m);
@@ -115,7 +115,7 @@ TEST(DistanceBounds, InterpolationAttainsItsBound) {
 TEST(DistanceBounds, EightCentersProveADistance) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(0, 1), wide(-3, 4);
-  double least_slack = 1e9;
+  double min_slack = 1e9;
   for (int trial = 0; trial < 20000; ++trial) {
     std::vector<Point> mesh(1 + random() % 6);
     for (Point& x : mesh) x = {wide(random), wide(random), wide(random)};
@@ -139,9 +139,9 @@ TEST(DistanceBounds, EightCentersProveADistance) {
     for (const double t : p) squared -= t * (1 - t);
     const double exact = distance_of(p);
     EXPECT_LE(squared, exact * exact + 1e-12);
-    least_slack = std::min(least_slack, exact * exact - squared);
+    min_slack = std::min(min_slack, exact * exact - squared);
   }
-  EXPECT_LT(least_slack, 1e-9);  // with one point the bound is the distance
+  EXPECT_LT(min_slack, 1e-9);  // with one point the bound is the distance
 }
 
 }  // namespace

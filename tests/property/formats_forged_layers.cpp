@@ -311,13 +311,13 @@ const std::map<std::string, std::function<void(Forgery&, std::mt19937_64&)>>& ki
     return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
   };
   // Gives a box a value, or a layer through all of the scene.
-  const auto set_box = [below](test::VoxelScene& scene, Random& random, std::int64_t most,
+  const auto set_box = [below](test::VoxelScene& scene, Random& random, std::int64_t largest,
                                bool plane, std::uint8_t to) {
     Voxel low{}, high{};
     const auto flat = static_cast<std::size_t>(below(random, 3));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = plane && axis != flat ? 0 : 4 + below(random, kEdge - 8);
-      high[axis] = plane && axis != flat ? kEdge : low[axis] + 1 + below(random, most);
+      high[axis] = plane && axis != flat ? kEdge : low[axis] + 1 + below(random, largest);
       high[axis] = std::min(high[axis], kEdge);
     }
     for (std::int64_t x = low[0]; x < high[0]; ++x) {

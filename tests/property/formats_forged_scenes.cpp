@@ -27,7 +27,7 @@ constexpr std::int64_t kEdge = 40;
 constexpr double kVoxelM = 0.001;
 
 // By how much an accepted distance may be too large (trust.md), in voxels.
-double most_overstated(double distance) { return 1 + 0.07 * distance; }
+double max_overstated(double distance) { return 1 + 0.07 * distance; }
 
 struct Solid {
   glm::dvec3 middle, half;  // voxels
@@ -162,7 +162,7 @@ class Honest {
         is_known &= at[axis] >= known.low[axis] && at[axis] < known.high[axis];
       }
       const double says = bound(forged, h, at), truth = distances_[static_cast<std::size_t>(i)];
-      if (is_known && says > truth + most_overstated(truth)) {
+      if (is_known && says > truth + max_overstated(truth)) {
         return "a distance of " + std::to_string(says) + " for " + std::to_string(truth);
       }
     }
@@ -172,7 +172,7 @@ class Honest {
  private:
   // The lower bound of a center, voxels.
   static double bound(const Forgery& forged, const VoxmapHeader& h, const test::Voxel& at) {
-    return std::max(0.0, least_distance_m(h, forged.scene.code_at(at)) / kVoxelM);
+    return std::max(0.0, min_distance_m(h, forged.scene.code_at(at)) / kVoxelM);
   }
 
   // Whether a square of 5 voxels of points, half a voxel apart, can go through the middle of the
@@ -221,13 +221,13 @@ const std::map<std::string, std::function<void(Forgery&, std::mt19937_64&)>>& ki
     return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
   };
   // Calls change(code, value) for the voxels of a box, or of a layer through all of the scene.
-  const auto in_box = [below](Forgery& f, Random& random, std::int64_t most, bool plane,
+  const auto in_box = [below](Forgery& f, Random& random, std::int64_t largest, bool plane,
                               const auto& change) {
     test::Voxel low{}, high{};
     const auto flat = static_cast<std::size_t>(below(random, 3));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = plane && axis != flat ? 0 : 6 + below(random, kEdge - 12);
-      high[axis] = plane && axis != flat ? kEdge : low[axis] + 1 + below(random, most);
+      high[axis] = plane && axis != flat ? kEdge : low[axis] + 1 + below(random, largest);
       high[axis] = std::min(high[axis], kEdge);
     }
     for (std::int64_t x = low[0]; x < high[0]; ++x) {
@@ -270,22 +270,22 @@ const std::map<std::string, std::function<void(Forgery&, std::mt19937_64&)>>& ki
       {"all codes of the interior, up to just below its end",
        [=](Forgery& f, Random& r) {
          const std::int64_t less = below(r, 40);
-         std::uint8_t most = 0;
+         std::uint8_t largest = 0;
          for (std::size_t i = 0; i < f.scene.codes.size(); ++i) {
-           if (f.scene.values[i] == 1) most = std::max(most, f.scene.codes[i]);
+           if (f.scene.values[i] == 1) largest = std::max(largest, f.scene.codes[i]);
          }
-         const std::uint8_t to = raised(most, -less);
+         const std::uint8_t to = raised(largest, -less);
          for (auto& code : f.scene.codes) code = std::max(code, to);
        }},
       {"all codes, as far as values let them",
        [=](Forgery& f, Random& r) {
          const std::int64_t by = 1 + below(r, 60);
-         std::array<std::uint8_t, 4> most{};
+         std::array<std::uint8_t, 4> largest{};
          for (std::size_t i = 0; i < f.scene.codes.size(); ++i) {
-           most[f.scene.values[i]] = std::max(most[f.scene.values[i]], f.scene.codes[i]);
+           largest[f.scene.values[i]] = std::max(largest[f.scene.values[i]], f.scene.codes[i]);
          }
          for (std::size_t i = 0; i < f.scene.codes.size(); ++i) {
-           f.scene.codes[i] = std::min(raised(f.scene.codes[i], by), most[f.scene.values[i]]);
+           f.scene.codes[i] = std::min(raised(f.scene.codes[i], by), largest[f.scene.values[i]]);
          }
        }},
       {"distances by a factor",

@@ -88,7 +88,7 @@ TEST(PackedBricks, DistancesComeBackByEveryReader) {
     ASSERT_EQ(packed.bytes.size() % kPackedUnitBytes, 0u);
     for (std::size_t b = 0; b < bricks; ++b) {
       const std::size_t begin = std::size_t{packed.units[b]} * kPackedUnitBytes;
-      ASSERT_LE(begin + kMostPackedDistancesBytes, packed.bytes.size());
+      ASSERT_LE(begin + kMaxPackedDistancesBytes, packed.bytes.size());
       const std::uint8_t* const brick = packed.bytes.data() + begin;
       ASSERT_EQ(packed_distances_fault(brick), nullptr);
       BrickCodes codes;
@@ -118,20 +118,20 @@ TEST(PackedBricks, ObjectsComeBackByEveryReader) {
     const PackedBricks packed = pack_objects(numbers);
     for (std::size_t b = 0; b < 3; ++b) {
       const std::size_t begin = std::size_t{packed.units[b]} * kPackedUnitBytes;
-      ASSERT_LE(begin + kMostPackedObjectsBytes, packed.bytes.size());
+      ASSERT_LE(begin + kMaxPackedObjectsBytes, packed.bytes.size());
       const std::uint8_t* const brick = packed.bytes.data() + begin;
       BrickNumbers unpacked;
       unpack_objects(brick, unpacked);
-      std::uint16_t most = 0;
+      std::uint16_t largest = 0;
       for (std::size_t n = 0; n < 512; ++n) {
         ASSERT_EQ(unpacked[n], numbers[512 * b + n]);
         ASSERT_EQ(slow_number(brick, n), unpacked[n]);
         ASSERT_EQ(packed_object(brick, static_cast<std::uint32_t>(n)), unpacked[n]);
-        most = std::max(most, unpacked[n]);
+        largest = std::max(largest, unpacked[n]);
       }
-      EXPECT_EQ(packed_objects_fault(brick, most), nullptr);
-      if (most > 0) {
-        EXPECT_NE(packed_objects_fault(brick, most - 1u), nullptr);
+      EXPECT_EQ(packed_objects_fault(brick, largest), nullptr);
+      if (largest > 0) {
+        EXPECT_NE(packed_objects_fault(brick, largest - 1u), nullptr);
       }
     }
   }
@@ -143,7 +143,7 @@ TEST(PackedBricks, PlainBricksAreSmall) {
   std::vector<std::uint8_t> codes(512);
   for (std::size_t n = 0; n < 512; ++n)
     codes[n] = static_cast<std::uint8_t>(100 + 20 * (n / 64) - 5 * (n % 8));
-  EXPECT_LE(pack_distances(codes).bytes.size(), kMostPackedDistancesBytes);
+  EXPECT_LE(pack_distances(codes).bytes.size(), kMaxPackedDistancesBytes);
   codes.resize(1024);
   std::copy_n(codes.begin(), 512, codes.begin() + 512);
   EXPECT_EQ(pack_distances(codes).units[1] * kPackedUnitBytes, 48u);
@@ -156,8 +156,7 @@ TEST(PackedBricks, PlainBricksAreSmall) {
 TEST(PackedBricks, AnyBytesAreReadWithinBounds) {
   std::mt19937 random(31);
   for (int round = 0; round < 200; ++round) {
-    std::vector<std::uint8_t> distances(kMostPackedDistancesBytes),
-        objects(kMostPackedObjectsBytes);
+    std::vector<std::uint8_t> distances(kMaxPackedDistancesBytes), objects(kMaxPackedObjectsBytes);
     for (std::uint8_t& byte : distances)
       byte = static_cast<std::uint8_t>(round % 2 != 0 ? 255 : random());
     for (std::uint8_t& byte : objects) byte = static_cast<std::uint8_t>(random());

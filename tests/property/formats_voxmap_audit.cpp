@@ -22,7 +22,7 @@
 namespace forcelayer::testing {
 namespace {
 
-constexpr std::uint64_t kShare =
+constexpr std::uint64_t kFraction =
     test::kSanitized ? 6 : 1;       // of the seeds: such an audit takes 20 times as long
 constexpr std::int64_t kEdge = 48;  // of the scenes, voxels
 
@@ -87,7 +87,7 @@ Status audit(AlignedBytes& bytes) {
 }
 
 TEST(VoxmapAudit, AcceptsTheTruth) {
-  for (std::uint64_t seed = 1; seed <= 12 / kShare; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12 / kFraction; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const DenseVoxels voxels = random_scene(random);
@@ -109,7 +109,7 @@ TEST(VoxmapAudit, AcceptsGoldenFilesAndAnEmptyScene) {
 // Clearances of the test helper are the true distances: one more is a lie. Random entries of every
 // level are raised, one at a time.
 TEST(VoxmapAudit, NoticesEveryClearanceThatIsTooLarge) {
-  for (std::uint64_t seed = 31; seed < 31 + 6 / kShare; ++seed) {
+  for (std::uint64_t seed = 31; seed < 31 + 6 / kFraction; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const DenseVoxels voxels = random_scene(random);
@@ -164,7 +164,7 @@ TEST(VoxmapAudit, NoticesEveryHoleInALayer) {
       {kSurface, kFree},      {kSurface, kProximity}, {kSurface, kInterior}, {kInterior, kFree},
       {kProximity, kSurface}, {kProximity, kFree},    {kFree, kProximity},   {kFree, kSurface}};
   std::set<std::string> reasons;
-  for (std::uint64_t seed = 51; seed <= 50 + (3 + kShare - 1) / kShare; ++seed) {
+  for (std::uint64_t seed = 51; seed <= 50 + (3 + kFraction - 1) / kFraction; ++seed) {
     std::mt19937_64 random(seed);
     const DenseVoxels whole = random_scene(random);
     for (const auto& [from, to] : changes) {
@@ -292,7 +292,7 @@ TEST(VoxmapAudit, PlainClassificationHasProximityOnly) {
 // uncut it is not.
 TEST(VoxmapAudit, LooksNotAcrossCroppedSides) {
   int refused = 0;
-  for (std::uint64_t seed = 61; seed < 61 + 12 / kShare; ++seed) {
+  for (std::uint64_t seed = 61; seed < 61 + 12 / kFraction; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const DenseVoxels whole = random_scene(random);
@@ -325,7 +325,7 @@ TEST(VoxmapAudit, LooksNotAcrossCroppedSides) {
     AlignedBytes uncut = dense_voxmap_bytes(cut, {.offset_layers = 1, .valid_box = region});
     refused += !audit(uncut);
   }
-  EXPECT_GT(refused, kShare == 1 ? 3 : 0);
+  EXPECT_GT(refused, kFraction == 1 ? 3 : 0);
 }
 
 // Scenes with distances: boxes and points at random, their distance the least of all.
@@ -370,12 +370,12 @@ struct DistanceCase {
   }
 
   // The largest code of the six neighbors of an inner voxel.
-  std::uint32_t most_beside(std::size_t i) const {
-    std::uint8_t most = 0;
+  std::uint32_t max_beside(std::size_t i) const {
+    std::uint8_t largest = 0;
     for (const std::size_t step : {1u, 40u, 1600u}) {
-      most = std::max({most, scene.codes[i - step], scene.codes[i + step]});
+      largest = std::max({largest, scene.codes[i - step], scene.codes[i + step]});
     }
-    return most;
+    return largest;
   }
 
   std::mt19937_64 random;
@@ -385,7 +385,7 @@ struct DistanceCase {
 };
 
 TEST(VoxmapAudit, AcceptsTrueDistances) {
-  for (std::uint64_t seed = 1; seed <= 12 / kShare; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12 / kFraction; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     AlignedBytes bytes = DistanceCase(seed).bytes();
     const Status status = audit(bytes);
@@ -395,7 +395,7 @@ TEST(VoxmapAudit, AcceptsTrueDistances) {
 
 // A code that the voxel's value cannot have, or that its neighbors cannot have beside them.
 TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
-  for (std::uint64_t seed = 1; seed <= 6 / kShare; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 6 / kFraction; ++seed) {
     DistanceCase truth(seed);
     const auto& d = truth.definition;
     const auto n = static_cast<double>(d.force_layers);
@@ -417,10 +417,10 @@ TEST(VoxmapAudit, NoticesEveryCodeThatCannotBe) {
         code = d.code(from_layers[value] - 2 * q);  // others too near
       } else if (kind == 4 && value >= 2) {
         code =
-            d.code(most_layer_distance_voxels(interior_radius_voxels(truth.layers), n + value - 2) +
+            d.code(max_layer_distance_voxels(interior_radius_voxels(truth.layers), n + value - 2) +
                    2 * q);  // or too far
       } else if (kind == 5 && value == 0) {
-        code = truth.most_beside(i) + static_cast<std::uint32_t>(1 / q) + 2;  // a leap
+        code = truth.max_beside(i) + static_cast<std::uint32_t>(1 / q) + 2;  // a leap
       } else {
         continue;
       }
@@ -547,13 +547,13 @@ TEST(VoxmapAudit, NoticesAHoleThatIsAWholeNode) {
 // cells around show, or 64, which they do not: 57 or 65 is true, and one more is not.
 TEST(VoxmapAudit, NoticesAClearanceBeyondTheCellsAround) {
   for (const std::uint32_t child : {7u, 6u}) {
-    const std::uint32_t least = 57 + 8 * (7 - child);
-    for (const std::uint32_t clearance : {least, least + 1}) {
+    const std::uint32_t smallest = 57 + 8 * (7 - child);
+    for (const std::uint32_t clearance : {smallest, smallest + 1}) {
       Tree tree;
       tree.lowers.assign(2 * kNodeEntries, uniform_entry(0));
       tree.lowers[kNodeEntries + 7 * 64 + 3 * 8 + 3] = uniform_entry(0, clearance);
       const Status status = audit_content(two_nodes(tree, 6, 8, 1, child));
-      EXPECT_EQ(status.ok(), clearance == least) << clearance << " " << child;
+      EXPECT_EQ(status.ok(), clearance == smallest) << clearance << " " << child;
     }
   }
 }

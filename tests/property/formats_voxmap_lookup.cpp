@@ -60,11 +60,12 @@ TEST(VoxmapLookup, EqualsDenseArray) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     std::mt19937_64 random(seed);
     const DenseVoxels voxels = random_voxels(shapes[seed % std::size(shapes)], random);
-    for (const bool share : {true, false}) {
+    for (const bool fraction : {true, false}) {
       for (const bool collapse : {true, false}) {
-        SCOPED_TRACE("seed " + std::to_string(seed) + " share " + std::to_string(share) +
+        SCOPED_TRACE("seed " + std::to_string(seed) + " share " + std::to_string(fraction) +
                      " collapse " + std::to_string(collapse));
-        const BuiltVoxmap built(voxels, {.share_equal_nodes = share, .collapse_uniform = collapse});
+        const BuiltVoxmap built(voxels,
+                                {.share_equal_nodes = fraction, .collapse_uniform = collapse});
         expect_equal_everywhere(voxels, built.voxmap());
         if (HasFatalFailure()) return;
       }

@@ -131,7 +131,7 @@ TEST(VoxmapTree, LookUpFollowsTheSpecificationInEveryTree) {
       ASSERT_EQ(static_cast<std::uint32_t>(map->value(v[0], v[1], v[2])), tree.values.element(v));
       ASSERT_EQ(map->nearest_object(v[0], v[1], v[2]), tree.objects.element(v));
       const std::uint32_t code = tree.distances.element(v);
-      ASSERT_EQ(map->least_distance_m(v[0], v[1], v[2]),
+      ASSERT_EQ(map->min_distance_m(v[0], v[1], v[2]),
                 code == 0 ? -std::numeric_limits<double>::infinity() : (code - 100.0) * 0.00001);
     }
   }

@@ -56,7 +56,7 @@ TEST(ParseNumber, TellsTooSmallFromTooLarge) {
   std::mt19937_64 random(3);
   int small = 0, large = 0;
   for (int i = 0; i < 20'000; ++i) {
-    const auto up_to = [&](std::uint64_t most) { return random() % (most + 1); };
+    const auto up_to = [&](std::uint64_t largest) { return random() % (largest + 1); };
     std::string text = i % 2 == 0 ? "-" : "";
     text.append(up_to(random() % 2 * 400), '0').append(up_to(random() % 2 * 400), '7');
     if (random() % 2 == 0) text.append(".").append(up_to(random() % 2 * 400), '0');

@@ -9,8 +9,8 @@
 
 #include "pointshell/bake.h"
 #include "pointshell/part/copies.h"
+#include "pointshell/portions.h"
 #include "pointshell/sample/stored_position.h"
-#include "pointshell/shares.h"
 #include "pointshell/verify.h"
 #include "tests/support/part_support.h"
 #include "tests/support/stored_shell.h"
@@ -120,7 +120,7 @@ TEST(Copies, AreFoundWhereNothingIsNearThem) {
 // precision and points as far from the middle as the part reaches.
 TEST(Copies, AreOffByTheirSlackAtMost) {
   const double radius = std::sqrt(0.75) * kVoxelM;
-  double largest_share = 0;
+  double largest_portion = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     mesh::Assembly assembly = pinned_blocks(seed, 5, 100);
@@ -134,14 +134,14 @@ TEST(Copies, AreOffByTheirSlackAtMost) {
     part::Box box;
     for (const part::Vec3& v : part.vertices) box.grow(v);
     const part::TriangleTree tree(part);
-    const auto shares = pointshell::shares_of(tree, radius, box.low, groups);
-    ASSERT_EQ(shares.size(), 2u);
-    EXPECT_EQ(shares[0].slack, groups[0].slack_m);
-    EXPECT_LE(shares[0].radius + shares[0].slack, radius * (1 + 1e-15));
-    EXPECT_EQ(shares[1].radius, radius);
+    const auto portions = pointshell::portions_of(tree, radius, box.low, groups);
+    ASSERT_EQ(portions.size(), 2u);
+    EXPECT_EQ(portions[0].slack, groups[0].slack_m);
+    EXPECT_LE(portions[0].radius + portions[0].slack, radius * (1 + 1e-15));
+    EXPECT_EQ(portions[1].radius, radius);
     const auto originals = part::original_triangles(part, groups);
-    for (std::size_t n = 0; n < shares[0].copies.size(); ++n) {
-      const part::Motion& motion = shares[0].copies[n];
+    for (std::size_t n = 0; n < portions[0].copies.size(); ++n) {
+      const part::Motion& motion = portions[0].copies[n];
       double stretch = 0, rounding = 0, off = 0;
       for (const part::Vec3& row : motion.rows) {
         stretch = std::max(stretch, std::abs(part::length(row) - 1));
@@ -152,19 +152,19 @@ TEST(Copies, AreOffByTheirSlackAtMost) {
         for (const part::Vec3& corner : part::triangle_piece(part, originals[t])) {
           const part::Vec3 moved = motion.moved(corner - box.low);
           rounding = std::max(rounding, part::length(sample::as_stored(moved) - moved));
-          double least = 1;
+          double smallest = 1;
           for (const part::Vec3& other : own) {
-            least = std::min(least, part::length(other - box.low - moved));
+            smallest = std::min(smallest, part::length(other - box.low - moved));
           }
-          off = std::max(off, least);
+          off = std::max(off, smallest);
         }
       }
-      EXPECT_LE(rounding + off + stretch * radius, shares[0].slack);
-      largest_share =
-          std::max(largest_share, (rounding + off + stretch * radius) / shares[0].slack);
+      EXPECT_LE(rounding + off + stretch * radius, portions[0].slack);
+      largest_portion =
+          std::max(largest_portion, (rounding + off + stretch * radius) / portions[0].slack);
     }
   }
-  EXPECT_GT(largest_share, 0.1) << "the slack is far too large";
+  EXPECT_GT(largest_portion, 0.1) << "the slack is far too large";
 }
 
 TEST(Copies, OfAShellHoldTheProofOfTheWholePart) {

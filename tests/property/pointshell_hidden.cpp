@@ -169,7 +169,7 @@ TEST(Hidden, BoxesThatReachIntoNoBodyHoldNothingHidden) {
   EXPECT_FALSE(hidden.may_hold(outer, 0.05));
   constexpr std::uint64_t kSeed = 32;
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> at(-1, 2), size(0, 0.3), share(0, 1);
+  std::uniform_real_distribution<double> at(-1, 2), size(0, 0.3), fraction(0, 1);
   int denied = 0, held = 0;
   for (int n = 0; n < 20000; ++n) {
     part::Box box;
@@ -177,8 +177,8 @@ TEST(Hidden, BoxesThatReachIntoNoBodyHoldNothingHidden) {
     box.high = box.low + part::Vec3{size(random), size(random), size(random)};
     const double depth = size(random) / 4;
     const part::Vec3 s = box.high - box.low;
-    const part::Vec3 p =
-        box.low + part::Vec3{share(random) * s.x, share(random) * s.y, share(random) * s.z};
+    const part::Vec3 p = box.low + part::Vec3{fraction(random) * s.x, fraction(random) * s.y,
+                                              fraction(random) * s.z};
     const bool inside = hidden.holds_ball(p, depth);
     held += inside;
     if (hidden.may_hold(box, depth)) continue;

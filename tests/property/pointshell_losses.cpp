@@ -110,10 +110,10 @@ Distance random_scene(const part::Vec3& place, double voxel, std::mt19937_64& ra
   }
 }
 
-double least_distance(std::span<const part::Vec3> places, const Distance& distance) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const part::Vec3& place : places) least = std::min(least, distance(place));
-  return least;
+double min_distance(std::span<const part::Vec3> places, const Distance& distance) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const part::Vec3& place : places) smallest = std::min(smallest, distance(place));
+  return smallest;
 }
 
 struct Tally {
@@ -145,8 +145,8 @@ Tally compare(const part::Part& part, const pointshell::BakedShell& shell, int s
   for (int n = 0; n < scenes; ++n) {
     const part::Vec3& place = places[random() % places.size()];
     const Distance distance = random_scene(place, shell.header.voxel_size_m, random);
-    const double of_points = least_distance(points, distance);
-    const double of_surface = least_distance(places, distance);
+    const double of_points = min_distance(points, distance);
+    const double of_surface = min_distance(places, distance);
     ++tally.tried;
     // The distances of this test and the vertices of the part are rounded.
     tally.broken += of_surface < surface_distance_bound_m(terms, of_points) - 1e-12;
@@ -202,7 +202,7 @@ TEST(Losses, EveryCornerOfABoxHasAPoint) {
   for (const part::Vec3& vertex : part.vertices) {
     const part::Vec3 corner = vertex - part::Vec3{c[0], c[1], c[2]};
     const double nearest =
-        least_distance(points, [&](const part::Vec3& p) { return part::length(p - corner); });
+        min_distance(points, [&](const part::Vec3& p) { return part::length(p - corner); });
     EXPECT_LT(nearest, 1e-6);  // rounded to floats
   }
 }

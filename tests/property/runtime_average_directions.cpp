@@ -66,10 +66,10 @@ glm::vec3 twin(const Collected& c, std::uint32_t i, float s) {
     sum[2] += weight * c.samples.gz[n];
   }
   const float length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-  const float share = std::min(1.0f, length / 1e-3f);
-  const float rest = (1.0f - share) * 1e-3f;
+  const float fraction = std::min(1.0f, length / 1e-3f);
+  const float rest = (1.0f - fraction) * 1e-3f;
   const float own[3] = {c.samples.dx[i], c.samples.dy[i], c.samples.dz[i]};
-  for (int axis = 0; axis < 3; ++axis) sum[axis] = share * sum[axis] + rest * own[axis];
+  for (int axis = 0; axis < 3; ++axis) sum[axis] = fraction * sum[axis] + rest * own[axis];
   const float size = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
   return {sum[0] / size, sum[1] / size, sum[2] / size};
 }

@@ -22,16 +22,16 @@ Brick filled(const std::function<std::uint32_t(glm::dvec3)>& value) {
 
 // The largest normal . x of any corner of a non-free voxel, corner by corner.
 double farthest(const Brick& brick, const glm::dvec3& normal) {
-  double most = -100;
+  double largest = -100;
   for (std::uint32_t n = 0; n < 512; ++n) {
     if ((brick[n / 16] >> (n % 16 * 2) & 3) == 0) continue;
     for (std::uint32_t corner = 0; corner < 8; ++corner) {
       const glm::dvec3 at(n / 64 + (corner & 1), n / 8 % 8 + (corner >> 1 & 1),
                           n % 8 + (corner >> 2 & 1));
-      most = std::max(most, glm::dot(normal, at));
+      largest = std::max(largest, glm::dot(normal, at));
     }
   }
-  return most;
+  return largest;
 }
 
 glm::dvec3 normal_of(const query::BrickBound& bound) {
@@ -41,9 +41,9 @@ glm::dvec3 normal_of(const query::BrickBound& bound) {
 TEST(BrickBounds, HoldEveryVoxelOfRandomBricks) {
   Random random(1);
   for (int i = 0; i < 300; ++i) {
-    const double share = uniform(random, 0, 1);
+    const double fraction = uniform(random, 0, 1);
     const Brick brick = filled([&](glm::dvec3) {
-      return uniform(random, 0, 1) < share ? static_cast<std::uint32_t>(random() % 4) : 0u;
+      return uniform(random, 0, 1) < fraction ? static_cast<std::uint32_t>(random() % 4) : 0u;
     });
     const query::BrickBound bound = query::brick_bound(brick.data());
     const glm::dvec3 normal = normal_of(bound);

@@ -45,12 +45,12 @@ struct Solids {
 
   // In voxels; infinity where all are left out.
   double distance(const glm::dvec3& p, const LeftOut& left_out = {}) const {
-    double least = INFINITY;
+    double smallest = INFINITY;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i + 1 < left_out.size() && left_out[i + 1] != 0) continue;
-      least = std::min(least, all[i].distance(p));
+      smallest = std::min(smallest, all[i].distance(p));
     }
-    return least;
+    return smallest;
   }
   std::uint32_t nearest(const glm::dvec3& p) const {
     std::size_t best = 0;
@@ -124,7 +124,7 @@ LeftOut random_left_out(Random& random, const Solids& solids) {
 
 TEST(ClearanceOfPlaces, IsNeverAboveTheExactDistanceAndNotFarBelow) {
   constexpr double kCap = 20;
-  double most_slack = 0, most_slack_left_out = 0;
+  double max_slack = 0, max_slack_left_out = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     Random random(seed);
@@ -144,22 +144,22 @@ TEST(ClearanceOfPlaces, IsNeverAboveTheExactDistanceAndNotFarBelow) {
       ASSERT_LE(proven, exact + 1e-6) << p.x << " " << p.y << " " << p.z;
       ASSERT_LE(distances.free_around(p - directory), std::abs(solids.distance(p)) + 1e-6);
       if (solids.distance(p) < 1.5) continue;  // next to the surface little is known
-      double& most = leaves_out ? most_slack_left_out : most_slack;
-      most = std::max(most, std::min(kCap, exact) - proven);
+      double& largest = leaves_out ? max_slack_left_out : max_slack;
+      largest = std::max(largest, std::min(kCap, exact) - proven);
       if (exact > kCap - 2) continue;
       const auto nearest = distances.nearest(p - directory);
-      ASSERT_GE(nearest.most_voxels, exact - 1e-6);
-      ASSERT_LE(nearest.most_voxels, exact + 1.8);
+      ASSERT_GE(nearest.max_voxels, exact - 1e-6);
+      ASSERT_LE(nearest.max_voxels, exact + 1.8);
       if (!leaves_out) {
         ASSERT_LE(solids.all[nearest.object - 1].distance(p), exact + 1.8);
       }
     }
   }
-  RecordProperty("most_slack_voxels", std::to_string(most_slack));
-  std::printf("most slack %.3f voxels, with objects left out %.3f\n", most_slack,
-              most_slack_left_out);
-  EXPECT_LT(most_slack, 0.75);
-  EXPECT_LT(most_slack_left_out, 1.1);
+  RecordProperty("max_slack_voxels", std::to_string(max_slack));
+  std::printf("most slack %.3f voxels, with objects left out %.3f\n", max_slack,
+              max_slack_left_out);
+  EXPECT_LT(max_slack, 0.75);
+  EXPECT_LT(max_slack_left_out, 1.1);
 }
 
 // Within the stored distances what is kept in a byte a center (no search) tells what the floats of
@@ -220,15 +220,15 @@ TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
       if (glm::length(pose.position_m + way) < 30 * s) pose.position_m += way;
       travel_m += glm::length(way);
       const double enough = uniform(random, 0, 2 * kCap);
-      const auto least = part.at(pose, travel_m, enough);
+      const auto smallest = part.at(pose, travel_m, enough);
       double slow = INFINITY, exact = INFINITY;
       for (std::uint32_t i = 0; i < shell.view().point_count; ++i) {
         const glm::dvec3 at = part.place_m(pose, i) / s;
         slow = std::min(slow, distances.at(at - directory));
         exact = std::min(exact, std::abs(solids.distance(at, left_out)));
       }
-      ASSERT_GE(least.voxels, std::min({enough, kCap, slow}) - 1e-6) << "step " << n;
-      ASSERT_LE(least.voxels, exact + 1e-6) << "step " << n;
+      ASSERT_GE(smallest.voxels, std::min({enough, kCap, slow}) - 1e-6) << "step " << n;
+      ASSERT_LE(smallest.voxels, exact + 1e-6) << "step " << n;
       // With an end to the search only whether it is near is known.
       const double stop = uniform(random, 0, kCap);
       const auto stopped = part.at(pose, travel_m, stop, stop);
@@ -240,10 +240,10 @@ TEST(ClearanceOfPoses, IsBetweenThatOfAllPointsAndTheTruth) {
         ASSERT_LE(stop, exact + 1e-6) << "step " << n;
       }
       near += stopped.voxels < stop;
-      if (least.point == clearance::LeastDistance::kNone) continue;
-      ASSERT_LT(least.voxels, enough);
-      const glm::dvec3 at = part.place_m(pose, least.point) / s;
-      ASSERT_GE(std::abs(solids.distance(at, left_out)), least.voxels - 1e-6) << "step " << n;
+      if (smallest.point == clearance::MinDistance::kNone) continue;
+      ASSERT_LT(smallest.voxels, enough);
+      const glm::dvec3 at = part.place_m(pose, smallest.point) / s;
+      ASSERT_GE(std::abs(solids.distance(at, left_out)), smallest.voxels - 1e-6) << "step " << n;
       ++told;
     }
   }
@@ -300,26 +300,26 @@ struct DenseClearance {
 
   static double at(const Pose& pose, const Pshell& shell, const Solids& solids,
                    const LeftOut& left_out) {
-    double least_m = INFINITY;
+    double min_m = INFINITY;
     const PshellView& v = shell.view();
     for (std::uint32_t i = 0; i < v.point_count; ++i) {
       const glm::dvec3 place =
           pose.orientation * glm::dvec3(v.x[i], v.y[i], v.z[i]) + pose.position_m;
-      least_m = std::min(
-          least_m, solids.voxel_size_m * solids.distance(place / solids.voxel_size_m, left_out));
+      min_m = std::min(
+          min_m, solids.voxel_size_m * solids.distance(place / solids.voxel_size_m, left_out));
     }
-    return std::max(0.0, least_m);
+    return std::max(0.0, min_m);
   }
 };
 
 double curve_at(const CheckResult& result, double time_s) {
-  double least_m = INFINITY;
+  double min_m = INFINITY;
   for (const auto& piece : result.curve) {
     if (piece.from_s <= time_s && time_s <= piece.to_s) {
-      least_m = std::min(least_m, piece.clearance_m);
+      min_m = std::min(min_m, piece.clearance_m);
     }
   }
-  return least_m;
+  return min_m;
 }
 
 bool is_in_violation(const CheckResult& result, double time_s) {
@@ -329,7 +329,7 @@ bool is_in_violation(const CheckResult& result, double time_s) {
 
 void expect_equal(const CheckResult& a, const CheckResult& b) {
   EXPECT_EQ(a.clearance_m, b.clearance_m);
-  EXPECT_EQ(a.least.time_s, b.least.time_s);
+  EXPECT_EQ(a.smallest.time_s, b.smallest.time_s);
   EXPECT_EQ(a.moments_tested, b.moments_tested);
   EXPECT_EQ(a.motions_subdivided, b.motions_subdivided);
   ASSERT_EQ(a.violations.size(), b.violations.size());
@@ -358,20 +358,20 @@ TEST(ClearanceOfPaths, EveryMomentThatIsTooNearIsFound) {
     LeftOut others = left_out;
     for (auto& is_left_out : others) is_left_out = is_left_out != 0 ? 0 : 1;
     const DenseClearance allowed(path, shell, solids, others);
-    double least_m = INFINITY;
-    for (const auto& at : exact.all) least_m = std::min(least_m, at.clearance_m);
+    double min_m = INFINITY;
+    for (const auto& at : exact.all) min_m = std::min(min_m, at.clearance_m);
     // Near what there is, so that the answer is not plain.
     const double required_m = integer(random, 0, 1) == 0
                                   ? uniform(random, 0, 14) * s
-                                  : std::max(0.0, least_m + uniform(random, -0.8, 0.8) * s);
+                                  : std::max(0.0, min_m + uniform(random, -0.8, 0.8) * s);
     const auto result = check_path(voxmap, shell, path, {required_m, 1, left_out, {}});
     ASSERT_TRUE(result) << to_line(result.error());
     const auto shared = check_path(voxmap, shell, path, {required_m, 3, left_out, {}});
     ASSERT_TRUE(shared);
     expect_equal(*result, *shared);
     const double rounding_m = 1e-5 * s;
-    ASSERT_LE(result->clearance_m, least_m + rounding_m);
-    ASSERT_LE(result->least.clearance_m, least_m + 2 * s);
+    ASSERT_LE(result->clearance_m, min_m + rounding_m);
+    ASSERT_LE(result->smallest.clearance_m, min_m + 2 * s);
     for (const auto& at : exact.all) {
       ASSERT_LE(curve_at(*result, at.time_s), at.clearance_m + rounding_m) << at.time_s;
       if (at.clearance_m < required_m) {
@@ -379,8 +379,8 @@ TEST(ClearanceOfPaths, EveryMomentThatIsTooNearIsFound) {
       }
     }
     const double slack_m = (std::count(left_out.begin(), left_out.end(), 1) > 0 ? 2.1 : 0.85) * s;
-    if (least_m > required_m + slack_m) {
-      ASSERT_TRUE(result->clear()) << least_m << " " << required_m;
+    if (min_m > required_m + slack_m) {
+      ASSERT_TRUE(result->clear()) << min_m << " " << required_m;
     }
     for (const auto& violation : result->violations) {
       // 1 voxel: the clearance may change by its travel between two moments of the twin.
@@ -399,8 +399,8 @@ TEST(ClearanceOfPaths, EveryMomentThatIsTooNearIsFound) {
         ASSERT_LE(violation.clearance_m, near_m + rounding_m);
       }
     }
-    if (!result->at_least && std::isfinite(result->least.most_m)) {
-      ASSERT_GE(result->least.most_m, least_m - 0.06 * s);
+    if (!result->at_least && std::isfinite(result->smallest.max_m)) {
+      ASSERT_GE(result->smallest.max_m, min_m - 0.06 * s);
     }
     (result->clear() ? clear : found) += 1;
   }

@@ -184,7 +184,7 @@ SetTwin twin_of(const field::ContactSet& set, const model::ContactLaw& law,
     const field::Contact c = set[i];
     const double depth_m = c.depth_m;
     if (depth_m > 0) {
-      twin.energy_j += law.stiffness_n_per_m * load.share(c) * law.curve.energy_m2(depth_m);
+      twin.energy_j += law.stiffness_n_per_m * load.fraction(c) * law.curve.energy_m2(depth_m);
     }
     if (!(depth_m < -reach_m)) {
       twin.rows.push_back(model::spring_row(c, law.curve.force_m(depth_m), load, law, dt_s));
@@ -488,9 +488,9 @@ TEST(ContactSolver, IsThatOfExtendedPrecisionJudgedByEnergies) {
       error += mass * off * off;
       size += mass * v[i] * v[i];
     }
-    const double share = std::sqrt(error / size);
-    if (!clamped && share > 1e-12) ++used_up;
-    EXPECT_LT(share, 1e-4);
+    const double fraction = std::sqrt(error / size);
+    if (!clamped && fraction > 1e-12) ++used_up;
+    EXPECT_LT(fraction, 1e-4);
   }
   EXPECT_LE(used_up, 1);
 }
@@ -668,8 +668,8 @@ TEST(CouplingAngle, GoesOnPastHalfATurnAndFadesBeforeAWholeOne) {
     last = coupling::continuous_angle({1, 0, 0, 0}, coupling::rotation_by({0, 0, angle}), last);
     EXPECT_NEAR(last.z, angle, 1e-9);
   }
-  EXPECT_EQ(coupling::torque_share(M_PI), 1);
-  EXPECT_EQ(coupling::torque_share(2 * M_PI), 0);
+  EXPECT_EQ(coupling::torque_fraction(M_PI), 1);
+  EXPECT_EQ(coupling::torque_fraction(2 * M_PI), 0);
   EXPECT_NEAR(coupling::faded_angle_rad(2 * M_PI), M_PI / 4,
               1e-12);  // half of the last quarter turn
 }

@@ -42,19 +42,19 @@ class DensePeer : public test::EveryTarget {
             glm::dvec3& slope) const {
     distance_m = 0, slope = glm::dvec3(0);
     std::array<std::int64_t, 3> first{};
-    glm::dvec3 share;
+    glm::dvec3 between;
     for (int d = 0; d < 3; ++d) {
       const auto i = static_cast<std::size_t>(d);
       const double at = static_cast<double>(voxel[i]) + fraction[d] - 0.5;
       first[i] = static_cast<std::int64_t>(std::floor(at));
-      share[d] = at - std::floor(at);
+      between[d] = at - std::floor(at);
       if (first[i] < box_.low[i] || first[i] + 1 >= box_.low[i] + box_.dims[i]) return false;
     }
     for (int n = 0; n < 8; ++n) {
       const int at[3] = {n >> 2, n >> 1 & 1, n & 1};
       glm::dvec3 weight, sign;
       for (int d = 0; d < 3; ++d) {
-        weight[d] = at[d] == 1 ? share[d] : 1 - share[d], sign[d] = at[d] == 1 ? 1 : -1;
+        weight[d] = at[d] == 1 ? between[d] : 1 - between[d], sign[d] = at[d] == 1 ? 1 : -1;
       }
       const double value = double{
           box_.distance_m[box_.index({first[0] + at[0], first[1] + at[1], first[2] + at[2]})]};

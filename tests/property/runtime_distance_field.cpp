@@ -44,10 +44,10 @@ struct Twin {
 Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction, const Floats& n,
              std::uint32_t cropped_sides = 0) {
   Voxel low = voxel;
-  Floats share{};
+  Floats between{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    share[axis] = fraction[axis] - 0.5f;
-    if (fraction[axis] < 0.5f) share[axis] += 1.0f, --low[axis];
+    between[axis] = fraction[axis] - 0.5f;
+    if (fraction[axis] < 0.5f) between[axis] += 1.0f, --low[axis];
   }
   const auto at = [&](int x, int y, int z) {
     return code_of(scene, {low[0] + x, low[1] + y, low[2] + z}, cropped_sides);
@@ -56,24 +56,24 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
   float at_x[2], step_y[2], step_z[2];
   for (int x = 0; x < 2; ++x) {
     const float z0 = at(x, 0, 1) - at(x, 0, 0), z1 = at(x, 1, 1) - at(x, 1, 0);
-    const float y0 = at(x, 0, 0) + share[2] * z0, y1 = at(x, 1, 0) + share[2] * z1;
+    const float y0 = at(x, 0, 0) + between[2] * z0, y1 = at(x, 1, 0) + between[2] * z1;
     step_y[x] = y1 - y0;
-    at_x[x] = y0 + share[1] * step_y[x];
-    step_z[x] = mix(z0, z1, share[1]);
+    at_x[x] = y0 + between[1] * step_y[x];
+    step_z[x] = mix(z0, z1, between[1]);
   }
   const float step_x = at_x[1] - at_x[0];
-  const float code = at_x[0] + share[0] * step_x;
+  const float code = at_x[0] + between[0] * step_x;
   // The codes beside the cell, where the point's voxel is: one before its lower corners or one
   // behind its upper ones.
   std::array<int, 3> out{};
   for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = low[axis] == voxel[axis] ? -1 : 2;
-  const auto along_z = [&](int x, int y) { return mix(at(x, y, 0), at(x, y, 1), share[2]); };
-  const auto along_x = [&](int y, int z) { return mix(at(0, y, z), at(1, y, z), share[0]); };
-  const Floats beside{mix(along_z(out[0], 0), along_z(out[0], 1), share[1]),
-                      mix(along_z(0, out[1]), along_z(1, out[1]), share[0]),
-                      mix(along_x(0, out[2]), along_x(1, out[2]), share[1])};
-  const Floats cell{step_x, mix(step_y[0], step_y[1], share[0]),
-                    mix(step_z[0], step_z[1], share[0])};
+  const auto along_z = [&](int x, int y) { return mix(at(x, y, 0), at(x, y, 1), between[2]); };
+  const auto along_x = [&](int y, int z) { return mix(at(0, y, z), at(1, y, z), between[0]); };
+  const Floats beside{mix(along_z(out[0], 0), along_z(out[0], 1), between[1]),
+                      mix(along_z(0, out[1]), along_z(1, out[1]), between[0]),
+                      mix(along_x(0, out[2]), along_x(1, out[2]), between[1])};
+  const Floats cell{step_x, mix(step_y[0], step_y[1], between[0]),
+                    mix(step_z[0], step_z[1], between[0])};
   const auto step = static_cast<float>(scene.distances.quantum_m / scene.voxel_size_m);
   const auto size_m = static_cast<float>(scene.voxel_size_m);
   Twin twin;
@@ -82,7 +82,7 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
       scene.distances.zero_code - 0.5 + scene.zero_force_m() / scene.distances.quantum_m;
   twin.phi = (code - static_cast<float>(zero_code)) * step;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float a = share[axis] - 0.5f, b = std::abs(a);
+    const float a = between[axis] - 0.5f, b = std::abs(a);
     const float kept = (b - 1.5f) * b + 1.0f;
     twin.slope[axis] = (kept * cell[axis] + a * (beside[axis] - code)) * step;
     twin.gradient[axis] = cell[axis] * step;
@@ -94,12 +94,13 @@ Twin twin_of(const VoxelScene& scene, const Voxel& voxel, const Floats& fraction
     return above * above;
   };
   const auto squares_along_z = [&](int x, int y) {
-    return mix(square(x, y, 0), square(x, y, 1), share[2]);
+    return mix(square(x, y, 0), square(x, y, 1), between[2]);
   };
-  const float squared = mix(mix(squares_along_z(0, 0), squares_along_z(0, 1), share[1]),
-                            mix(squares_along_z(1, 0), squares_along_z(1, 1), share[1]), share[0]);
+  const float squared =
+      mix(mix(squares_along_z(0, 0), squares_along_z(0, 1), between[1]),
+          mix(squares_along_z(1, 0), squares_along_z(1, 1), between[1]), between[0]);
   float spread = 0;
-  for (const float t : share) spread += t * (1.0f - t);
+  for (const float t : between) spread += t * (1.0f - t);
   const double codes = scene.voxel_size_m / scene.distances.quantum_m;
   const float lost = spread * static_cast<float>(codes * codes) + 0.125f;
   twin.distance_m = std::sqrt(std::max(squared - lost, 0.0f)) *
@@ -157,11 +158,11 @@ VoxelScene random_distances(Random& random, bool with_noise = true) {
   return distance_scene(
       s, min, dims,
       [&](const glm::dvec3& p) {
-        double least = 1;
+        double smallest = 1;
         for (const glm::dvec4& sphere : spheres) {
-          least = std::min(least, glm::length(p - glm::dvec3(sphere)) - sphere.w);
+          smallest = std::min(smallest, glm::length(p - glm::dvec3(sphere)) - sphere.w);
         }
-        return noise ? s * uniform(random, -3, 8) : least;
+        return noise ? s * uniform(random, -3, 8) : smallest;
       },
       2, definition);
 }
@@ -427,9 +428,9 @@ TEST(DistanceField, ProvenDistancesAreNeverAboveTheExactOnes) {
       });
     }
     const auto exact_m = [&](const glm::dvec3& p) {
-      double least = 1e300;
-      for (const auto& body : bodies) least = std::min(least, body(p));
-      return least;
+      double smallest = 1e300;
+      for (const auto& body : bodies) smallest = std::min(smallest, body(p));
+      return smallest;
     };
     const DistanceDefinition definition(static_cast<std::uint32_t>(integer(random, 1, 3)),
                                         uniform(random, 2, 8));

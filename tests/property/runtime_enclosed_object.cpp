@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kS = 0.005, kRadiusM = 0.06;
 
-// A sphere whose points stand for their share of its area (save_pshell: 1e-5 m^2 each).
+// A sphere whose points stand for their fraction of its area (save_pshell: 1e-5 m^2 each).
 PointPart sphere() {
   return sphere_part(kRadiusM, static_cast<std::size_t>(4 * M_PI * kRadiusM * kRadiusM / 1e-5), kS);
 }

@@ -98,9 +98,9 @@ Soak soak(std::uint64_t seed) {
       left = frames = 1 + static_cast<int>(length_m / (speed_mps * kDt));
     }
     --left;
-    const double share = 1 - static_cast<double>(left) / frames;
-    held.tick({from.position_m + share * (to.position_m - from.position_m),
-               glm::normalize(glm::slerp(from.orientation, to.orientation, share))});
+    const double fraction = 1 - static_cast<double>(left) / frames;
+    held.tick({from.position_m + fraction * (to.position_m - from.position_m),
+               glm::normalize(glm::slerp(from.orientation, to.orientation, fraction))});
     out.episodes.see(held);
   }
   const double fastest = out.episodes.fastest_mps();

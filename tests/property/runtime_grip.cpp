@@ -395,9 +395,9 @@ TEST(Grip, ALongArmNeitherLeaksNorSwings) {
           to.orientation = coupling::rotation_by(random_direction(random) * uniform(random, 0, 1)) *
                            options.start.orientation;
         }
-        const double share = std::min(1.0, i % 500 / (seed % 2 == 1 ? 100.0 : 400.0));
-        const Pose wanted{from.position_m + share * (to.position_m - from.position_m),
-                          glm::normalize(glm::slerp(from.orientation, to.orientation, share))};
+        const double fraction = std::min(1.0, i % 500 / (seed % 2 == 1 ? 100.0 : 400.0));
+        const Pose wanted{from.position_m + fraction * (to.position_m - from.position_m),
+                          glm::normalize(glm::slerp(from.orientation, to.orientation, fraction))};
         const Pose handle = (i < 9000 ? wanted : to) * grip;
         const StepReport& report =
             held.tick(held.placement().device_from_handle(handle)).result.report;

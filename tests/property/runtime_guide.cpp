@@ -47,18 +47,18 @@ double distance_m(const Pose& a, const Pose& b, double scale) {
 }
 
 // The slow twin: every row's motion by linear and spherical interpolation, in small steps.
-double least_distance_m(const std::vector<Pose>& rows, const Pose& pose, double scale) {
+double min_distance_m(const std::vector<Pose>& rows, const Pose& pose, double scale) {
   constexpr int kSteps = 400;
-  double least = distance_m(rows.front(), pose, scale);
+  double smallest = distance_m(rows.front(), pose, scale);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     for (int n = 1; n <= kSteps; ++n) {
-      const double share = n / double{kSteps};
-      const Pose there{glm::mix(rows[i - 1].position_m, rows[i].position_m, share),
-                       glm::slerp(rows[i - 1].orientation, rows[i].orientation, share)};
-      least = std::min(least, distance_m(there, pose, scale));
+      const double fraction = n / double{kSteps};
+      const Pose there{glm::mix(rows[i - 1].position_m, rows[i].position_m, fraction),
+                       glm::slerp(rows[i - 1].orientation, rows[i].orientation, fraction)};
+      smallest = std::min(smallest, distance_m(there, pose, scale));
     }
   }
-  return least;
+  return smallest;
 }
 
 Pose near(const Pose& pose, Random& random, double way_m, double turn_rad) {
@@ -81,7 +81,7 @@ TEST(GuidePath, TheNearestPlaceIsAsNearAsThatOfASlowSearch) {
       const double s_m = path.nearest(pose);
       const double ours = distance_m(path.at(s_m), pose, scale);
       // Corners between rows are cut by half a step at most, and the twin's steps are of 0.3 mm.
-      EXPECT_NEAR(ours, least_distance_m(rows, pose, scale), 0.5 * loop::GuidePath::kStepM);
+      EXPECT_NEAR(ours, min_distance_m(rows, pose, scale), 0.5 * loop::GuidePath::kStepM);
       EXPECT_EQ(path.nearest(pose, s_m, s_m), s_m);
       EXPECT_EQ(path.nearest({pose.position_m, -pose.orientation}), s_m);
     }
@@ -105,7 +105,7 @@ TEST(GuidePath, ItsEndsAndEvenDistances) {
   Pose far = rows[0];
   far.position_m.x += 100;
   const loop::GuidePath longest(std::vector<Pose>{rows[0], far}, limits_of(0.5), 1);
-  EXPECT_EQ(longest.places(), loop::GuidePath::kMostPlaces);
+  EXPECT_EQ(longest.places(), loop::GuidePath::kMaxPlaces);
   EXPECT_NEAR(longest.nearest(far), 100, 1e-9);
 }
 
@@ -262,7 +262,7 @@ TEST(Guide, ALoopOfTheHandTakesNoMoreThanThePathIsLong) {
   frame.max_force_n = 3;
   frame.max_torque_nm = 0.1;
   frame.sound = true;
-  const double most_j = limits.force_n * (limits.reach_m + guide.length_m());
+  const double max_j = limits.force_n * (limits.reach_m + guide.length_m());
   double sum_j = 0;
   for (int round = 0; round < 40; ++round) {
     for (int i = 0; i < 10'000; ++i) {  // along both legs at 0.04 m/s, and across at the beginning
@@ -272,10 +272,10 @@ TEST(Guide, ALoopOfTheHandTakesNoMoreThanThePathIsLong) {
       guide.leave(1);
       sum_j += guide.work_j();
     }
-    ASSERT_LE(guide.given_j(), most_j);
+    ASSERT_LE(guide.given_j(), max_j);
   }
   EXPECT_GT(guide.given_j(), 0.5 * limits.force_n * 0.2);
-  EXPECT_LE(sum_j, most_j);
+  EXPECT_LE(sum_j, max_j);
 }
 
 // Off at the button within fade_s, and on again over ramp_s; off at once in the frame of a fault.

@@ -141,7 +141,7 @@ DenseVoxels without_object(const Voxmap& map, std::uint32_t object) {
   for_each_voxel(voxels.box(), [&](const VoxelIndex& v) {
     const auto [i, j, k] = v;
     const bool known =
-        std::isfinite(map.least_distance_m(i, j, k)) && std::isfinite(map.most_distance_m(i, j, k));
+        std::isfinite(map.min_distance_m(i, j, k)) && std::isfinite(map.max_distance_m(i, j, k));
     const std::uint32_t nearest = known ? map.nearest_object(i, j, k) : 0;
     if (nearest != 0 && nearest != object) voxels.set(i, j, k, map.value(i, j, k));
   });

@@ -27,13 +27,13 @@ long double to_triangle(const Wide& p, const Corners& t) {
   const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
   const long double area = glm::length(normal);
   bool inside = area > 0;
-  long double least = 1e30L;
+  long double smallest = 1e30L;
   for (int n = 0; n < 3; ++n) {
     const Wide &a = t[n], &b = t[(n + 1) % 3];
     inside = inside && glm::dot(glm::cross(normal, b - a), p - a) >= 0;
-    least = std::min(least, to_segment(p, a, b));
+    smallest = std::min(smallest, to_segment(p, a, b));
   }
-  return inside ? std::min(least, std::abs(glm::dot(normal, p - t[0])) / area) : least;
+  return inside ? std::min(smallest, std::abs(glm::dot(normal, p - t[0])) / area) : smallest;
 }
 
 // Convex in the place on the first segment: by ternary search.
@@ -58,16 +58,16 @@ bool crosses(const Wide& a, const Wide& b, const Corners& t) {
 }
 
 long double between_triangles(const Corners& s, const Corners& t) {
-  long double least = 1e30L;
+  long double smallest = 1e30L;
   for (int i = 0; i < 3; ++i) {
     const Wide &a = s[i], &b = s[(i + 1) % 3];
     if (crosses(a, b, t) || crosses(t[i], t[(i + 1) % 3], s)) return 0;
-    least = std::min({least, to_triangle(a, t), to_triangle(t[i], s)});
+    smallest = std::min({smallest, to_triangle(a, t), to_triangle(t[i], s)});
     for (int j = 0; j < 3; ++j) {
-      least = std::min(least, between_segments(a, b, t[j], t[(j + 1) % 3]));
+      smallest = std::min(smallest, between_segments(a, b, t[j], t[(j + 1) % 3]));
     }
   }
-  return least;
+  return smallest;
 }
 
 Corners corners(const Surface& surface, std::size_t t, const Pose& pose) {
@@ -120,14 +120,15 @@ TEST(MeshPair, IsTheDistanceOfTheNearestPairOfTriangles) {
     }
     const MeshPair pair(scene, part);
     const MeshDistance measured = pair.at(pose, voxcheck::kNothingM);
-    long double least = 1e30L;
+    long double smallest = 1e30L;
     for (std::size_t s = 0; s < scene.triangles.size(); ++s) {
       for (std::size_t p = 0; p < part.triangles.size(); ++p) {
-        least = std::min(least, between_triangles(corners(scene, s, {}), corners(part, p, pose)));
+        smallest =
+            std::min(smallest, between_triangles(corners(scene, s, {}), corners(part, p, pose)));
       }
     }
     const double rounding = 1e-14 * 5 * scale_m;
-    EXPECT_NEAR(measured.distance_m, static_cast<double>(least), rounding);
+    EXPECT_NEAR(measured.distance_m, static_cast<double>(smallest), rounding);
     EXPECT_EQ(pair.at(pose, measured.distance_m * (1 + 1e-9) + rounding).distance_m,
               measured.distance_m);
     if (measured.distance_m == 0) {  // a place of both
@@ -171,8 +172,8 @@ TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
     const double rounding = kRounding * 5, within = 1e-3;
     ExactWalk walk(path, pair, pair, rounding);
     const Piece whole{{0, 0}, {3, 0}};
-    const auto least = walk.least({whole}, within);
-    const double required = least.sample.measured.distance_m + 0.2;
+    const auto smallest = walk.smallest({whole}, within);
+    const double required = smallest.sample.measured.distance_m + 0.2;
     const auto nearer = walk.nearer_than(whole, required, 0.01);
     double sampled = 1e30;
     for (int n = 0; n < 3000; ++n) {
@@ -185,15 +186,15 @@ TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
         return path.time_s(piece.from) <= t && t <= path.time_s(piece.to);
       })) << t;
     }
-    EXPECT_LE(least.at_least_m, sampled + rounding);
-    EXPECT_GE(least.at_least_m, least.sample.measured.distance_m - within);
-    EXPECT_LE(least.sample.measured.distance_m, sampled + within + rounding);
+    EXPECT_LE(smallest.at_least_m, sampled + rounding);
+    EXPECT_GE(smallest.at_least_m, smallest.sample.measured.distance_m - within);
+    EXPECT_LE(smallest.sample.measured.distance_m, sampled + within + rounding);
     EXPECT_FALSE(walk.contradiction());
     // A bound on a piece that the meshes contradict is noticed.
     if (sampled > 0) {
       ++apart;
       ExactWalk other(path, pair, pair, rounding);
-      other.least({{{0, 0}, {3, 0}, 100}}, within, Sample{{0, 0}, {200, 0, {}, {}}, false});
+      other.smallest({{{0, 0}, {3, 0}, 100}}, within, Sample{{0, 0}, {200, 0, {}, {}}, false});
       EXPECT_TRUE(other.contradiction());
     }
   }

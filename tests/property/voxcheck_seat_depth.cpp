@@ -118,27 +118,27 @@ long double to_segment(const Wide& p, const Wide& a, const Wide& b) {
 long double to_triangle(const Wide& p, const Corners& t) {
   const Wide normal = glm::cross(t[1] - t[0], t[2] - t[0]);
   bool inside = true;
-  long double least = 1e30L;
+  long double smallest = 1e30L;
   for (int n = 0; n < 3; ++n) {
     const Wide &a = t[n], &b = t[(n + 1) % 3];
     inside = inside && glm::dot(glm::cross(normal, b - a), p - a) >= 0;
-    least = std::min(least, to_segment(p, a, b));
+    smallest = std::min(smallest, to_segment(p, a, b));
   }
-  return inside ? std::abs(glm::dot(normal, p - t[0])) / glm::length(normal) : least;
+  return inside ? std::abs(glm::dot(normal, p - t[0])) / glm::length(normal) : smallest;
 }
 
 // The distance of a place from a closed body's triangles, negative outside, by their solid angles.
 long double depth_in(const Wide& p, const std::vector<Corners>& body) {
-  long double winding = 0, least = 1e30L;
+  long double winding = 0, smallest = 1e30L;
   for (const Corners& t : body) {
     const Wide a = t[0] - p, b = t[1] - p, c = t[2] - p;
     const long double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     winding += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
                                                                  glm::dot(b, c) * la +
                                                                  glm::dot(c, a) * lb);
-    least = std::min(least, to_triangle(p, t));
+    smallest = std::min(smallest, to_triangle(p, t));
   }
-  return std::abs(winding) > 2 * std::numbers::pi_v<long double> ? least : -least;
+  return std::abs(winding) > 2 * std::numbers::pi_v<long double> ? smallest : -smallest;
 }
 
 // The deepest of the places of a triangle lattice on a surface.
@@ -257,7 +257,7 @@ TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
   std::mt19937 random(31);
   std::uniform_real_distribution<double> unit(-1, 1);
   constexpr double kGap = 0.02, kAllowed = 0.04, kFine = 0.004;
-  std::uint64_t most = 0;
+  std::uint64_t largest = 0;
   int pressed = 0, leaning = 0;
   for (int trial = 0; trial < 12; ++trial) {
     SCOPED_TRACE(trial);
@@ -277,11 +277,11 @@ TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
               depth.found_m +
                   std::max({kFine, kAllowed - depth.at_most_m, (depth.found_m - kAllowed) / 2}) +
                   1e-12);
-    most = std::max(most, depth.looked_at);
+    largest = std::max(largest, depth.looked_at);
     pressed += truth > kAllowed;
     leaning += truth > 0 && truth <= kAllowed;
   }
-  EXPECT_LE(most, 8000u);
+  EXPECT_LE(largest, 8000u);
   EXPECT_GT(pressed, 2);
   EXPECT_GT(leaning, 2);
 }
@@ -333,7 +333,7 @@ TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
     const Surface surface = trial % 2 == 0 ? tube(12, 0.5, 1, 0.4) : random_body(random);
     const Bodies bodies = bodies_of(surface, kWithin);
     const auto triangles = placed(surface, {}, 0);
-    const double size = std::pow(0.5, trial % 5), most = 0.3 * size;
+    const double size = std::pow(0.5, trial % 5), largest = 0.3 * size;
     // About a place of the surface, where most pieces come free by a little or do not.
     const Corners& near = triangles[static_cast<std::size_t>(trial) % triangles.size()];
     const glm::dvec3 center = glm::dvec3((near[0] + near[1] + near[2]) / 3.0L) +
@@ -346,17 +346,17 @@ TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
     }
     long double deepest = -1e30L;
     for (int moment = 0; moment <= 4; ++moment) {
-      const double share = moment / 4.0;
+      const double fraction = moment / 4.0;
       Corners corners;
       for (std::size_t n = 0; n < 3; ++n) {
-        corners[n] = Wide(dvec3_of((1 - share) * ends[0][n] + share * ends[1][n]));
+        corners[n] = Wide(dvec3_of((1 - fraction) * ends[0][n] + fraction * ends[1][n]));
       }
       deepest = std::max(deepest, sampled_depth({corners}, triangles, 6));
     }
-    deep += deepest > most;
-    if (!comes_free(*bodies[0], Hull(ends[0], ends[1]), most, 0)) continue;
+    deep += deepest > largest;
+    if (!comes_free(*bodies[0], Hull(ends[0], ends[1]), largest, 0)) continue;
     ++free;
-    EXPECT_LE(deepest, most);
+    EXPECT_LE(deepest, largest);
   }
   EXPECT_GT(free, 100);
   EXPECT_GT(deep, 60);
@@ -479,7 +479,7 @@ TEST(Body, CountsWindingsByARayAsBySolidAngles) {
   const part::Part& part = bodies[0]->tree().part();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> at(-1.5, 1.5);
-  int told = 0, most = 0;
+  int told = 0, largest = 0;
   for (int n = 0; n < 3000; ++n) {
     part::Vec3 place{at(random), at(random), at(random)};
     if (n % 3 == 0) place = part.vertices[n % part.vertices.size()] + 1e-5 * place;
@@ -493,11 +493,11 @@ TEST(Body, CountsWindingsByARayAsBySolidAngles) {
     const auto windings = bodies[0]->windings_by_ray(place);
     if (!windings) continue;
     ++told;
-    most = std::max(most, *windings);
+    largest = std::max(largest, *windings);
     ASSERT_EQ(*windings, std::lround(sum)) << n;
   }
   EXPECT_GT(told, 2500);
-  EXPECT_EQ(most, 2);
+  EXPECT_EQ(largest, 2);
   // Through an edge, and from a face: not told.
   const glm::dvec3 edge = surface.vertices_m[surface.triangles[0][0]];
   EXPECT_FALSE(bodies[0]->windings_by_ray(vec3_of(edge)));

@@ -107,14 +107,14 @@ TEST(SeatMeshes, GoesAsDeepAsInstalledAndAsIsAllowed) {
 
 TEST(SeatMeshes, AnswersByTheDepthOfBoxes) {
   std::mt19937_64 random(5);
-  const auto share = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
+  const auto fraction = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
   const BeforeWall bench(2e-3, 1e-4, 3e-4);
   int refused = 0;
   for (int n = 0; n < 300; ++n) {
-    const double x = -1e-3 + 3e-3 * share();
+    const double x = -1e-3 + 3e-3 * fraction();
     const double beyond_m = bench.depth_m(x) - 3e-4;
     if (std::abs(beyond_m) < 1e-8) continue;
-    const Pose pose = at({x, 2e-3 * (share() - 0.5), 2e-3 * (share() - 0.5)});
+    const Pose pose = at({x, 2e-3 * (fraction() - 0.5), 2e-3 * (fraction() - 0.5)});
     EXPECT_EQ(bench.seat->leeway_m(pose) < 0, beyond_m > 0) << x;
     refused += beyond_m > 0;
   }

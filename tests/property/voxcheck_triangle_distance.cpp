@@ -35,9 +35,9 @@ ExactCorners exact_of(const Corners& t) { return {exact_of(t[0]), exact_of(t[1])
 Exact square_to_segment(const Place& p, const Place& a, const Place& b) {
   const Place way = b - a;
   const Exact square = dot(way, way);
-  Exact share = 0;
-  if (square > 0) share = std::clamp<Exact>(dot(p - a, way) / square, 0, 1);
-  const Place off = p - (a + share * way);
+  Exact fraction = 0;
+  if (square > 0) fraction = std::clamp<Exact>(dot(p - a, way) / square, 0, 1);
+  const Place off = p - (a + fraction * way);
   return dot(off, off);
 }
 
@@ -65,9 +65,9 @@ Exact square_between_segments(const Place& a, const Place& b, const Place& c, co
 }
 
 Exact square_between(const ExactCorners& s, const ExactCorners& t) {
-  std::optional<Exact> least;
+  std::optional<Exact> smallest;
   const auto take = [&](const Exact& square) {
-    if (!least || square < *least) least = square;
+    if (!smallest || square < *smallest) smallest = square;
   };
   for (const auto& [from, into] : {std::pair(&s, &t), std::pair(&t, &s)}) {
     const Place normal = cross((*into)[1] - (*into)[0], (*into)[2] - (*into)[0]);
@@ -85,7 +85,7 @@ Exact square_between(const ExactCorners& s, const ExactCorners& t) {
       take(square_between_segments(s[n], s[(n + 1) % 3], t[m], t[(m + 1) % 3]));
     }
   }
-  return *least;
+  return *smallest;
 }
 
 double root(const Exact& square) {

@@ -287,9 +287,9 @@ TEST(Bake, SameBytesWithTrianglesOnDisk) {
         });
       };
     }
-    options.most_triangle_bytes = 0;
-    std::size_t most_alive = 0;
-    options.progress = [&](const char*, double) { most_alive = std::max(most_alive, alive); };
+    options.max_triangle_bytes = 0;
+    std::size_t max_alive = 0;
+    options.progress = [&](const char*, double) { max_alive = std::max(max_alive, alive); };
     const auto baked = voxelize::bake(objects, options);
     ASSERT_EQ(bool(baked), bool(expected));
     if (!baked) continue;  // a region with nothing in it
@@ -297,7 +297,7 @@ TEST(Bake, SameBytesWithTrianglesOnDisk) {
     EXPECT_GT(baked->bytes_on_disk, 0u);
     EXPECT_EQ(expected->bytes_on_disk, 0u);
     // One object for each of two threads.
-    EXPECT_LE(most_alive, 2u);
+    EXPECT_LE(max_alive, 2u);
     EXPECT_EQ(alive, 0u);
   }
 }

@@ -40,18 +40,18 @@ std::int64_t code_at(const Voxmap& map, const lattice::VoxelIndex& v) {
   for (std::size_t d = 0; d < 3; ++d) {
     at[d] = static_cast<std::int32_t>(v[d] - map.view().directory_origin[d]);
   }
-  if (!map.distances()->contains(at[0], at[1], at[2])) return kMostDistanceCode;
+  if (!map.distances()->contains(at[0], at[1], at[2])) return kMaxDistanceCode;
   return map.distances()->lookup(at[0], at[1], at[2]).code;
 }
 
 double distance_from(const std::vector<LatticeMesh>& meshes, const Point& p) {
-  double least = 1e300;
+  double smallest = 1e300;
   for (const LatticeMesh& mesh : meshes) {
     for (const lattice::LatticeTriangle& triangle : mesh) {
-      least = std::min(least, reference::point_distance(triangle, p));
+      smallest = std::min(smallest, reference::point_distance(triangle, p));
     }
   }
-  return least;
+  return smallest;
 }
 
 // The layers of voxmap_format.md, section 5, by definition: the interior, and `n` times its
@@ -125,9 +125,9 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
     ASSERT_DOUBLE_EQ(header.zero_force_m, radius + depth);
     ASSERT_DOUBLE_EQ(header.force_depth_m, depth);
     // The upper bound has the writer's error; 1e-12 is for the rounding of these sums.
-    ASSERT_LE(most_distance_m(header, 0) - kDistanceErrorVoxels * header.voxel_size_m,
+    ASSERT_LE(max_distance_m(header, 0) - kDistanceErrorVoxels * header.voxel_size_m,
               header.zero_force_m - options.range_m + 1e-12);
-    ASSERT_GE(least_distance_m(header, kMostDistanceCode), header.zero_force_m + 2.9);
+    ASSERT_GE(min_distance_m(header, kMaxDistanceCode), header.zero_force_m + 2.9);
     ASSERT_EQ(baked.map().compliance().empty(), covering == 0);
     const auto distance = [&](const lattice::VoxelIndex& v) {
       return distance_from(meshes, reference::center_of(v));
@@ -364,8 +364,8 @@ TEST(DistanceBake, DistancesProveNothingInsideAndNeverTooMuch) {
           if (other) ++at[d];
         }
         const auto code = static_cast<std::uint32_t>(code_at(baked.map(), at));
-        const double least = std::max(0.0, least_distance_m(header, code));
-        squared += weight * least * least;
+        const double smallest = std::max(0.0, min_distance_m(header, code));
+        squared += weight * smallest * smallest;
       }
       const double proven = squared > 0 ? std::sqrt(squared) : 0;
       // 1e-9: of double precision.
@@ -398,7 +398,7 @@ TEST(DistanceBake, DistancesGoThroughTheSurfaceEvenly) {
     const Point p = reference::center_of(v);
     const double distance = std::hypot(p[0] - 0.3, p[1] - 0.6, p[2] - 0.1) - 14;
     const std::int64_t code = code_at(baked.map(), v);
-    if (code == 0 || code == kMostDistanceCode) continue;
+    if (code == 0 || code == kMaxDistanceCode) continue;
     // The mesh lies up to 0.04 voxels inside the sphere.
     ASSERT_NEAR(static_cast<double>(code - header.distance_zero_code), distance / quantum,
                 1.1 + 0.05 / quantum);
@@ -543,7 +543,7 @@ TEST(DistanceBake, ARegionHasTheVoxelsOfTheWhole) {
           bool inside = true;
           for (std::size_t d = 0; d < 3; ++d) inside &= v[d] >= low[d] && v[d] < high[d];
           if (HasFatalFailure()) return;
-          ASSERT_EQ(code_at(part.map(), v), inside ? code_at(all.map(), v) : kMostDistanceCode);
+          ASSERT_EQ(code_at(part.map(), v), inside ? code_at(all.map(), v) : kMaxDistanceCode);
         });
     if (HasFatalFailure()) return;
   }

@@ -213,9 +213,9 @@ TEST(EuclideanBake, RefusesStandoffsThatItCannotHold) {
     return !baked && baked.error().code == ErrorCode::kUsage;
   };
   const auto none = [](voxelize::BakeOptions&) {};
-  const double least = 0.1 + 888.0 / 1024;
-  EXPECT_FALSE(refused(least, none));
-  EXPECT_TRUE(refused(least - 1e-3, none));
+  const double smallest = 0.1 + 888.0 / 1024;
+  EXPECT_FALSE(refused(smallest, none));
+  EXPECT_TRUE(refused(smallest - 1e-3, none));
   EXPECT_TRUE(refused(-1, none));
   EXPECT_FALSE(refused(30, none));
   EXPECT_TRUE(refused(30.01, none));

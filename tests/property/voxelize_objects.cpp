@@ -36,12 +36,12 @@ std::int64_t code_at(const Voxmap& map, const lattice::VoxelIndex& v) {
   for (std::size_t d = 0; d < 3; ++d) {
     at[d] = static_cast<std::int32_t>(v[d] - map.view().directory_origin[d]);
   }
-  if (!map.distances()->contains(at[0], at[1], at[2])) return kMostDistanceCode;
+  if (!map.distances()->contains(at[0], at[1], at[2])) return kMaxDistanceCode;
   return map.distances()->lookup(at[0], at[1], at[2]).code;
 }
 bool is_measured(const Voxmap& map, const lattice::VoxelIndex& v) {
   const std::int64_t code = code_at(map, v);
-  return code != 0 && code != kMostDistanceCode;
+  return code != 0 && code != kMaxDistanceCode;
 }
 std::uint32_t object_at(const Voxmap& map, const lattice::VoxelIndex& v) {
   return map.nearest_object(v[0], v[1], v[2]);
@@ -51,11 +51,11 @@ std::uint32_t object_at(const Voxmap& map, const lattice::VoxelIndex& v) {
 std::vector<double> distances_from(const std::vector<LatticeMesh>& meshes, const Point& p) {
   std::vector<double> distances;
   for (const LatticeMesh& mesh : meshes) {
-    double least = 1e300;
+    double smallest = 1e300;
     for (const lattice::LatticeTriangle& triangle : mesh) {
-      least = std::min(least, reference::point_distance(triangle, p));
+      smallest = std::min(smallest, reference::point_distance(triangle, p));
     }
-    distances.push_back(least);
+    distances.push_back(smallest);
   }
   return distances;
 }
@@ -119,15 +119,16 @@ TEST(ObjectBake, EqualsTheReferenceOnRandomScenes) {
       numbers[brick_of(v)].insert(found);
       ++voxels_of[found];
       const std::vector<double> distances = distances_from(meshes, reference::center_of(v));
-      const double least = *std::min_element(distances.begin(), distances.end());
-      ASSERT_LE(distances[found - 1], least + double{distance::kKernelErrorVoxels})
+      const double smallest = *std::min_element(distances.begin(), distances.end());
+      ASSERT_LE(distances[found - 1], smallest + double{distance::kKernelErrorVoxels})
           << "object " << found;
       for (std::uint32_t other = 1; other < found; ++other) {
-        ASSERT_GT(distances[other - 1], least + double{distance::kEquallyNearVoxels} - kTolerance)
+        ASSERT_GT(distances[other - 1],
+                  smallest + double{distance::kEquallyNearVoxels} - kTolerance)
             << "object " << other << " is as near as object " << found;
       }
       for (std::uint32_t other = found + 1; other <= scene.meshes.size(); ++other) {
-        ties += distances[other - 1] < least + 1e-9;
+        ties += distances[other - 1] < smallest + 1e-9;
       }
     });
     if (HasFatalFailure()) return;
@@ -176,9 +177,9 @@ TEST(ObjectBake, IsRightForPointsInContact) {
       std::vector<double> distances = distances_from(meshes, p);
       const auto nearest = std::min_element(distances.begin(), distances.end());
       const auto object = static_cast<std::uint32_t>(nearest - distances.begin()) + 1;
-      const double least = *nearest;
+      const double smallest = *nearest;
       *nearest = 1e300;
-      if (*std::min_element(distances.begin(), distances.end()) <= least + 1) continue;
+      if (*std::min_element(distances.begin(), distances.end()) <= smallest + 1) continue;
       ++points;
       right += object_at(baked.map(), v) == object;
       of_others += object != 1;
@@ -356,15 +357,15 @@ TEST(ObjectBake, OfTooManyObjectsTellsNoneApart) {
   const mesh::Mesh empty;
   mesh::Mesh box;
   reference::add_box(box, {0, 0, 0}, {9, 9, 9});
-  for (const std::size_t count : {std::size_t{kMostObjects}, std::size_t{kMostObjects} + 1}) {
+  for (const std::size_t count : {std::size_t{kMaxObjects}, std::size_t{kMaxObjects} + 1}) {
     SCOPED_TRACE(count);
-    const bool too_many = count > kMostObjects;
+    const bool too_many = count > kMaxObjects;
     std::vector<voxelize::SceneObject> objects(count, {"object", &empty, mesh::Affine{}, {}, 0});
     objects.back().mesh = &box;
     const BakedScene baked(objects, object_options());
     EXPECT_NE(baked.map().distances(), nullptr);
-    EXPECT_EQ(baked.map().header().object_count, too_many ? 0 : kMostObjects);
-    EXPECT_EQ(object_at(baked.map(), {-1, 4, 4}), too_many ? 0 : kMostObjects);
+    EXPECT_EQ(baked.map().header().object_count, too_many ? 0 : kMaxObjects);
+    EXPECT_EQ(object_at(baked.map(), {-1, 4, 4}), too_many ? 0 : kMaxObjects);
     mesh::Scene scene;
     scene.objects.resize(count);
     const std::vector<cache::MeshOutline> outlines(count);

@@ -123,8 +123,8 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
         random() % 2 ? cube_at({0, 0, 0}, 16) : cube_at(random_cell(random, 16), 4);
     const Triangles triangles(random, static_cast<int>(whole(random, 1, 150)), {0, 0, 0}, 64, cube);
     std::vector<distance::CubeValues> squared(triangles.list.size());
-    distance::CubeValues least;
-    distance::squared_distances(triangles.list, cube, squared.data(), least);
+    distance::CubeValues smallest;
+    distance::squared_distances(triangles.list, cube, squared.data(), smallest);
     for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
       float lowest = 1e30f;
       for (std::size_t i = 0; i < squared.size(); ++i) {
@@ -134,7 +134,7 @@ TEST_P(TriangleDistances, OfCellsAreWithinTheErrorThatTheSearchAllows) {
             << "point " << n << ", triangle " << i;
         lowest = std::min(lowest, squared[i][n]);
       }
-      EXPECT_EQ(least[n], lowest);
+      EXPECT_EQ(smallest[n], lowest);
     }
   }
 }
@@ -150,22 +150,23 @@ std::array<float, distance::kEighths> everywhere() {
 // The least of a cell's voxels from each triangle by itself, and which gives it.
 struct OneByOne {
   OneByOne(const std::vector<distance::PreparedTriangle>& near, const Cell& low) {
-    least.fill(1e30f);
+    smallest.fill(1e30f);
     for (std::uint32_t i = 0; i < near.size(); ++i) {
       const distance::PreparedTriangle* const triangle = &near[i];
       one.find(distance::TriangleList(&triangle, 1), low, everywhere());
       for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-        const float value = one.least()[n];
+        const float value = one.smallest()[n];
         std::uint32_t& best = which[n];
-        if (value < least[n] || (value == least[n] && distance::lies_before(near[i], near[best]))) {
-          least[n] = value;
+        if (value < smallest[n] ||
+            (value == smallest[n] && distance::lies_before(near[i], near[best]))) {
+          smallest[n] = value;
           best = i;
         }
       }
     }
   }
   distance::NearestTriangles one;
-  distance::CubeValues least;
+  distance::CubeValues smallest;
   std::array<std::uint32_t, distance::kCubePoints> which{};
 };
 
@@ -187,7 +188,7 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
     within.find(triangles.list, cell, reach);
     const OneByOne slow(triangles.near, cell);
     for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-      ASSERT_EQ(all.least()[n], slow.least[n]) << "point " << n;
+      ASSERT_EQ(all.smallest()[n], slow.smallest[n]) << "point " << n;
       ASSERT_EQ(all.which(n), slow.which[n]) << "point " << n;
       // Every sixteenth is held to the true distance too, which is slow.
       if (n % 16 == seed % 16) {
@@ -196,12 +197,12 @@ TEST_P(TriangleDistances, TheNearestIsThatOfTheTrianglesOneByOne) {
         for (const lattice::LatticeTriangle& triangle : triangles.exact) {
           truth = std::min(truth, exact_voxels(triangle, point));
         }
-        EXPECT_NEAR(std::sqrt(slow.least[n]) / kUnits, truth, 1e-4);
+        EXPECT_NEAR(std::sqrt(slow.smallest[n]) / kUnits, truth, 1e-4);
       }
       std::size_t in = 0;
       while ((distance::eighth(static_cast<unsigned>(in)) >> n & 1) == 0) ++in;
-      if (std::sqrt(slow.least[n]) > reach[in]) continue;
-      ASSERT_EQ(within.least()[n], slow.least[n]) << "point " << n;
+      if (std::sqrt(slow.smallest[n]) > reach[in]) continue;
+      ASSERT_EQ(within.smallest()[n], slow.smallest[n]) << "point " << n;
       ASSERT_EQ(within.which(n), slow.which[n]) << "point " << n;
     }
   }
@@ -216,9 +217,9 @@ void expect_the_nearest(const std::vector<distance::PreparedTriangle>& near, con
   distance::NearestTriangles nearest;
   if (!list.empty()) nearest.find(list, low, reaches);
   for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
-    if (std::sqrt(slow.least[n]) > reach * kUnits) continue;
+    if (std::sqrt(slow.smallest[n]) > reach * kUnits) continue;
     ASSERT_FALSE(list.empty()) << low[0] << ' ' << low[1] << ' ' << low[2];
-    ASSERT_EQ(nearest.least()[n], slow.least[n]) << low[0] << ' ' << low[1] << ' ' << low[2];
+    ASSERT_EQ(nearest.smallest()[n], slow.smallest[n]) << low[0] << ' ' << low[1] << ' ' << low[2];
     ASSERT_EQ(list[nearest.which(n)], &near[slow.which[n]]);
   }
 }
@@ -347,12 +348,12 @@ std::size_t count_by_middle(const std::vector<distance::PreparedTriangle>& near,
   std::vector<distance::CubeValues> squared(list.size());
   distance::PointCube middle = cube_at({low[0], low[1], low[2]}, 4);
   middle.step = 0;
-  distance::CubeValues least;
-  distance::squared_distances(list, middle, squared.data(), least);
-  const float most = std::sqrt(least[0]) + 2 * distance::half_diagonal(4) * kUnits;
-  return static_cast<std::size_t>(
-      std::count_if(squared.begin(), squared.end(),
-                    [&](const distance::CubeValues& values) { return values[0] <= most * most; }));
+  distance::CubeValues smallest;
+  distance::squared_distances(list, middle, squared.data(), smallest);
+  const float largest = std::sqrt(smallest[0]) + 2 * distance::half_diagonal(4) * kUnits;
+  return static_cast<std::size_t>(std::count_if(
+      squared.begin(), squared.end(),
+      [&](const distance::CubeValues& values) { return values[0] <= largest * largest; }));
 }
 
 // A triangle that another one beats in all of a cell is left out of its list, and changes no bit.
@@ -445,11 +446,11 @@ TEST_P(TriangleDistances, OfLargeTrianglesThePiecesAreAsFarAsTheWhole) {
     for (int cell = 0; cell < 64; ++cell) {
       const distance::PointCube cube =
           cube_at({16 * (cell >> 4), 16 * (cell >> 2 & 3), 16 * (cell & 3)}, 4);
-      distance::CubeValues least;
-      distance::squared_distances(list, cube, squared.data(), least);
+      distance::CubeValues smallest;
+      distance::squared_distances(list, cube, squared.data(), smallest);
       for (std::size_t n = 0; n < distance::kCubePoints; ++n) {
         const double exact = exact_voxels(object->triangle(0), point_of(cube, n));
-        const double found = std::sqrt(double{least[n]}) / kUnits;
+        const double found = std::sqrt(double{smallest[n]}) / kUnits;
         ASSERT_GT(found, exact - 2e-4) << "cell " << cell << ", point " << n;
         if (exact > kReach) continue;
         ++near_points;
@@ -482,7 +483,7 @@ double line_distance(const lattice::LatticeTriangle& triangle, const reference::
 
 // How far from a triangle a line may be that counts as crossing it, at most, voxels: by as much as
 // it touches the triangle's plane (lines_of_sight.cpp).
-double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offset& way) {
+double max_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offset& way) {
   std::array<double, 3> normal{};
   double square = 0;
   for (std::size_t d = 0; d < 3; ++d) {
@@ -498,17 +499,17 @@ double most_touching(const lattice::LatticeTriangle& t, const LinesOfSight::Offs
   }
   constexpr double kTouching = distance::kKernelErrorVoxels;
   // A triangle without area has any plane through it.
-  const double share =
+  const double fraction =
       square > 0 ? std::min(1.0, 2.1 * kTouching / std::max(std::abs(fall), 1e-9)) : 1;
-  return 2 * kTouching + std::sqrt(length) * share;
+  return 2 * kTouching + std::sqrt(length) * fraction;
 }
 
 // A free line is at least this far from a triangle, voxels: the threshold less the kernels' error.
-constexpr double kLeastFree = 0.9 * double{distance::kKernelErrorVoxels};
+constexpr double kMinFree = 0.9 * double{distance::kKernelErrorVoxels};
 
 std::vector<LinesOfSight::Offset> any_offsets(Random& random) {
   std::vector<LinesOfSight::Offset> offsets(
-      static_cast<std::size_t>(whole(random, 1, LinesOfSight::kMostLines)));
+      static_cast<std::size_t>(whole(random, 1, LinesOfSight::kMaxLines)));
   for (LinesOfSight::Offset& offset : offsets) {
     for (std::int8_t& step : offset) {
       step = static_cast<std::int8_t>(whole(random, -LinesOfSight::kFar, LinesOfSight::kFar));
@@ -545,12 +546,12 @@ TEST_P(TriangleDistances, AFreeLineCrossesNoTriangle) {
       const reference::Point begin = reference::center_of(voxel);
       reference::Point end = begin;
       for (std::size_t d = 0; d < 3; ++d) end[d] += offsets[n][d];
-      const double least = line_distance(exact, begin, end);
+      const double smallest = line_distance(exact, begin, end);
       if ((found >> n & 1) != 0) {
-        ASSERT_GT(least, kLeastFree) << "line " << n;
+        ASSERT_GT(smallest, kMinFree) << "line " << n;
         ++free;
       } else {
-        ASSERT_LT(least, most_touching(exact, offsets[n]) + 1e-4) << "line " << n;
+        ASSERT_LT(smallest, max_touching(exact, offsets[n]) + 1e-4) << "line " << n;
         ++crossing;
       }
     }
@@ -589,7 +590,7 @@ TEST_P(TriangleDistances, LinesOfSightLeaveNoTriangleOut) {
           reference::Point end = begin;
           for (std::size_t d = 0; d < 3; ++d) end[d] += offsets[line][d];
           for (const lattice::LatticeTriangle& exact : triangles.exact) {
-            ASSERT_GT(line_distance(exact, begin, end), kLeastFree);
+            ASSERT_GT(line_distance(exact, begin, end), kMinFree);
           }
         }
         seen += static_cast<std::uint64_t>(std::popcount(found));

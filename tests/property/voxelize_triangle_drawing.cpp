@@ -82,9 +82,9 @@ void expect_equal_small(std::uint64_t seed) {
     if (!is_small(corners)) continue;
     std::array<int, 3> low, high;
     for (std::size_t d = 0; d < 3; ++d) {
-      const auto [least, most] = std::minmax({corners[0][d], corners[1][d], corners[2][d]});
-      low[d] = static_cast<int>(least >> lattice::kSnapBits);
-      high[d] = static_cast<int>(most >> lattice::kSnapBits);
+      const auto [smallest, largest] = std::minmax({corners[0][d], corners[1][d], corners[2][d]});
+      low[d] = static_cast<int>(smallest >> lattice::kSnapBits);
+      high[d] = static_cast<int>(largest >> lattice::kSnapBits);
     }
     triangles.draw(corners, low, high, fast);
     draw_slowly(corners, slow);

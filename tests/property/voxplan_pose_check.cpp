@@ -114,20 +114,20 @@ TEST(PoseCheck, MotionsThatAreKeptAreProvenByTheCheckOfPaths) {
           random.orientation()};
     };
     const Pose from = pose(), to = pose();
-    const double share = bench.check->share_kept(Rule::kClear, from, to);
-    EXPECT_EQ(bench.check->is_kept(Rule::kClear, from, to), share == 1) << trial;
+    const double fraction = bench.check->fraction_kept(Rule::kClear, from, to);
+    EXPECT_EQ(bench.check->is_kept(Rule::kClear, from, to), fraction == 1) << trial;
     if (!bench.check->holds(Rule::kClear, from)) {
-      EXPECT_EQ(share, 0) << trial;
+      EXPECT_EQ(fraction, 0) << trial;
       continue;
     }
-    ++(share == 1 ? kept : cut);
-    const Pose last = share == 1 ? to : voxplan::pose_between(from, to, share);
+    ++(fraction == 1 ? kept : cut);
+    const Pose last = fraction == 1 ? to : voxplan::pose_between(from, to, fraction);
     const auto rows = voxplan::rows_of(bench.problem, {}, {from, last}, 0.1);
     const clearance::CenterPath path(rows, bench.part);
     const auto checked = clearance::check_path(bench.scene, bench.part, path,
                                                {bench.problem.clearance_m, 1, {}, {}, false});
     ASSERT_TRUE(checked) << to_line(checked.error());
-    EXPECT_TRUE(checked->clear()) << trial << ": share " << share;
+    EXPECT_TRUE(checked->clear()) << trial << ": share " << fraction;
   }
   EXPECT_GT(kept, 20);
   EXPECT_GT(cut, 20);
@@ -153,8 +153,8 @@ TEST(PoseCheck, NoAnswerDependsOnEarlierQuestions) {
     ASSERT_TRUE(fresh) << to_line(fresh.error());
     EXPECT_EQ(bench.check->clearance_m(pose), (*fresh)->clearance_m(pose)) << trial;
     EXPECT_EQ(bench.check->holds(Rule::kClear, pose), (*fresh)->holds(Rule::kClear, pose)) << trial;
-    EXPECT_EQ(bench.check->share_kept(Rule::kClear, pose, to),
-              (*fresh)->share_kept(Rule::kClear, pose, to))
+    EXPECT_EQ(bench.check->fraction_kept(Rule::kClear, pose, to),
+              (*fresh)->fraction_kept(Rule::kClear, pose, to))
         << trial;
     free += (*fresh)->holds(Rule::kClear, pose) ? 1 : 0;
   }
@@ -181,7 +181,7 @@ TEST(SeatLookUp, TheQuickOneBarsWhatThatOfAFrameBars) {
   int barred = 0, free = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double radius_m = bench.part.header().bounding_radius_m;
-    const double length_m = kS * std::pow(random.share(), 2);
+    const double length_m = kS * std::pow(random.fraction(), 2);
     const Pose pose = voxplan::moved(bench.problem.world_from_start,
                                      voxplan::random_twist(length_m, random), radius_m);
     probe.query_pose(pose, contacts);
@@ -210,8 +210,8 @@ TEST(SeatLookUp, TheQuickWalkEndsWhereThatOfTheVerdictEnds) {
   for (int trial = 0; trial < 300; ++trial) {
     // Upward out of the groove, and somewhat aside.
     Pose to =
-        voxplan::moved(seat, voxplan::random_twist(2 * kS * random.share(), random), radius_m);
-    to.position_m.z += 4 * kS * random.share();
+        voxplan::moved(seat, voxplan::random_twist(2 * kS * random.fraction(), random), radius_m);
+    to.position_m.z += 4 * kS * random.fraction();
     const clearance::CenterPath path(
         std::vector<PathRow>{voxplan::row_of(0, seat), voxplan::row_of(1, to)}, glm::dvec3(0),
         radius_m);
@@ -221,7 +221,7 @@ TEST(SeatLookUp, TheQuickWalkEndsWhereThatOfTheVerdictEnds) {
     ++(quick ? pushed : free);
     if (!quick) continue;
     EXPECT_EQ(verdict->moment.pose, quick->pose) << trial;
-    EXPECT_EQ(verdict->moment.share, quick->share) << trial;
+    EXPECT_EQ(verdict->moment.fraction, quick->fraction) << trial;
   }
   EXPECT_GT(pushed, 30);
   EXPECT_GT(free, 30);
@@ -239,7 +239,7 @@ TEST(PoseCheck, NoWayLeadsByARefusedPose) {
   EXPECT_FALSE(bench.check->holds(Rule::kClear, above(0.02 + 0.9 * kS)));
   EXPECT_TRUE(bench.check->holds(Rule::kClear, above(0.02 + 1.1 * kS)));
   EXPECT_FALSE(bench.check->is_kept(Rule::kClear, start, above(0.04)));
-  const double kept_m = 0.04 * bench.check->share_kept(Rule::kClear, start, above(0.04));
+  const double kept_m = 0.04 * bench.check->fraction_kept(Rule::kClear, start, above(0.04));
   EXPECT_LE(kept_m, 0.02 - kS);
   EXPECT_GE(kept_m, 0.02 - 2 * kS);
   // Not even that of a step away makes the start one.
@@ -253,7 +253,7 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   for (const int failing : {0, 1, 3}) {
     std::vector<Pose> refused;
     voxplan::SearchRequest request;
-    request.most_s = 60;
+    request.max_s = 60;
     request.unproven_at = [&](const voxplan::Way&,
                               const voxplan::Way& beyond) -> Result<std::optional<Pose>> {
       for (const Pose& pose : refused) {
@@ -272,7 +272,7 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   }
   // Until the time is up; then it says so.
   voxplan::SearchRequest request;
-  request.most_s = 0.3;
+  request.max_s = 0.3;
   request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
     return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
   };
@@ -292,9 +292,9 @@ TEST(Search, TellsItsProgressWithinARound) {
   };
   int read = 0;
   request.clock_s = [&] { return ++read; };
-  request.most_s = 40;
+  request.max_s = 40;
   std::vector<double> told;
-  request.progress = [&](double share, double) { told.push_back(share); };
+  request.progress = [&](double fraction, double) { told.push_back(fraction); };
   const auto result = voxplan::search(bench.problem, goal, request);
   ASSERT_TRUE(result) << to_line(result.error());
   EXPECT_LT(result->poses_tested, 4 * 4000u);
@@ -331,7 +331,7 @@ TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
   bench.problem.clearance_m = 0.05;  // more than there is
   const auto goal = voxplan::Destination::out_of_scene(bench.problem);
   voxplan::SearchRequest request;
-  request.most_s = 60;
+  request.max_s = 60;
   const auto result = voxplan::search(bench.problem, goal, request);
   ASSERT_TRUE(result) << to_line(result.error());
   EXPECT_FALSE(result->found);
@@ -354,13 +354,13 @@ double sharpest_rad(const Problem& problem, const voxplan::Way& way) {
   const auto dot = [](const auto& a, const auto& b) {
     return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
   };
-  double most = 0;
+  double largest = 0;
   for (std::size_t i = 1; i < legs.size(); ++i) {
     const auto &a = legs[i - 1], &b = legs[i];
-    most = std::max(most,
-                    std::acos(std::clamp(dot(a, b) / std::sqrt(dot(a, a) * dot(b, b)), -1.0, 1.0)));
+    largest = std::max(
+        largest, std::acos(std::clamp(dot(a, b) / std::sqrt(dot(a, a) * dot(b, b)), -1.0, 1.0)));
   }
-  return most;
+  return largest;
 }
 
 // Ways with corners over the groove's walls: the same ends, no motion that is not kept, no nearer
@@ -368,10 +368,10 @@ double sharpest_rad(const Problem& problem, const voxplan::Way& way) {
 TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
   Bench bench(0.03);
   voxplan::Random random(21);
-  const auto least_m = [&](const voxplan::Way& way) {
-    double least = 1;
-    for (const Pose& pose : way) least = std::min(least, bench.check->clearance_m(pose));
-    return least;
+  const auto min_m = [&](const voxplan::Way& way) {
+    double smallest = 1;
+    for (const Pose& pose : way) smallest = std::min(smallest, bench.check->clearance_m(pose));
+    return smallest;
   };
   int ways = 0, round = 0;
   for (int trial = 0; trial < 400 && ways < 12; ++trial) {
@@ -403,7 +403,7 @@ TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
     round += sharpest_rad(bench.problem, smooth) < 0.25;
     // Between the poses of a straight way the clearance may be less than at both: by a tenth of a
     // voxel, for steps of two.
-    EXPECT_GE(least_m(smooth), least_m(*wide) - 0.1 * kS);
+    EXPECT_GE(min_m(smooth), min_m(*wide) - 0.1 * kS);
     const auto checked = voxplan::proven(
         bench.problem, voxplan::rows_of(bench.problem, {}, smooth, 0.1), Rule::kClear, 1);
     ASSERT_TRUE(checked) << to_line(checked.error());
@@ -431,18 +431,18 @@ TEST(Smoothing, ComesNoNearerToARidge) {
   const auto made = PoseCheck::create(problem);
   ASSERT_TRUE(made) << to_line(made.error());
   const voxplan::Way way{at(-0.045, 0.04), at(-0.045, 0.075), at(0.045, 0.075), at(0.045, 0.04)};
-  const auto least_m = [&](const voxplan::Way& of) {
-    double least = 1;
+  const auto min_m = [&](const voxplan::Way& of) {
+    double smallest = 1;
     for (const Pose& pose : voxplan::with_more_poses(problem, of, 0.2 * kS)) {
-      least = std::min(least, (*made)->clearance_m(pose));
+      smallest = std::min(smallest, (*made)->clearance_m(pose));
     }
-    return least;
+    return smallest;
   };
   const voxplan::Way fine = voxplan::with_more_poses(problem, way, 2 * kS);
   const auto smooth = voxplan::smoothed(problem, {{}, fine});
   ASSERT_TRUE(smooth) << to_line(smooth.error());
-  EXPECT_GT(least_m(fine), 0.015);
-  EXPECT_GE(least_m(smooth->front().beyond), least_m(fine) - 0.1 * kS);
+  EXPECT_GT(min_m(fine), 0.015);
+  EXPECT_GE(min_m(smooth->front().beyond), min_m(fine) - 0.1 * kS);
   EXPECT_LT(sharpest_rad(problem, smooth->front().beyond), 0.1);
 }
 

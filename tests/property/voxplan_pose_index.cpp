@@ -64,11 +64,11 @@ INSTANTIATE_TEST_SUITE_P(Targets, PoseIndexOfTarget,
 Pose any(Random& random, double side_m) {
   const glm::dvec3 position_m(random.between(-side_m, side_m), random.between(-side_m, side_m),
                               random.between(-side_m, side_m));
-  return {position_m, random.share() < 0.5 ? glm::dquat(1, 0, 0, 0) : random.orientation()};
+  return {position_m, random.fraction() < 0.5 ? glm::dquat(1, 0, 0, 0) : random.orientation()};
 }
 
 Pose beside(const Pose& pose, double length_m, Random& random) {
-  return {pose.position_m + length_m * random.share() * random.direction(),
+  return {pose.position_m + length_m * random.fraction() * random.direction(),
           glm::normalize(coupling::rotation_by(random.direction() * (length_m * random.normal())) *
                          pose.orientation)};
 }
@@ -81,7 +81,7 @@ TEST_P(PoseIndexOfTarget, FindsWhatALinearSearchFinds) {
     int differ = 0;
     for (int n = 0; n < 3000; ++n) {
       const Pose& old = trees.states[random.below(trees.states.size())].pose;
-      const double kind = random.share();
+      const double kind = random.fraction();
       const Pose asked = kind < 0.4   ? any(random, side_m)
                          : kind < 0.8 ? beside(old, std::pow(10, random.between(-9, -1)), random)
                                       : old;
@@ -89,7 +89,7 @@ TEST_P(PoseIndexOfTarget, FindsWhatALinearSearchFinds) {
       differ += trees.agree({asked.position_m, -asked.orientation}) ? 0 : 1;
       // Some are added while the same pose is asked for again and again.
       for (std::size_t more = random.below(3); more > 0; --more) {
-        trees.add(random.share() < 0.9 ? beside(asked, 0.01, random) : asked);
+        trees.add(random.fraction() < 0.9 ? beside(asked, 0.01, random) : asked);
         differ += trees.agree(asked) ? 0 : 1;
       }
     }

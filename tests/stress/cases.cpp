@@ -82,9 +82,9 @@ std::shared_ptr<const BakedPart> some_part(Random& random, double s = kS) {
 
 // From one pose to another between two times, still before and after.
 Pose glide(const Pose& a, const Pose& b, double from_s, double to_s, double t_s) {
-  const double share = std::clamp((t_s - from_s) / (to_s - from_s), 0.0, 1.0);
-  return {glm::mix(a.position_m, b.position_m, share),
-          glm::slerp(a.orientation, b.orientation, share)};
+  const double fraction = std::clamp((t_s - from_s) / (to_s - from_s), 0.0, 1.0);
+  return {glm::mix(a.position_m, b.position_m, fraction),
+          glm::slerp(a.orientation, b.orientation, fraction)};
 }
 
 // Plane through the frame's origin, free above (z > 0).
@@ -331,8 +331,8 @@ std::function<Pose(double)> wandering(Random& random, const Pose& about, double 
   };
   std::vector<Wave> waves;
   for (int i = 0; i < 6; ++i) {
-    const double share = i / 5.0;
-    const double hz = slowest_hz * std::pow(fastest_hz / slowest_hz, share);
+    const double fraction = i / 5.0;
+    const double hz = slowest_hz * std::pow(fastest_hz / slowest_hz, fraction);
     const double size = std::pow(0.6, i);
     waves.push_back({hz, uniform(random, 0, 2 * M_PI), random_direction(random) * reach_m * size,
                      random_direction(random) * turn_rad * size});
@@ -388,9 +388,9 @@ Trial nut_on_bolt(std::uint64_t seed) {
   trial.duration_s = 3;
   const double turns = uniform(random, 0.3, 1.2), pull = uniform(random, -1, 1) * 0.004;
   trial.target = [=](double t) {
-    const double share = std::clamp((t - 0.2) / 2.2, 0.0, 1.0);
-    const double angle = 2 * M_PI * turns * share;
-    return frame * Pose{{0, 0, kPitch * (0.5 + turns * share) + pull * share},
+    const double fraction = std::clamp((t - 0.2) / 2.2, 0.0, 1.0);
+    const double angle = 2 * M_PI * turns * fraction;
+    return frame * Pose{{0, 0, kPitch * (0.5 + turns * fraction) + pull * fraction},
                         coupling::rotation_by({0, 0, angle})};
   };
   return trial;

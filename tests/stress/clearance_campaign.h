@@ -31,7 +31,7 @@ std::vector<JudgedPose> judge_scene(const ClearanceScene& scene, std::uint64_t s
 
 // Percentiles of a sample.
 struct Spread {
-  double median = 0, high = 0, most = 0;  // 50th and 99th percentile
+  double median = 0, high = 0, largest = 0;  // 50th and 99th percentile
 };
 Spread spread_of(std::vector<double> sample);
 

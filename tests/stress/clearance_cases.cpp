@@ -94,10 +94,10 @@ FilePair resized(FilePair pair, double scene_m, double part_m) {
 }
 
 // At a voxel size between two, turned at random.
-ClearanceScene placed(const FilePair& pair, std::uint64_t seed, double least_m, double most_m) {
+ClearanceScene placed(const FilePair& pair, std::uint64_t seed, double min_m, double max_m) {
   Random random(seed);
   ClearanceScene scene;
-  scene.voxel_size_m = least_m * std::pow(most_m / least_m, uniform(random, 0, 1));
+  scene.voxel_size_m = min_m * std::pow(max_m / min_m, uniform(random, 0, 1));
   const Pose pose{scene.voxel_size_m * uniform(random, -50, 50) * random_direction(random),
                   random_orientation(random)};
   for (const mesh::Mesh& object : pair.objects) append(scene.objects.emplace_back(), object, pose);

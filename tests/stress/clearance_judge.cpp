@@ -29,9 +29,9 @@ ClearanceJudge::ClearanceJudge(std::span<const mesh::Mesh> objects, const mesh::
 }
 
 double ClearanceJudge::exact_m(const glm::dvec3& world_m) const {
-  double least = 1e300;
-  for (const PointDistance& object : objects_) least = std::min(least, object.at(world_m));
-  return least;
+  double smallest = 1e300;
+  for (const PointDistance& object : objects_) smallest = std::min(smallest, object.at(world_m));
+  return smallest;
 }
 
 JudgedClearance ClearanceJudge::judge(const Pose& world_from_part,

@@ -39,7 +39,7 @@ TEST_P(Clearance, IsNeverAboveTheExactDistanceAndNotFarBelow) {
       "%zu poses; %llu from 1.2 voxels to the band's end: slack in voxels median %.3f, 99%% %.3f, "
       "most %.3f; nearest object right %llu of %llu\n",
       poses.size(), static_cast<unsigned long long>(band.poses), band.slack.median, band.slack.high,
-      band.slack.most, static_cast<unsigned long long>(objects.right),
+      band.slack.largest, static_cast<unsigned long long>(objects.right),
       static_cast<unsigned long long>(objects.right + objects.wrong));
   ASSERT_GT(band.poses, 200u);
   EXPECT_LE(band.slack.median, 0.4);

@@ -106,16 +106,16 @@ struct Strike {
   double begin_s, strike_s, slide_s;
 };
 
-// Rest to rest with the smoothest speed: share of the way at a share of the time. Its peak speed is
-// 15/8 of the mean.
-double smooth(double share) {
-  const double t = std::clamp(share, 0.0, 1.0);
+// Rest to rest with the smoothest speed: fraction of the way at a fraction of the time. Its peak
+// speed is 15/8 of the mean.
+double smooth(double fraction) {
+  const double t = std::clamp(fraction, 0.0, 1.0);
   return t * t * t * (10 + t * (6 * t - 15));
 }
 
-Pose between(const Pose& a, const Pose& b, double share) {
-  return {glm::mix(a.position_m, b.position_m, share),
-          glm::slerp(a.orientation, b.orientation, share)};
+Pose between(const Pose& a, const Pose& b, double fraction) {
+  return {glm::mix(a.position_m, b.position_m, fraction),
+          glm::slerp(a.orientation, b.orientation, fraction)};
 }
 
 Pose at(const Strike& strike, double t_s) {

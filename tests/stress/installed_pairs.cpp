@@ -24,8 +24,8 @@ class Random {
   glm::dvec3 vector(double size) {
     return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
   }
-  glm::dquat turn(double most_rad) {
-    return coupling::rotation_by(glm::normalize(vector(1)) * uniform(0, most_rad));
+  glm::dquat turn(double max_rad) {
+    return coupling::rotation_by(glm::normalize(vector(1)) * uniform(0, max_rad));
   }
 
  private:

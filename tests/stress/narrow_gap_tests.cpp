@@ -193,14 +193,14 @@ std::string table_of(const std::vector<Row>& rows) {
 
 // Rooms of 0.5 to 6 voxels by half a voxel; `fine`: by a tenth where some pass and some do not.
 Row measure(const Bake& bake, Shape shape, int settings, bool fine) {
-  constexpr int kMostTenths = 60, kLeastTenths = 5;
+  constexpr int kMaxTenths = 60, kMinTenths = 5;
   Row row{bake.name, bake.covering, shape};
   std::vector<std::shared_ptr<const BakedPart>> parts;
   for (int seed = 1; seed <= settings; ++seed) {
     parts.push_back(std::make_shared<const BakedPart>(part_of(shape, setting_of(seed)), kVoxelSizeM,
                                                       bake.covering * kVoxelSizeM));
   }
-  int most_failed = 0, least_passed = kMostTenths + 1;  // tenths
+  int max_failed = 0, min_passed = kMaxTenths + 1;  // tenths
   const auto try_room = [&](int tenths) {
     for (int seed = 1; seed <= settings; ++seed) {
       SCOPED_TRACE(::testing::Message() << bake.name << ", " << name_of(shape) << ", seed " << seed
@@ -212,21 +212,21 @@ Row measure(const Bake& bake, Shape shape, int settings, bool fine) {
       row.guaranteed = std::min(row.guaranteed, outcome.guaranteed);
       row.nearest = std::min(row.nearest, outcome.nearest);
       if (outcome.passed) {
-        least_passed = std::min(least_passed, tenths);
+        min_passed = std::min(min_passed, tenths);
       } else {
-        most_failed = std::max(most_failed, tenths);
+        max_failed = std::max(max_failed, tenths);
       }
     }
   };
-  for (int tenths = kLeastTenths; tenths <= kMostTenths; tenths += 5) try_room(tenths);
+  for (int tenths = kMinTenths; tenths <= kMaxTenths; tenths += 5) try_room(tenths);
   if (fine) {
-    const int from = least_passed - 4, to = most_failed + 4;
-    for (int tenths = from; tenths <= std::min(to, kMostTenths); ++tenths) {
+    const int from = min_passed - 4, to = max_failed + 4;
+    for (int tenths = from; tenths <= std::min(to, kMaxTenths); ++tenths) {
       if (tenths % 5 != 0) try_room(tenths);
     }
   }
-  row.all_pass = (most_failed + (fine ? 1 : 5)) / 10.0;
-  row.some_pass = least_passed / 10.0;
+  row.all_pass = (max_failed + (fine ? 1 : 5)) / 10.0;
+  row.some_pass = min_passed / 10.0;
   return row;
 }
 

@@ -34,10 +34,10 @@ TEST(Path, ClearanceIsNeverAboveTheExactDistanceAndEveryPlantedViolationIsFound)
   const Spread spread = spread_of(alone);
   std::printf(
       "%zu poses: slack median %.2f, 99%% %.2f, most %.2f voxels; %llu of %llu planted found\n",
-      alone.size(), spread.median, spread.high, spread.most, static_cast<unsigned long long>(found),
-      static_cast<unsigned long long>(planted));
+      alone.size(), spread.median, spread.high, spread.largest,
+      static_cast<unsigned long long>(found), static_cast<unsigned long long>(planted));
   EXPECT_LT(spread.median, 0.6);
-  EXPECT_LT(spread.most, 1.5);
+  EXPECT_LT(spread.largest, 1.5);
 }
 
 }  // namespace

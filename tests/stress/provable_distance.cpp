@@ -82,9 +82,9 @@ bool ProvableDistance::is_cropped(const glm::dvec3& voxel) const {
 // The lower bound of a center: 0 where there is none.
 double ProvableDistance::code_m(const glm::dvec3& voxel) const {
   if (is_cropped(voxel)) return 0;
-  return std::max(0.0, voxmap_.least_distance_m(static_cast<std::int64_t>(voxel.x),
-                                                static_cast<std::int64_t>(voxel.y),
-                                                static_cast<std::int64_t>(voxel.z)));
+  return std::max(0.0, voxmap_.min_distance_m(static_cast<std::int64_t>(voxel.x),
+                                              static_cast<std::int64_t>(voxel.y),
+                                              static_cast<std::int64_t>(voxel.z)));
 }
 
 // World places of all shell points.
@@ -115,10 +115,10 @@ double ProvableDistance::by_cell_m(const glm::dvec3& world_m) const {
   double squared = -s * s * (t.x * (1 - t.x) + t.y * (1 - t.y) + t.z * (1 - t.z));
   for (int n = 0; n < 8; ++n) {
     const glm::ivec3 corner(n & 1, n >> 1 & 1, n >> 2);
-    const glm::dvec3 share = glm::mix(1.0 - t, t, glm::dvec3(corner));
+    const glm::dvec3 fraction = glm::mix(1.0 - t, t, glm::dvec3(corner));
     const glm::dvec3 center = low + glm::dvec3(corner);
-    const double least_m = code_m(center);
-    squared += share.x * share.y * share.z * least_m * least_m;
+    const double min_m = code_m(center);
+    squared += fraction.x * fraction.y * fraction.z * min_m * min_m;
   }
   return std::sqrt(std::max(0.0, squared));
 }
@@ -150,12 +150,12 @@ double ProvableDistance::of_part_m(const Pose& world_from_part) const {
   }
   std::sort(places.begin(), places.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
-  double least_m = 1e300;
+  double min_m = 1e300;
   for (const auto& [by_cell, place_m] : places) {
-    if (by_cell >= least_m) break;
-    least_m = std::min(least_m, std::max(by_cell, of_place_m(place_m)));
+    if (by_cell >= min_m) break;
+    min_m = std::min(min_m, std::max(by_cell, of_place_m(place_m)));
   }
-  const double proven_m = surface_distance_bound_m(shell_.surface_distance_terms(), least_m);
+  const double proven_m = surface_distance_bound_m(shell_.surface_distance_terms(), min_m);
   return std::max(
       0.0, proven_m - voxmap_.header().static_deviation_m - shell_.header().part_deviation_m);
 }

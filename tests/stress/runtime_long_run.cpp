@@ -152,10 +152,10 @@ void expect_steady(Model model) {
   const LongRun second = run(model, frames);
   EXPECT_EQ(first.hash, second.hash);
   // The error at home does not grow with the way there: the same bounds after shorter ones.
-  for (const std::uint64_t share : {1000, 100, 10}) {
-    const LongRun shorter = run(model, frames / share);
+  for (const std::uint64_t fraction : {1000, 100, 10}) {
+    const LongRun shorter = run(model, frames / fraction);
     std::printf("home after %.3g frames: %.2g m, %.2g rad\n",
-                static_cast<double>(frames) / static_cast<double>(share), shorter.home_error_m,
+                static_cast<double>(frames) / static_cast<double>(fraction), shorter.home_error_m,
                 shorter.home_error_rad);
     EXPECT_LT(shorter.home_error_m, kHomeM);
     EXPECT_LT(shorter.home_error_rad, kHomeRad);

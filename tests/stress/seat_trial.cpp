@@ -286,8 +286,8 @@ class SeatTrial {
     constexpr int kFrames = 1000;
     for (int i = 0; i <= 2 * kFrames + 500; ++i) {
       Pose handle = start_;
-      const double share = i < kFrames ? i / double{kFrames} : 2 - i / double{kFrames};
-      handle.position_m += std::max(0.0, share) * way;
+      const double fraction = i < kFrames ? i / double{kFrames} : 2 - i / double{kFrames};
+      handle.position_m += std::max(0.0, fraction) * way;
       step_to(handle);
       if (i % kDepthEvery == 0) see_depth(out);
       if (state_.seat == kSeatClosed) return;

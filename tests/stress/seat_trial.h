@@ -19,7 +19,7 @@ struct SeatOutcome {
   double still_force_n = 0;
   double depth = 0;       // the most that the part's surface was in the scene, beyond the start
   double edge_depth = 0;  // the same of the scene's sharp edges in the part
-  double touching = 0;    // share of the poses under random hands in which the meshes meet (FCL)
+  double touching = 0;    // fraction of the poses under random hands in which the meshes meet (FCL)
   bool came_out = false;
   bool tried_back = false;  // the seat was open still
   bool went_back = false;

@@ -84,8 +84,8 @@ TEST(PathDistance, FindsTheSmallestOfAllPoses) {
     Pose pose = start;
     for (int i = 0; i < 300; ++i) {
       if (seed % 2 == 0) {
-        const double share = 1 - std::abs(i - 150) / 150.0;
-        pose.position_m = start.position_m + share * (goal - start.position_m);
+        const double fraction = 1 - std::abs(i - 150) / 150.0;
+        pose.position_m = start.position_m + fraction * (goal - start.position_m);
       } else {
         pose.position_m += 0.05 * (goal - pose.position_m) + vector(step_m);
         pose.orientation =
@@ -236,10 +236,10 @@ TEST_P(EveryKind, APressHoldsFifteenNewtonsWithEveryVoxelSize) {
 // covering begins farther out: 4 of 240 hands, which set off all at once, reach it while the part
 // still catches up, and get 4 uJ to 0.35 mJ of its kinetic energy before anything touches.
 TEST_P(EveryKind, ASlowHandIsGivenNothing) {
-  const double most_j = GetParam() == test::VoxelKind::kCovered ? 1e-3 : 1e-6;
+  const double max_j = GetParam() == test::VoxelKind::kCovered ? 1e-3 : 1e-6;
   for (const char* name : {"press-hold", "wedge", "sphere-in-cone"}) {
     for (std::uint64_t seed = 1; seed <= trials(4); ++seed) {
-      EXPECT_LT(run_here(case_named(name).make(seed)).generated_j, most_j)
+      EXPECT_LT(run_here(case_named(name).make(seed)).generated_j, max_j)
           << name << " seed " << seed;
     }
   }

@@ -118,7 +118,8 @@ class SlideWatch {
   void report(Metrics& metrics) const {
     if (frames_ < 2) return;
     metrics.progress.push_back((last_m_ - first_m_) / (last_goal_m_ - first_goal_m_));
-    metrics.stuck_share.push_back(static_cast<double>(stuck_) / static_cast<double>(frames_ - 1));
+    metrics.stuck_fraction.push_back(static_cast<double>(stuck_) /
+                                     static_cast<double>(frames_ - 1));
   }
 
  private:
@@ -254,7 +255,7 @@ void Metrics::add(const Metrics& other) {
   guaranteed_m = std::min(guaranteed_m, other.guaranteed_m);
   for (auto member : {&Metrics::rest_force_n, &Metrics::cycle_voxels, &Metrics::cycle_force_n,
                       &Metrics::settle_s, &Metrics::swing_third_voxels, &Metrics::swing_last_voxels,
-                      &Metrics::progress, &Metrics::stuck_share}) {
+                      &Metrics::progress, &Metrics::stuck_fraction}) {
     const auto& from = other.*member;
     (this->*member).insert((this->*member).end(), from.begin(), from.end());
   }

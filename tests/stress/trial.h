@@ -69,7 +69,7 @@ struct Metrics {
   std::vector<double> swing_third_voxels;  // peak to peak in the third quarter of the hold
   std::vector<double> swing_last_voxels;   // the same in the last
   std::vector<double> progress;            // tangential, of the handle's
-  std::vector<double> stuck_share;         // of the sliding frames: below 5% of the handle's speed
+  std::vector<double> stuck_fraction;      // of the sliding frames: below 5% of the handle's speed
 
   double penetration_ratio() const {
     return force_layer_frames == 0

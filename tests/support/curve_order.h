@@ -16,8 +16,8 @@ std::vector<std::uint32_t> curve_order(const std::vector<Point>& points, double 
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     std::uint32_t code = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const double share = points[i][axis] / radius * 0.499 + 0.5;
-      const auto cell = static_cast<std::uint32_t>(share * 1023);
+      const double fraction = points[i][axis] / radius * 0.499 + 0.5;
+      const auto cell = static_cast<std::uint32_t>(fraction * 1023);
       for (std::uint32_t bit = 0; bit < 10; ++bit) code |= ((cell >> bit) & 1u) << (3 * bit + axis);
     }
     codes.emplace_back(code, i);

@@ -104,7 +104,7 @@ class GoldenDistances {
       const auto farthest = static_cast<std::uint32_t>(std::max({x, y, z}));
       add_entry(values_, n, uniform_entry(0, 64 * farthest - 7),
                 uniform_entry(0, 8 * farthest - 7));
-      add_entry(distances_, n, uniform_entry(kMostDistanceCode), uniform_entry(kMostDistanceCode));
+      add_entry(distances_, n, uniform_entry(kMaxDistanceCode), uniform_entry(kMaxDistanceCode));
       add_entry(objects_, n, uniform_entry(0), uniform_entry(0));
     }
   }

@@ -112,7 +112,7 @@ inline double swing_steps(HeldPart& held, const devices::SimHandParameters& hand
 struct Creep {
   double rest_s = 0;                // until then; infinite where it takes more than ten minutes
   double way_rad = 0, net_rad = 0;  // along the way, and from its beginning to its end
-  double least_nm = INFINITY, most_nm = 0;  // of the motors' torque while it moves
+  double min_nm = INFINITY, max_nm = 0;  // of the motors' torque while it moves
 };
 
 inline Creep creep(HeldPart& held) {
@@ -120,8 +120,8 @@ inline Creep creep(HeldPart& held) {
   const Pose first = held.device().pose();
   glm::dquat last = first.orientation;
   int still = 0, frame = 0;
-  constexpr int kStill = 1000, kMost = 600'000;
-  for (; frame < kMost && still < kStill; ++frame) {
+  constexpr int kStill = 1000, kMax = 600'000;
+  for (; frame < kMax && still < kStill; ++frame) {
     const double torque_nm = glm::length(held.tick().device_wrench.torque_nm);
     const glm::dquat now = held.device().pose().orientation;
     const double turned_rad = glm::length(coupling::rotation_vector(now * glm::conjugate(last)));
@@ -129,8 +129,7 @@ inline Creep creep(HeldPart& held) {
     out.way_rad += turned_rad;
     still = turned_rad > 1e-12 ? 0 : still + 1;
     if (still > 0) continue;
-    out.least_nm = std::min(out.least_nm, torque_nm),
-    out.most_nm = std::max(out.most_nm, torque_nm);
+    out.min_nm = std::min(out.min_nm, torque_nm), out.max_nm = std::max(out.max_nm, torque_nm);
   }
   out.rest_s = still < kStill ? INFINITY : (frame - kStill) * held.servo().dt_s();
   out.net_rad = glm::length(coupling::rotation_vector(last * glm::conjugate(first.orientation)));

@@ -51,9 +51,9 @@ inline mesh::Mesh cube() {
   return mesh;
 }
 
-// A soup of up to `most` triangles over up to 30 vertices: degenerate and duplicate ones included,
-// coordinates of all magnitudes, exact as 32-bit floats.
-inline mesh::Mesh random_soup(std::mt19937_64& random, std::size_t most = 40) {
+// A soup of up to `largest` triangles over up to 30 vertices: degenerate and duplicate ones
+// included, coordinates of all magnitudes, exact as 32-bit floats.
+inline mesh::Mesh random_soup(std::mt19937_64& random, std::size_t largest = 40) {
   mesh::Mesh mesh;
   const std::size_t vertices = 3 + random() % 28;
   std::uniform_real_distribution<double> mantissa(-1, 1);
@@ -64,7 +64,7 @@ inline mesh::Mesh random_soup(std::mt19937_64& random, std::size_t most = 40) {
       coordinate = static_cast<float>(std::ldexp(mantissa(random), exponent));
     }
   }
-  const std::size_t triangles = 1 + random() % most;
+  const std::size_t triangles = 1 + random() % largest;
   for (std::size_t i = 0; i < triangles; ++i) {
     const auto corner = [&] { return static_cast<std::uint32_t>(random() % vertices); };
     mesh.triangles.push_back({corner(), corner(), corner()});

@@ -21,15 +21,15 @@ struct MeshScene {
   }
 };
 
-// Up to `most` objects of up to `extent` voxels, around a place where blocks, nodes and bricks meet
-// more often than not.
-inline MeshScene random_scene(Random& random, double extent, std::int64_t most) {
+// Up to `largest` objects of up to `extent` voxels, around a place where blocks, nodes and bricks
+// meet more often than not.
+inline MeshScene random_scene(Random& random, double extent, std::int64_t largest) {
   MeshScene scene;
   mesh::Vec3d place;
   for (double& x : place) {
     x = static_cast<double>(whole(random, -3, 3) * 512 + whole(random, -8, 8));
   }
-  for (std::int64_t n = whole(random, 1, most); n > 0; --n) {
+  for (std::int64_t n = whole(random, 1, largest); n > 0; --n) {
     mesh::Vec3d center = place;
     for (double& x : center) x += real(random, -extent / 3, extent / 3);
     scene.meshes.push_back(random_object(random, center, real(random, 1, extent)));

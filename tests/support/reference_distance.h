@@ -36,18 +36,19 @@ inline double point_distance(const lattice::LatticeTriangle& triangle, const Poi
     const Point away = minus(p, between(from, to, t));
     return std::sqrt(dot(away, away));
   };
-  double least = std::min({from_edge(a, b), from_edge(b, c), from_edge(c, a)});
+  double smallest = std::min({from_edge(a, b), from_edge(b, c), from_edge(c, a)});
   const Point u = minus(b, a), v = minus(c, a), w = minus(p, a);
   const Point n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
   const double n2 = dot(n, n);
-  if (n2 == 0) return least;
+  if (n2 == 0) return smallest;
   const auto cross_dot = [&](const Point& x, const Point& y) {
     return n[0] * (x[1] * y[2] - x[2] * y[1]) + n[1] * (x[2] * y[0] - x[0] * y[2]) +
            n[2] * (x[0] * y[1] - x[1] * y[0]);
   };
   const double s = cross_dot(w, v) / n2, t = cross_dot(u, w) / n2;
-  if (s >= 0 && t >= 0 && s + t <= 1) least = std::min(least, std::abs(dot(n, w)) / std::sqrt(n2));
-  return least;
+  if (s >= 0 && t >= 0 && s + t <= 1)
+    smallest = std::min(smallest, std::abs(dot(n, w)) / std::sqrt(n2));
+  return smallest;
 }
 
 inline Point center_of(const lattice::VoxelIndex& v) {
@@ -79,9 +80,10 @@ inline DenseGrid euclidean_scene(const std::vector<LatticeMesh>& meshes,
     for (const lattice::LatticeTriangle& triangle : mesh) {
       lattice::VoxelIndex low, high;
       for (std::size_t d = 0; d < 3; ++d) {
-        const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-        low[d] = (least >> lattice::kSnapBits) - layers;
-        high[d] = (most >> lattice::kSnapBits) + layers;
+        const auto [smallest, largest] =
+            std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+        low[d] = (smallest >> lattice::kSnapBits) - layers;
+        high[d] = (largest >> lattice::kSnapBits) + layers;
       }
       DenseGrid(low, high).for_each([&](const lattice::VoxelIndex& v) {
         if (values.at(v) == 0 && is_near(triangle, v, interior_radius(layers))) values.at(v) = 1;

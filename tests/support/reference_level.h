@@ -41,8 +41,8 @@ struct TwinPush {
 
 namespace detail {
 
-// a + share * (b - a), the product rounded to the nearest, `share` in 2^-15.
-inline int mix(int a, int b, int share) { return a + (((b - a) * share + 0x4000) >> 15); }
+// a + fraction * (b - a), the product rounded to the nearest, `fraction` in 2^-15.
+inline int mix(int a, int b, int fraction) { return a + (((b - a) * fraction + 0x4000) >> 15); }
 
 // Trilinear between eight corners (4 x + 2 y + z): y and x in integers of 1/1024, z in floats.
 inline float trilinear(const std::array<int, 8>& c, const std::array<float, 3>& f) {

@@ -47,11 +47,11 @@ inline TopoDS_Face face_between(const TopoDS_Edge& a, const TopoDS_Edge& b) {
 // at some deflections their polygons cross, and OpenCASCADE gives top and bottom no triangles.
 inline TopoDS_Shape crescent(const std::array<double, 3>& y, const std::array<double, 3>& move_x,
                              double move_y) {
-  const auto edge = [&](double share) {
+  const auto edge = [&](double fraction) {
     std::vector<gp_Pnt> poles{{0, 0, 0}};
     for (std::size_t i = 0; i < 3; ++i) {
-      poles.emplace_back(25.0 * static_cast<double>(i + 1) + share * move_x[i],
-                         y[i] + share * move_y, 0);
+      poles.emplace_back(25.0 * static_cast<double>(i + 1) + fraction * move_x[i],
+                         y[i] + fraction * move_y, 0);
     }
     poles.emplace_back(100, 0, 0);
     return bezier_edge(poles);

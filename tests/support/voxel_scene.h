@@ -76,7 +76,7 @@ struct VoxelScene {
   // The stored distance, as far as codes go outside the box.
   std::uint32_t code_at(const Voxel& v) const {
     const std::int64_t index = index_of(v);
-    return index < 0 ? kMostDistanceCode : codes[static_cast<std::size_t>(index)];
+    return index < 0 ? kMaxDistanceCode : codes[static_cast<std::size_t>(index)];
   }
 
  private:
@@ -263,7 +263,7 @@ class SceneFile {
       : scene_(scene), occupied_(occupied_bricks(scene)), values_(tree_of_values()) {
     if (scene.has_distances()) {
       distances_.emplace(
-          scene, kDistanceBits, kMostDistanceCode, [&](const Voxel& v) { return scene.code_at(v); },
+          scene, kDistanceBits, kMaxDistanceCode, [&](const Voxel& v) { return scene.code_at(v); },
           [](std::uint32_t code, const Voxel&, std::int64_t) { return uniform_entry(code); });
     }
   }
@@ -394,7 +394,7 @@ inline Voxmap make_voxmap_of_objects(const VoxelScene& scene, const std::vector<
       scene, kObjectBits, 0,
       [&](const Voxel& v) -> std::uint32_t {
         const std::uint32_t code = scene.code_at(v);
-        return code == 0 || code == kMostDistanceCode ? 0 : object_at(v);
+        return code == 0 || code == kMaxDistanceCode ? 0 : object_at(v);
       },
       [](std::uint32_t object, const Voxel&, std::int64_t) { return uniform_entry(object); });
   content.objects = objects.content();

@@ -280,16 +280,16 @@ TEST(Path, AStepOfHalfATurnIsRefusedButWhereTheNumbersStartAnew) {
     b[random() % 3] += 180.0 * (static_cast<double>(random() % 5) - 2);
     if (random() % 2 == 0) b = {b[0] + 180, 180 - b[1], b[2] - 180};  // the same, otherwise
     const Matrix from = matrix_of(a), to = matrix_of(b);
-    double trace = 0, most_deg = 0;
+    double trace = 0, max_deg = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      most_deg = std::max(most_deg, std::abs(b[i] - a[i]));
+      max_deg = std::max(max_deg, std::abs(b[i] - a[i]));
       for (std::size_t j = 0; j < 3; ++j) trace += from[i][j] * to[i][j];
     }
     const double angle_deg = std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / M_PI;
-    const bool wanted = most_deg < 180 || (most_deg < 360 && angle_deg <= 90);
-    EXPECT_EQ(read(a, b).ok(), wanted) << "seed " << seed << ": " << most_deg << ", " << angle_deg;
+    const bool wanted = max_deg < 180 || (max_deg < 360 && angle_deg <= 90);
+    EXPECT_EQ(read(a, b).ok(), wanted) << "seed " << seed << ": " << max_deg << ", " << angle_deg;
     refused += !wanted;
-    anew += wanted && most_deg >= 180;
+    anew += wanted && max_deg >= 180;
   }
   EXPECT_GT(refused, 40);
   EXPECT_GT(anew, 40);
@@ -448,7 +448,7 @@ TEST(Path, FactsAreThoseOfAPoint) {
   EXPECT_EQ(path_facts(rows).way_m, 0);
   const auto facts = path_facts(rows, {2, 0, 1});
   EXPECT_NEAR(facts.way_m, 2 * std::sqrt(2), 1e-15);
-  EXPECT_NEAR(facts.most_mps, 2 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(facts.max_mps, 2 * std::sqrt(2), 1e-15);
   EXPECT_NEAR(facts.high_m[0], 2, 1e-15);
   EXPECT_NEAR(facts.high_m[1], 2, 1e-15);
   EXPECT_EQ(facts.low_m[2], 1);

@@ -26,13 +26,13 @@ struct Surface {
 
   // The distance that points at `m` prove of the whole surface, place by place.
   double distance(double m) const {
-    double least = 1e300;
+    double smallest = 1e300;
     for (const auto& pairs : places) {
       double best = 0;
       for (const Pair& pair : pairs) best = std::max(best, proven_by(pair, m));
-      least = std::min(least, best);
+      smallest = std::min(smallest, best);
     }
-    return least;
+    return smallest;
   }
 };
 
@@ -129,7 +129,7 @@ TEST(SurfaceDistance, GrowsAndHasAnInverse) {
       before = bound;
     }
     for (double wanted = 0; wanted < 4; wanted += 0.013) {
-      const double needed = least_point_distance_for_m(claim.terms, wanted);
+      const double needed = min_point_distance_for_m(claim.terms, wanted);
       ASSERT_GE(surface_distance_bound_m(claim.terms, needed), wanted);
       if (wanted > 0) {
         ASSERT_LT(surface_distance_bound_m(claim.terms, needed * (1 - 1e-6)), wanted);

@@ -94,9 +94,9 @@ TEST_F(SceneOfNodes, AreReadAheadFileByFile) {
     write_file(paths.back(), as_glb(gltf_json(cube(), kNodes), gltf_binary(cube())));
   }
   inputs = {paths[0], paths[1], paths[0], paths[1], paths[2] + "#a", paths[2] + "#c"};
-  std::vector<double> shares;
+  std::vector<double> fractions;
   std::vector<std::string> listed;
-  reading_.progress = [&](double share) { shares.push_back(share); };
+  reading_.progress = [&](double fraction) { fractions.push_back(fraction); };
   reading_.read_ahead = [&](std::span<const mesh::FileToRead> files) {
     for (const mesh::FileToRead& file : files) listed.push_back(file.path);
     EXPECT_EQ(files.back().options.nodes, (std::vector<std::string>{"a", "c"}));
@@ -107,9 +107,9 @@ TEST_F(SceneOfNodes, AreReadAheadFileByFile) {
   };
   ASSERT_EQ(names(inputs).size(), 18u);
   EXPECT_EQ(listed, paths);
-  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
-  EXPECT_NEAR(shares.front(), 1.0 / 6, 1e-12);
-  EXPECT_NEAR(shares.back(), 1, 1e-12);
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  EXPECT_NEAR(fractions.front(), 1.0 / 6, 1e-12);
+  EXPECT_NEAR(fractions.back(), 1, 1e-12);
   for (const std::string& path : paths) EXPECT_EQ(reads_[path], 1);
 }
 

@@ -414,12 +414,12 @@ TEST_P(CInterface, RefusesDamagedFilesAndThoseWithoutAGuarantee) {
   EXPECT_EQ(refusal("floor.vox", "ball.pshell"), "");
   for (const char* name : {"floor.vox", "ball.pshell"}) {
     const std::string whole = bytes_of(file(name));
-    for (const double share : {0.55, 0.75, 0.95}) {
+    for (const double fraction : {0.55, 0.75, 0.95}) {
       std::string rotten = whole;
-      rotten[static_cast<std::size_t>(share * static_cast<double>(whole.size()))] ^= 1;
+      rotten[static_cast<std::size_t>(fraction * static_cast<double>(whole.size()))] ^= 1;
       std::ofstream(file(name), std::ios::binary) << rotten;
       EXPECT_NE(refusal("floor.vox", "ball.pshell").find("damaged"), std::string::npos)
-          << name << " at " << share << ": " << error;
+          << name << " at " << fraction << ": " << error;
     }
     std::ofstream(file(name), std::ios::binary) << whole;
   }
@@ -551,7 +551,7 @@ class ServoThread {
       ++jumps;
       since_jump_ = 0;
     }
-    // A ramp over 200 ms from zero, whatever is felt: at most its share of 15 N.
+    // A ramp over 200 ms from zero, whatever is felt: at most its fraction of 15 N.
     if (since_jump_ < 100 && now_n > 15 * since_jump_ / 200.0 + 1e-9) ++blows;
     force_n = now_n;
     part_z_m = z_m;

@@ -49,8 +49,8 @@ TEST(DefaultModel, APressOfTheDevicesForceHoldsWithEveryVoxelSize) {
     StepResult result;
     const double below_m = 12 * s + 0.02;  // 20 mm: far more than 15 N of stretch
     for (int frame = 0; frame < 1000; ++frame) {
-      const double share = std::min(1.0, frame / 400.0);
-      result = bench.step_to(at({0.001, 0.002, 12 * s - share * below_m}));
+      const double fraction = std::min(1.0, frame / 400.0);
+      result = bench.step_to(at({0.001, 0.002, 12 * s - fraction * below_m}));
       ASSERT_EQ(result.report.interior, 0u) << s << " frame " << frame;
     }
     EXPECT_NEAR(glm::length(result.wrench.force_n), 15, 1e-9) << s;
@@ -70,8 +70,8 @@ TEST(DefaultModel, AGentlePressIsAsStiffAsTheCoupling) {
   StepResult result;
   const double target_z_m = 6.5 * kS - 0.004;
   for (int frame = 0; frame < 2000; ++frame) {
-    const double share = std::min(1.0, frame / 400.0);
-    result = bench.step_to(at({0.001, 0.002, 12 * kS + share * (target_z_m - 12 * kS)}));
+    const double fraction = std::min(1.0, frame / 400.0);
+    result = bench.step_to(at({0.001, 0.002, 12 * kS + fraction * (target_z_m - 12 * kS)}));
   }
   const double stretch_m = bench.part().position_m.z - target_z_m;
   EXPECT_NEAR(result.wrench.force_n.z, bench.parameters().coupling_n_per_m * stretch_m, 1e-9);
@@ -185,10 +185,10 @@ TEST(DefaultModel, ARandomHandNeverGetsInsideAndReplaysBitForBit) {
     if (frame % 500 == 0) {
       goal = {random_direction(random) * uniform(random, 0, 20) * kS, random_orientation(random)};
     }
-    const double share = frame % 5000 < 100 ? 1 : 0.02;  // now and then it jumps
-    handle.position_m += share * (goal.position_m - handle.position_m);
-    handle.orientation =
-        glm::normalize(glm::slerp(handle.orientation, goal.orientation, 1.5 * share / (1 + share)));
+    const double fraction = frame % 5000 < 100 ? 1 : 0.02;  // now and then it jumps
+    handle.position_m += fraction * (goal.position_m - handle.position_m);
+    handle.orientation = glm::normalize(
+        glm::slerp(handle.orientation, goal.orientation, 1.5 * fraction / (1 + fraction)));
     const StepResult a = bench.step_to(handle), b = again.step_to(handle);
     ASSERT_EQ(a.report.interior, 0u) << frame;
     ASSERT_TRUE(finite(a)) << frame;
@@ -280,9 +280,9 @@ TEST(DefaultModel, KeepsOnlyPosesThatWereLookedUpAndClear) {
               random_orientation(random)};
     }
     Pose& handle = input.world_from_handle;
-    const double share = frame % 3000 < 100 ? 1 : 0.03;
-    handle.position_m += share * (goal.position_m - handle.position_m);
-    handle.orientation = glm::normalize(glm::slerp(handle.orientation, goal.orientation, share));
+    const double fraction = frame % 3000 < 100 ? 1 : 0.03;
+    handle.position_m += fraction * (goal.position_m - handle.position_m);
+    handle.orientation = glm::normalize(glm::slerp(handle.orientation, goal.orientation, fraction));
     const Pose before = state.world_from_center;
     watched.clear.clear();
     const StepResult result = model.step(state, input, 0.001);

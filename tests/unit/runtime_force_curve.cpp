@@ -68,10 +68,10 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     };
     const field::ForceCurve curve(voxmap);
     ASSERT_FALSE(curve.is_straight());
-    const double most_n = table.back();
+    const double max_n = table.back();
     for (int n = 0; n < 40; ++n) {
       const double depth_m = 1.3 * static_cast<double>(table.size()) * step_m * uniform(random);
-      EXPECT_NEAR(stiffness * curve.force_m(depth_m), table_n(depth_m), 1e-9 * most_n);
+      EXPECT_NEAR(stiffness * curve.force_m(depth_m), table_n(depth_m), 1e-9 * max_n);
       EXPECT_LE(curve.force_m(depth_m + 1e-5) - curve.force_m(depth_m), 1e-5 * (1 + 1e-9));
       constexpr int kStrips = 4000;
       const double strip_m = depth_m / kStrips;
@@ -79,7 +79,7 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
       for (int i = 0; i < kStrips; ++i) area_j += table_n((i + 0.5) * strip_m) * strip_m;
       // A strip with a corner in it is off by a quarter of its width times its rise.
       EXPECT_NEAR(stiffness * curve.energy_m2(depth_m), area_j,
-                  1e-9 * most_n * depth_m + 0.25 * strip_m * most_n);
+                  1e-9 * max_n * depth_m + 0.25 * strip_m * max_n);
     }
     EXPECT_EQ(curve.force_m(-0.001), -0.001);
     EXPECT_EQ(curve.force_m(0), 0);

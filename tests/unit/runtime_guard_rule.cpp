@@ -75,8 +75,8 @@ TEST(GuardRule, RoundsTheDistanceOfFreeVoxelsDown) {
   for (const VoxmapHeader& header : scenes()) {
     field::ContactSet none;
     guard::PointRule(header, true).mark_points(nullptr, none);
-    EXPECT_LE(double{none.least_distance_m}, free_distance_m(header)) << "unsafe";
-    EXPECT_GE(double{std::nextafter(none.least_distance_m, kInfinity)}, free_distance_m(header));
+    EXPECT_LE(double{none.min_distance_m}, free_distance_m(header)) << "unsafe";
+    EXPECT_GE(double{std::nextafter(none.min_distance_m, kInfinity)}, free_distance_m(header));
     EXPECT_EQ(none.nearest, field::ContactSet::kNone);
   }
 }
@@ -99,7 +99,7 @@ TEST(GuardRule, SkipsNoPoint) {
         ASSERT_EQ(set.barred, 1u) << "unsafe: point " << bad << " of " << count << " is skipped";
         for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ(set.is_barred[i] != 0, i == bad);
         ASSERT_EQ(set.nearest, bad);
-        ASSERT_EQ(set.least_distance_m, near);
+        ASSERT_EQ(set.min_distance_m, near);
         // In the interior: in a map with a standoff the distance decides alone.
         proven_m[bad] = far;
         set.value[bad] = 1;
@@ -107,7 +107,7 @@ TEST(GuardRule, SkipsNoPoint) {
         ASSERT_EQ(set.barred, layers == 0 ? 0u : 1u) << "point " << bad << " of " << count;
         by_values.mark_points(nullptr, set);
         ASSERT_EQ(set.barred, 1u) << "unsafe: point " << bad << " of " << count << " is skipped";
-        ASSERT_EQ(set.least_distance_m, 0);
+        ASSERT_EQ(set.min_distance_m, 0);
       }
     }
   }

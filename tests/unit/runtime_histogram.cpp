@@ -26,10 +26,10 @@ TEST(Histogram, QuantilesAreWithinABucketOfTheSortedOnes) {
     }
     std::sort(values.begin(), values.end());
     EXPECT_EQ(histogram.max_ns(), values.back());
-    for (const double share : {0.001, 0.5, 0.99, 0.999, 1.0}) {
-      const auto rank = static_cast<std::size_t>(std::ceil(share * 5000)) - 1;
+    for (const double fraction : {0.001, 0.5, 0.99, 0.999, 1.0}) {
+      const auto rank = static_cast<std::size_t>(std::ceil(fraction * 5000)) - 1;
       const double exact = static_cast<double>(values[rank]);
-      const double found = static_cast<double>(histogram.quantile_ns(share));
+      const double found = static_cast<double>(histogram.quantile_ns(fraction));
       EXPECT_GE(found, exact) << "seed " << seed;
       EXPECT_LE(found, exact * (1 + 1.0 / 64) + 1) << "seed " << seed;
     }

@@ -318,7 +318,7 @@ TEST(OutputStage, AReadingThatGrowsOldFades) {
   loop::OutputStage stage = armed(1);
   loop::OutputFrame f = frame(1);
   for (const auto& [age, force] : {std::pair{0.2f, 1.0}, {0.4f, 1.0}, {0.7f, 0.5}, {1.0f, 0.0}}) {
-    f.health.age_share = age;
+    f.health.age_fraction = age;
     EXPECT_NEAR(stage.pass(f, kDt).force_n.x, force, 1e-6) << age;  // the age is a float
   }
 }

@@ -116,7 +116,7 @@ TEST_P(PoseStreamOfARun, SendsSixtyASecondHoweverManyFramesAreOffered) {
 
 TEST_P(PoseStreamOfARun, SendsAsOftenAsItIsAsked) {
   const auto sim = simulation(GetParam());
-  for (const auto& [rate_hz, least, most] : {std::tuple{1e6, 10u, 10u}, {0.01, 1u, 1u}}) {
+  for (const auto& [rate_hz, smallest, largest] : {std::tuple{1e6, 10u, 10u}, {0.01, 1u, 1u}}) {
     auto receiver = PoseReceiver::open(0);
     auto sender = stream::PoseSender::create(std::to_string(receiver->port()), *sim, rate_hz);
     ASSERT_TRUE(sender);
@@ -127,8 +127,8 @@ TEST_P(PoseStreamOfARun, SendsAsOftenAsItIsAsked) {
     }
     const auto last = receiver->newest();
     ASSERT_TRUE(last);
-    EXPECT_GE(last->sequence, least);
-    EXPECT_LE(last->sequence, most);
+    EXPECT_GE(last->sequence, smallest);
+    EXPECT_LE(last->sequence, largest);
   }
 }
 

@@ -404,7 +404,7 @@ TEST(Seat, NeighborsAreAllPairsWithinTheDistance) {
         if (glm::length(point(j) - point(i)) <= distance_m) expected.insert(j);
       }
       const auto found = neighbors.after(i);
-      ASSERT_LE(expected.size(), query::ShellNeighbors::kMost);
+      ASSERT_LE(expected.size(), query::ShellNeighbors::kMax);
       EXPECT_EQ(std::set<std::uint32_t>(found.begin(), found.end()), expected) << i;
     }
   }

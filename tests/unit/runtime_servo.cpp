@@ -228,14 +228,14 @@ TEST_P(ServoTest, BadReadingsAmongGoodOnesTripAndMakeNoSawtooth) {
       Bench bench(GetParam());
       bench.go_to(0.03);
       const double before = bench.device.felt.force_n.z;
-      double least = before, swing = 0;  // the largest rise of the force
+      double smallest = before, swing = 0;  // the largest rise of the force
       int frames = 0;
       for (; bench.servo.output().trips() == 0 && frames < 2000; ++frames) {
         bench.device.sample.device_from_handle = bench.hand;
         if (frames % one_in == 0) spoil(bench.device.sample);
         bench.servo.tick(bench.frame);
-        least = std::min(least, bench.device.felt.force_n.z);
-        swing = std::max(swing, bench.device.felt.force_n.z - least);
+        smallest = std::min(smallest, bench.device.felt.force_n.z);
+        swing = std::max(swing, bench.device.felt.force_n.z - smallest);
       }
       EXPECT_EQ(bench.servo.output().last_trip(), cause);
       EXPECT_LE(frames, 6 * one_in);
@@ -374,7 +374,7 @@ TEST(DeviceInput, NoSlownessOfADeviceRaisesTheStaleLimitBeyondItsCeiling) {
     for (int i = 1; i * kDt <= kStaleCeilingS + kDt; ++i) input.next(i * kDt, kDt, step);
     EXPECT_EQ(step.valid, kInputInvalid);
     EXPECT_EQ(input.health().trouble, InputTrouble::kFrozen);
-    EXPECT_EQ(input.health().age_share, 1);
+    EXPECT_EQ(input.health().age_fraction, 1);
   }
 }
 
@@ -645,21 +645,21 @@ TEST(SeatedServo, WhateverTheHandDoesAfterArmingTheForceIsARampFromZero) {
     for (const glm::dvec3& way : {glm::dvec3(0, 0, -1), glm::dvec3(0.6, 0, -0.8)}) {
       SCOPED_TRACE(testing::Message() << "scale " << scale << ", way " << way.x);
       SeatedBench bench(scale, 9.9e-5 * way, 9.9e-4 * glm::dvec3(way.z, 0, way.x));
-      double most_n = 0, most_nm = 0;
+      double max_n = 0, max_nm = 0;
       for (int i = 0; i < 400; ++i) {
-        const double share = std::min(i, 100) / 100.0;  // 10 mm at 0.1 m/s, and 0.2 rad
-        bench.tick_to = {bench.home.position_m + share * 0.01 * way,
-                         coupling::rotation_by({0, 0.2 * share, 0}) * bench.home.orientation};
+        const double fraction = std::min(i, 100) / 100.0;  // 10 mm at 0.1 m/s, and 0.2 rad
+        bench.tick_to = {bench.home.position_m + fraction * 0.01 * way,
+                         coupling::rotation_by({0, 0.2 * fraction, 0}) * bench.home.orientation};
         const Wrench felt = bench.tick();
         ASSERT_TRUE(bench.armed());
         const double gain = std::clamp((i + 1 - kZeroTicks) / double{kRampTicks}, 0.0, 1.0);
         ASSERT_LE(glm::length(felt.force_n), puppet_limits().max_force_n * gain + 1e-9) << i;
         ASSERT_LE(glm::length(felt.torque_nm), puppet_limits().max_torque_nm * gain + 1e-9) << i;
-        most_n = std::max(most_n, glm::length(felt.force_n));
-        most_nm = std::max(most_nm, glm::length(felt.torque_nm));
+        max_n = std::max(max_n, glm::length(felt.force_n));
+        max_nm = std::max(max_nm, glm::length(felt.torque_nm));
       }
-      EXPECT_GT(most_n, 5);  // it does push back
-      EXPECT_GT(most_nm, 1e-4);
+      EXPECT_GT(max_n, 5);  // it does push back
+      EXPECT_GT(max_nm, 1e-4);
     }
   }
 }
@@ -673,14 +673,14 @@ TEST(SeatedServo, AHandThatStaysWhereItArmedFeelsTheSpringsOfThatStretchAtMost) 
       SCOPED_TRACE(testing::Message() << hand.name << ", scale " << scale);
       SeatedBench bench(scale, hand.moved_m, hand.turned_rad);
       const Parameters& p = bench.sim->parameters();
-      const double most_n = p.coupling_n_per_m * scale * scale * 1e-4;
-      const double most_nm = p.coupling_nm_per_rad * 1e-3;
-      EXPECT_LT(most_n, 0.05 * puppet_limits().max_force_n);
-      EXPECT_LT(most_nm, 0.05 * puppet_limits().max_torque_nm);
+      const double max_n = p.coupling_n_per_m * scale * scale * 1e-4;
+      const double max_nm = p.coupling_nm_per_rad * 1e-3;
+      EXPECT_LT(max_n, 0.05 * puppet_limits().max_force_n);
+      EXPECT_LT(max_nm, 0.05 * puppet_limits().max_torque_nm);
       for (int i = 0; i < 500; ++i) {
         const Wrench felt = bench.tick();
-        ASSERT_LE(glm::length(felt.force_n), most_n) << i;
-        ASSERT_LE(glm::length(felt.torque_nm), most_nm) << i;
+        ASSERT_LE(glm::length(felt.force_n), max_n) << i;
+        ASSERT_LE(glm::length(felt.torque_nm), max_nm) << i;
       }
     }
   }

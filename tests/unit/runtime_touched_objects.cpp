@@ -73,7 +73,7 @@ TEST(TouchedObjects, AreThoseOfTheTwin) {
       const field::Contact c = set[i];
       if (!(c.depth_m > 0)) continue;
       of_seat += set.of_seat[i];
-      const double force_n = law.stiffness_n_per_m * load.share(c) * double{c.depth_m};
+      const double force_n = law.stiffness_n_per_m * load.fraction(c) * double{c.depth_m};
       all_n = std::max(all_n, force_n);
       const std::uint32_t object = slabs.of(glm::dvec3(c.arm_m));
       if (object == 0) continue;

@@ -57,9 +57,9 @@ TEST(TwoSided, WhichWayTheNormalsPointChangesNoBit) {
     const std::vector<glm::dvec3> forces =
         forces_of(floor_scene(), sheets(false), at_height(height_m));
     EXPECT_EQ(forces, forces_of(floor_scene(), sheets(true), at_height(height_m)));
-    double most_n = 0;
-    for (std::size_t n = 0; n < forces.size(); n += 2) most_n = std::max(most_n, forces[n].z);
-    EXPECT_GT(most_n, 5);  // held off the floor
+    double max_n = 0;
+    for (std::size_t n = 0; n < forces.size(); n += 2) max_n = std::max(max_n, forces[n].z);
+    EXPECT_GT(max_n, 5);  // held off the floor
   }
 }
 

@@ -39,10 +39,10 @@ TEST(Arrows, AreThoseOfTheDeepestContacts) {
   const Files files;
   ASSERT_TRUE(files.scene.voxmap && files.scene.shell);
   const viewer::Arrows arrows = arrows_of(files.scene, contacts_of(150, 1e-5));
-  ASSERT_EQ(arrows.points.size(), viewer::kMostArrows);
+  ASSERT_EQ(arrows.points.size(), viewer::kMaxArrows);
   EXPECT_EQ(arrows.points.front(), 149u);
-  EXPECT_EQ(arrows.points.back(), 150 - viewer::kMostArrows);
-  EXPECT_EQ(arrows.left_out, 150 - viewer::kMostArrows);
+  EXPECT_EQ(arrows.points.back(), 150 - viewer::kMaxArrows);
+  EXPECT_EQ(arrows.left_out, 150 - viewer::kMaxArrows);
   EXPECT_EQ(arrows_of(files.scene, contacts_of(3, 1e-5)).left_out, 0u);
 }
 

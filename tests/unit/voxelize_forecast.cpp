@@ -95,13 +95,13 @@ TEST(Forecast, KnowsTheAreaUnderAnUnevenScale) {
   const auto options = options_for(1e-3);
   const Forecast forecast = voxelize::forecast_of(rod.scene, rod.outlines, options);
   const double bytes = 6 * 0.12 * 0.12 / 1e-6 * 6;  // 6 for each face of a voxel
-  EXPECT_LE(forecast.least_memory_bytes, bytes);
-  EXPECT_GT(forecast.least_memory_bytes, 0);
+  EXPECT_LE(forecast.min_memory_bytes, bytes);
+  EXPECT_GT(forecast.min_memory_bytes, 0);
   EXPECT_TRUE(voxelize::check_forecast(forecast, options, bytes));
   // Evenly scaled and turned, both factors are the square of the scale.
   mesh::Affine turned;
   turned.linear = {1.8, -2.4, 0, 2.4, 1.8, 0, 0, 0, 3};
-  EXPECT_NEAR(mesh::area_factors(turned).least, 9, 1e-9);
+  EXPECT_NEAR(mesh::area_factors(turned).smallest, 9, 1e-9);
   EXPECT_NEAR(mesh::area_factors(turned).mean, 9, 1e-9);
   EXPECT_EQ(mesh::area_factors({{}, {0, 0, 0}}).mean, 0);
 }

@@ -56,9 +56,9 @@ mesh::Mesh stray_vertex(double away_m) {
 TEST(MemoryLimit, CountsTheLongestSliver) {
   const mesh::Mesh mesh = stray_vertex(1e4);
   const scan::SnappedObject object = snapped(mesh, 1e-2);
-  const double least = 1e6 / 64 * (8 * 96 + sizeof(masks::LowerMaskNode));
-  EXPECT_TRUE(limits::fit_memory(object, "part", 1e-2, 1.01 * least));
-  const Status refused = limits::fit_memory(object, "part", 1e-2, 0.99 * least);
+  const double smallest = 1e6 / 64 * (8 * 96 + sizeof(masks::LowerMaskNode));
+  EXPECT_TRUE(limits::fit_memory(object, "part", 1e-2, 1.01 * smallest));
+  const Status refused = limits::fit_memory(object, "part", 1e-2, 0.99 * smallest);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
   EXPECT_EQ(refused.error().where, "triangle 1 of part");
@@ -108,9 +108,9 @@ TEST(MemoryLimit, CountsTheNodesThatALineTouchesAndReaches) {
     const scan::SnappedObject object = snapped(mesh, 1);
     const limits::NamedObject named{&object, "needle"};
     const limits::NodeBytes bytes{1e4, 1e3};
-    const double least = kNodes * (bytes.touched + reached * bytes.reached);
-    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, 1.02 * least)) << offset;
-    const Status refused = limits::fit_nodes({&named, 1}, kReach, bytes, 1, 0.999 * least);
+    const double smallest = kNodes * (bytes.touched + reached * bytes.reached);
+    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, 1.02 * smallest)) << offset;
+    const Status refused = limits::fit_nodes({&named, 1}, kReach, bytes, 1, 0.999 * smallest);
     ASSERT_FALSE(refused) << offset;
     EXPECT_EQ(refused.error().code, ErrorCode::kBakeTooLarge);
     EXPECT_EQ(refused.error().where, "needle");
@@ -160,10 +160,10 @@ TEST(MemoryLimit, CountsNoNodeThatABakeDoesNotMake) {
     }
     const limits::NamedObject named{&object, "soup"};
     const limits::NodeBytes bytes{1, 1};
-    const auto most = static_cast<double>(touched.size() + reached.size());
-    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, most)) << "soup " << soup;
+    const auto largest = static_cast<double>(touched.size() + reached.size());
+    EXPECT_TRUE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, largest)) << "soup " << soup;
     // And not so few that the count were of no use: the triangles are needles.
-    EXPECT_FALSE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, most / 3)) << "soup " << soup;
+    EXPECT_FALSE(limits::fit_nodes({&named, 1}, kReach, bytes, 1, largest / 3)) << "soup " << soup;
   }
 }
 

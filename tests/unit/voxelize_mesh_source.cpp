@@ -121,8 +121,8 @@ TEST(MeshSource, BeginsNoFileAfterOneThatFailed) {
 }
 
 TEST(ReadingSlots, HoldNoMoreThanFits) {
-  constexpr double kMost = 100;
-  cache::ReadingSlots slots(kMost);
+  constexpr double kMax = 100;
+  cache::ReadingSlots slots(kMax);
   std::atomic<int> sum = 0, count = 0, side_by_side = 0, too_many = 0;
   std::vector<std::thread> threads;
   for (unsigned n = 0; n < 8; ++n) {
@@ -132,7 +132,7 @@ TEST(ReadingSlots, HoldNoMoreThanFits) {
         const int bytes = static_cast<int>(random() % 150);
         const cache::ReadingSlots::Slot slot(slots, bytes);
         const int others = count++, held = sum += bytes;
-        if (others > 0) ++(held > kMost ? too_many : side_by_side);
+        if (others > 0) ++(held > kMax ? too_many : side_by_side);
         std::this_thread::yield();
         sum -= bytes;
         --count;

@@ -69,19 +69,19 @@ std::size_t resident_file_bytes() {
 
 // Each place that is read may lie on a page of its own: the bytes that are known say little.
 TEST(SpillFile, LetsPagesGoOfWhichLittleWasRead) {
-  constexpr std::size_t kPage = 4096, kMost = std::size_t{450} << 20;
+  constexpr std::size_t kPage = 4096, kMax = std::size_t{450} << 20;
   scan::SpillFile file;
   const auto array = file.array<std::uint8_t>(std::size_t{800} << 20);
   ASSERT_GT(file.bytes_on_disk(), 0u);
   const std::size_t before = resident_file_bytes();
-  std::size_t most = 0;
+  std::size_t largest = 0;
   for (std::size_t i = 0; i < array.size(); i += kPage) {
     ASSERT_EQ(array[i], 0);
     file.touched(128);
-    if (i % (1024 * kPage) == 0) most = std::max(most, resident_file_bytes());
+    if (i % (1024 * kPage) == 0) largest = std::max(largest, resident_file_bytes());
   }
-  EXPECT_GT(most, before + (std::size_t{200} << 20));
-  EXPECT_LT(most, before + kMost);
+  EXPECT_GT(largest, before + (std::size_t{200} << 20));
+  EXPECT_LT(largest, before + kMax);
 }
 
 TEST(SpillFile, KeepsArraysInMemoryWhereNoFileCanBeMade) {

@@ -209,10 +209,10 @@ Digest MeshOutline::digest() const {
   return DigestBuilder().value(vertices).value(triangles).finish();
 }
 
-void MeshSource::read_ahead(std::span<const mesh::FileToRead> files, double most_bytes) {
+void MeshSource::read_ahead(std::span<const mesh::FileToRead> files, double max_bytes) {
   std::vector<std::optional<Result<ReadFile>>> found(files.size());
   std::atomic<bool> failed = false;
-  ReadingSlots slots(most_bytes);
+  ReadingSlots slots(max_bytes);
   tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
     const ReadingSlots::Slot slot(slots, reading_bytes(files[i].path));
     if (failed) return;
@@ -267,7 +267,7 @@ void MeshSource::keep(std::vector<mesh::Mesh> meshes, File& file) {
   for (const mesh::Mesh& mesh : meshes) {
     bytes_ += std::span(mesh.vertices).size_bytes() + std::span(mesh.triangles).size_bytes();
   }
-  if (bytes_ <= most_bytes_) {
+  if (bytes_ <= max_bytes_) {
     file.meshes = std::move(meshes);
     return;
   }

@@ -34,14 +34,14 @@ MeshOutline outline_of(const mesh::Mesh& mesh);
 class MeshSource {
  public:
   // `cache` may be null. `read` reads the files that it does not hold. Meshes that take more than
-  // `most_bytes` together wait on disk.
+  // `max_bytes` together wait on disk.
   explicit MeshSource(const CacheFolder* cache, mesh::AssemblyReader read = mesh::read_assembly,
-                      std::size_t most_bytes = std::size_t{512} << 20)
-      : cache_(cache), read_(std::move(read)), most_bytes_(most_bytes) {}
+                      std::size_t max_bytes = std::size_t{512} << 20)
+      : cache_(cache), read_(std::move(read)), max_bytes_(max_bytes) {}
 
   // For SceneReading::read_ahead: reads these files in parallel, as many at once as take no more
-  // than `most_bytes`. After the first that fails, no other is begun.
-  void read_ahead(std::span<const mesh::FileToRead> files, double most_bytes);
+  // than `max_bytes`. After the first that fails, no other is begun.
+  void read_ahead(std::span<const mesh::FileToRead> files, double max_bytes);
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
 
@@ -77,7 +77,7 @@ class MeshSource {
 
   const CacheFolder* cache_;
   mesh::AssemblyReader read_;
-  const std::size_t most_bytes_;
+  const std::size_t max_bytes_;
   std::mutex keeping_;  // guards the next two
   std::size_t bytes_ = 0;
   std::unique_ptr<scan::SpillFile> spill_;               // once the meshes take more

@@ -8,7 +8,7 @@ namespace forcelayer::cache {
 
 class ReadingSlots {
  public:
-  explicit ReadingSlots(double most_bytes) : most_bytes_(most_bytes) {}
+  explicit ReadingSlots(double max_bytes) : max_bytes_(max_bytes) {}
 
   // A file that takes so many bytes while it is read: waits until it can be read beside the others.
   // Alone, every file can.
@@ -17,7 +17,7 @@ class ReadingSlots {
     Slot(ReadingSlots& slots, double bytes) : slots_(slots), bytes_(bytes) {
       std::unique_lock lock(slots_.mutex_);
       slots_.left_.wait(
-          lock, [&] { return slots_.count_ == 0 || slots_.bytes_ + bytes_ <= slots_.most_bytes_; });
+          lock, [&] { return slots_.count_ == 0 || slots_.bytes_ + bytes_ <= slots_.max_bytes_; });
       ++slots_.count_;
       slots_.bytes_ += bytes_;
     }
@@ -36,7 +36,7 @@ class ReadingSlots {
   };
 
  private:
-  const double most_bytes_;
+  const double max_bytes_;
   std::mutex mutex_;
   std::condition_variable left_;
   unsigned count_ = 0;

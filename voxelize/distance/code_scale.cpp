@@ -17,7 +17,7 @@ CodeScale code_scale(std::int64_t interior_radius_units, double range_voxels,
   scale.zero_force = interior + force_depth_voxels;
   const double range = std::max(range_voxels, scale.zero_force);
   // One code is lost to rounding at either end.
-  scale.quantum = (range + kOutsideVoxels) / (kMostDistanceCode - 2);
+  scale.quantum = (range + kOutsideVoxels) / (kMaxDistanceCode - 2);
   scale.zero_code =
       1 - static_cast<std::int32_t>(std::floor((scale.zero_force - range) / scale.quantum));
   return scale;

@@ -7,7 +7,7 @@ namespace forcelayer::distance {
 
 // The range of --range, in voxels: how deep below the zero-force surface distances are stored. They
 // are stored at least down to the mesh; the default goes deeper.
-inline constexpr double kLeastRangeVoxels = 2, kMostRangeVoxels = 32, kUsualRangeVoxels = 4;
+inline constexpr double kMinRangeVoxels = 2, kMaxRangeVoxels = 32, kUsualRangeVoxels = 4;
 
 // How far in front of the zero-force surface distances are stored, in voxels. A force reads codes
 // of centers up to 2.12 voxels beyond the eight around its point, which are up to sqrt(3)/2 from
@@ -23,7 +23,7 @@ struct CodeScale {
   double quantum = 0;
   std::int32_t zero_code = 0;
 
-  double least_of(std::int32_t code) const { return (code - zero_code) * quantum; }
+  double min_of(std::int32_t code) const { return (code - zero_code) * quantum; }
 };
 
 // The interior ends `interior_radius_units` lattice units from the surface; `force_depth_voxels` is

@@ -16,10 +16,10 @@ namespace {
 
 // The largest distance that decides a code, of voxels outside the solid and of those inside.
 float outer_reach(const CodeScale& scale) {
-  return static_cast<float>(scale.least_of(kMostDistanceCode)) + kKernelErrorVoxels;
+  return static_cast<float>(scale.min_of(kMaxDistanceCode)) + kKernelErrorVoxels;
 }
 float inner_reach(const CodeScale& scale) {
-  return static_cast<float>(std::max(0.0, -scale.least_of(1)));
+  return static_cast<float>(std::max(0.0, -scale.min_of(1)));
 }
 
 // Measures one 64^3 node at a time.
@@ -76,7 +76,7 @@ class NodeMeasurement {
     std::uint8_t* codes = node_.codes.data() + n * kBrickVoxels;
     if (test(node_.measured, n)) return codes;
     set(node_.measured, n);
-    static_assert(kMostDistanceCode == 0xff);
+    static_assert(kMaxDistanceCode == 0xff);
     for (unsigned row = 0; row < 64; ++row) {
       const std::uint64_t open = ~bytes_of_bits(node_.solid_row(n, row));
       std::memcpy(codes + 8 * row, &open, 8);
@@ -98,7 +98,7 @@ class NodeMeasurement {
     }
     nearest_.find(list, low, reach);
     if (growth_ != nullptr) {
-      masks::add_cell_bits(growth_->near(nearest_.least(), ~solid, list, index_, low), low,
+      masks::add_cell_bits(growth_->near(nearest_.smallest(), ~solid, list, index_, low), low,
                            node_.grown);
     }
     if (encode(low, solid, list, around) && tells_objects_) choice_.add(low, list, reach, nearest_);
@@ -115,7 +115,7 @@ class NodeMeasurement {
       negative |= std::uint64_t{lies_inside(nearest, low, n, around)} << n;
     }
     std::array<std::uint8_t, kCubePoints> codes;
-    codes_of_distances(nearest_.least(), negative, *scale_, codes.data());
+    codes_of_distances(nearest_.smallest(), negative, *scale_, codes.data());
     const auto brick = static_cast<unsigned>((low[0] >> 3) << 6 | (low[1] >> 3) << 3 | low[2] >> 3);
     std::uint8_t* out = measured(brick) + (low[0] & 7) * 64 + (low[1] & 7) * 8 + (low[2] & 7);
     for (int n = 0; n < 16; ++n) {
@@ -201,7 +201,7 @@ class NodeMeasurement {
                    TriangleList around) {
     sight_.begin(low, around, voxel);
     for (const Ring& ring : rings()) {
-      std::array<LinesOfSight::Offset, LinesOfSight::kMostLines> lines;
+      std::array<LinesOfSight::Offset, LinesOfSight::kMaxLines> lines;
       std::size_t count = 0;
       std::uint32_t inside = 0;
       for (const LinesOfSight::Offset& offset : ring) {
@@ -247,7 +247,7 @@ class NodeMeasurement {
       if (kept.box.isInside(openvdb::CoordBBox::createCube(brick, 8))) continue;
       std::uint8_t* codes = measured(n);
       for (unsigned v = 0; v < kBrickVoxels; ++v) {
-        if (!kept.box.isInside(masks::entry_origin(brick, v, 1))) codes[v] = kMostDistanceCode;
+        if (!kept.box.isInside(masks::entry_origin(brick, v, 1))) codes[v] = kMaxDistanceCode;
       }
     }
   }

@@ -65,7 +65,7 @@ HWY_INLINE V squared_distance(const PreparedTriangle& t, const TriangleCoordinat
 
 // Steps along x: faster than each point from scratch, and rounded differently.
 void distances(const PreparedTriangle* const* triangles, std::size_t count, const PointCube& cube,
-               CubeValues* squared, CubeValues& least) {
+               CubeValues* squared, CubeValues& smallest) {
   const PlanePoints points(cube);
   HWY_ALIGN float best[kCubePoints];
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) hn::Store(set(1e30f), kF, best + n);
@@ -86,7 +86,7 @@ void distances(const PreparedTriangle* const* triangles, std::size_t count, cons
     }
   }
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
-    hn::StoreU(hn::Load(kF, best + n), kF, least.data() + n);
+    hn::StoreU(hn::Load(kF, best + n), kF, smallest.data() + n);
   }
 }
 
@@ -227,27 +227,27 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
   HWY_ALIGN float limits[kEighths];
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V x = middles.x(n), y = middles.y(n), z = middles.z(n);
-    V least = set(kFarAway);
-    auto least_at = hn::Zero(kU);
+    V smallest = set(kFarAway);
+    auto min_at = hn::Zero(kU);
     for (std::size_t i = 0; i < count; ++i) {
       const WayFromFoot way = way_from_foot(*triangles[i], x, y, z);
-      const auto nearer = hn::RebindMask(kU, hn::Lt(way.squared, least));
-      least_at = hn::IfThenElse(nearer, hn::Set(kU, static_cast<std::uint32_t>(i)), least_at);
-      least = hn::Min(way.squared, least);
+      const auto nearer = hn::RebindMask(kU, hn::Lt(way.squared, smallest));
+      min_at = hn::IfThenElse(nearer, hn::Set(kU, static_cast<std::uint32_t>(i)), min_at);
+      smallest = hn::Min(way.squared, smallest);
       float* out = scratch + kNumbers * kEighths * i + n;
       hn::StoreU(way.squared, kF, out);
       hn::StoreU(way.x, kF, out + kEighths);
       hn::StoreU(way.y, kF, out + 2 * kEighths);
       hn::StoreU(way.z, kF, out + 3 * kEighths);
     }
-    hn::StoreU(least_at, kU, nearest + n);
+    hn::StoreU(min_at, kU, nearest + n);
     const V reach = hn::LoadU(kF, cells.reach.data() + n), around = set(cells.around);
-    const V limit = hn::Add(hn::Min(reach, hn::Add(hn::Sqrt(least), around)), around);
+    const V limit = hn::Add(hn::Min(reach, hn::Add(hn::Sqrt(smallest), around)), around);
     hn::Store(hn::IfThenElse(hn::Lt(reach, hn::Zero(kF)), set(-1), hn::Mul(limit, limit)), kF,
               limits + n);
   }
   // The most that a triangle's distance may be at a corner.
-  HWY_ALIGN float most[8][kEighths];
+  HWY_ALIGN float largest[8][kEighths];
   const EightPoints corners({-cells.span, -cells.span, -cells.span}, 2 * cells.span);
   for (std::size_t e = 0; e < kEighths; ++e) {
     const PreparedTriangle& t = *triangles[nearest[e]];
@@ -261,7 +261,7 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
       hn::StoreU(d, kF, at_corner + 8 * e + n);
       hn::Store(hn::Add(hn::Sqrt(d), set(kNearerBy)), kF, roots + n);
     }
-    for (std::size_t k = 0; k < 8; ++k) most[k][e] = roots[k];
+    for (std::size_t k = 0; k < 8; ++k) largest[k][e] = roots[k];
   }
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
     const V limit = hn::Load(kF, limits + n),
@@ -274,10 +274,10 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
       auto near = hn::Le(squared, limit);
       if (hn::AllFalse(kF, near)) continue;
       const V inverse = hn::Div(set(1), hn::Max(hn::Sqrt(squared), set(1)));
-      const V share = hn::Mul(inverse, set(cells.span));
-      const V by_x = hn::Mul(hn::LoadU(kF, in + kEighths), share),
-              by_y = hn::Mul(hn::LoadU(kF, in + 2 * kEighths), share),
-              by_z = hn::Mul(hn::LoadU(kF, in + 3 * kEighths), share),
+      const V fraction = hn::Mul(inverse, set(cells.span));
+      const V by_x = hn::Mul(hn::LoadU(kF, in + kEighths), fraction),
+              by_y = hn::Mul(hn::LoadU(kF, in + 2 * kEighths), fraction),
+              by_z = hn::Mul(hn::LoadU(kF, in + 3 * kEighths), fraction),
               middle = hn::MulSub(hn::Sub(squared, turned_near), inverse, turned);
       const V lowest =
           hn::Sub(middle, hn::Add(hn::Abs(by_x), hn::Add(hn::Abs(by_y), hn::Abs(by_z))));
@@ -285,7 +285,7 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
       if (hn::AllFalse(kF, near)) continue;
       V gap = set(kFarAway);
       at_corners(middle, by_x, by_y, by_z, [&](std::size_t k, V distance) HWY_ATTR {
-        gap = hn::Min(gap, hn::Sub(distance, hn::Load(kF, most[k] + n)));
+        gap = hn::Min(gap, hn::Sub(distance, hn::Load(kF, largest[k] + n)));
       });
       near = hn::And(near, hn::Le(gap, hn::Zero(kF)));
       bits[i] = static_cast<std::uint8_t>(bits[i] | bits_of(near) << n);
@@ -303,11 +303,11 @@ HWY_INLINE std::uint64_t near_of(const std::uint8_t* eighths, std::size_t eighth
 
 // The nearest triangle of each point of an eighth, among the triangles near it: its squared
 // distance and its number, with the highest bit set where several are equally near. Begins with
-// triangle `begin`, at the squared distances `least`. Eight zero bytes must follow the bytes in
+// triangle `begin`, at the squared distances `smallest`. Eight zero bytes must follow the bytes in
 // `eighths`.
 HWY_INLINE void nearest_of(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
                            std::size_t count, std::size_t eighth, const EightPoints& points,
-                           std::size_t begin, const float* at_begin, float* least,
+                           std::size_t begin, const float* at_begin, float* smallest,
                            std::uint32_t* which) {
   const auto flag = hn::Set(kU, std::uint32_t{1} << 31);
   for (std::size_t n = 0; n < kEighths; n += lanes()) {
@@ -330,7 +330,7 @@ HWY_INLINE void nearest_of(const PreparedTriangle* const* triangles, const std::
         best = hn::Min(d, best);
       }
     }
-    hn::StoreU(best, kF, least + n);
+    hn::StoreU(best, kF, smallest + n);
     hn::StoreU(best_at, kU, which + n);
   }
 }
@@ -353,7 +353,7 @@ std::uint32_t first_at(const PreparedTriangle* const* triangles, const std::uint
 
 void nearest(const PreparedTriangle* const* triangles, const std::uint8_t* eighths,
              std::size_t count, const PointCube& cube, const std::uint32_t* begin,
-             const float* at_begin, float* least, std::uint32_t* which) {
+             const float* at_begin, float* smallest, std::uint32_t* which) {
   for (std::size_t n = 0; n < kEighths; ++n) {
     const std::size_t low[3] = {2 * (n >> 2), 2 * (n >> 1 & 1), 2 * (n & 1)};
     std::array<float, 3> first;
@@ -366,7 +366,7 @@ void nearest(const PreparedTriangle* const* triangles, const std::uint8_t* eight
                at_begin + 8 * n, near, number);
     for (std::size_t pair = 0; pair < kEighths / 2; ++pair) {
       const std::size_t to = (low[0] + (pair >> 1)) * 16 + (low[1] + (pair & 1)) * 4 + low[2];
-      hwy::CopyBytes<8>(near + 2 * pair, least + to);
+      hwy::CopyBytes<8>(near + 2 * pair, smallest + to);
       hwy::CopyBytes<8>(number + 2 * pair, which + to);
     }
   }
@@ -377,12 +377,12 @@ void codes(const CubeValues& squared, std::uint64_t negative, const CodeScale& s
   constexpr hn::RebindToSigned<decltype(kF)> kI{};
   constexpr hn::Rebind<std::uint8_t, decltype(kI)> kBytes{};
   // Greater distances have the code of the nearest end too.
-  const V most =
-      set(static_cast<float>(std::max(scale.least_of(kMostDistanceCode), -scale.least_of(0)) + 1));
+  const V largest =
+      set(static_cast<float>(std::max(scale.min_of(kMaxDistanceCode), -scale.min_of(0)) + 1));
   for (std::size_t n = 0; n < kCubePoints; n += lanes()) {
     const V root = hn::Sqrt(hn::LoadU(kF, squared.data() + n));
     const V length =
-        hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(lattice::kSnapUnits))), most);
+        hn::Min(hn::Mul(root, set(1.0f / static_cast<float>(lattice::kSnapUnits))), largest);
     const std::uint8_t bits[8] = {static_cast<std::uint8_t>(negative >> n)};
     const V d = hn::IfThenElse(hn::LoadMaskBits(kF, bits), hn::Neg(length), length);
     // Rounded down, and before that less what the arithmetic may be off.
@@ -420,8 +420,8 @@ constexpr auto kUnits = static_cast<float>(lattice::kSnapUnits);
 }  // namespace
 
 void squared_distances(TriangleList triangles, const PointCube& points, CubeValues* squared,
-                       CubeValues& least) {
-  HWY_DYNAMIC_DISPATCH(distances)(triangles.data(), triangles.size(), points, squared, least);
+                       CubeValues& smallest) {
+  HWY_DYNAMIC_DISPATCH(distances)(triangles.data(), triangles.size(), points, squared, smallest);
 }
 
 void bits_within(const CubeValues* values, std::size_t count, const CubeValues& limits,
@@ -459,7 +459,7 @@ void NearestTriangles::find(TriangleList triangles, const std::array<int, 3>& lo
   near_.find(triangles, low, 2, reach);
   HWY_DYNAMIC_DISPATCH(nearest)
   (triangles.data(), near_.bits(), triangles.size(), cube_, near_.nearest(), near_.at_corners(),
-   least_.data(), which_.data());
+   min_.data(), which_.data());
 }
 
 std::uint32_t NearestTriangles::first_tied(std::size_t point) const {
@@ -470,7 +470,7 @@ std::uint32_t NearestTriangles::first_tied(std::size_t point) const {
   }
   const std::size_t eighth = at[0] / 2 * 4 + at[1] / 2 * 2 + at[2] / 2;
   return HWY_DYNAMIC_DISPATCH(first_at)(triangles_.data(), near_.bits(), triangles_.size(), eighth,
-                                        place, least_[point]);
+                                        place, min_[point]);
 }
 
 std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<double, 3>& point) {
@@ -490,9 +490,9 @@ std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<doubl
     return across;
   }
   Vec best{};
-  double least = 1e300;
+  double smallest = 1e300;
   const auto take = [&](const Vec& away) {
-    if (dot(away, away) < least) least = dot(away, away), best = away;
+    if (dot(away, away) < smallest) smallest = dot(away, away), best = away;
   };
   const auto off_edge = [&](const Vec& from, const Vec& edge) {
     const double length2 = dot(edge, edge);

@@ -39,7 +39,7 @@ using CubeValues = std::array<float, kCubePoints>;
 
 // The squared distances of the points from each triangle, [triangles], and the least of each point.
 void squared_distances(TriangleList triangles, const PointCube& points, CubeValues* squared,
-                       CubeValues& least);
+                       CubeValues& smallest);
 
 // For each triangle the points whose value is at most the limit, as bits: [count].
 void bits_within(const CubeValues* values, std::size_t count, const CubeValues& limits,
@@ -96,7 +96,7 @@ class NearestTriangles {
   void find(TriangleList triangles, const std::array<int, 3>& low,
             const std::array<float, kEighths>& reach);
 
-  const CubeValues& least() const { return least_; }
+  const CubeValues& smallest() const { return min_; }
   // The number of the nearest triangle in the list. Of equally near ones it is the first by
   // lies_before(), so the list's order does not matter. Undefined where least() is 1e30. Reads the
   // list, which must still exist.
@@ -115,7 +115,7 @@ class NearestTriangles {
   TriangleList triangles_;  // of the last find()
   PointCube cube_;
   NearEighths near_;
-  CubeValues least_;
+  CubeValues min_;
   std::array<std::uint32_t, kCubePoints> which_;
 };
 

@@ -109,7 +109,7 @@ class NodeGrowth {
       reach[n] = (open & eighth(n)) != 0 ? growth.reach() * kUnits : kNoReach;
     }
     nearest_.find(list, low, reach);
-    masks::add_cell_bits(growth.near(nearest_.least(), open, list, node, low), low, grown_);
+    masks::add_cell_bits(growth.near(nearest_.smallest(), open, list, node, low), low, grown_);
   }
 
   masks::NodeRows grown_, settled_;  // the result; the interior, which needs no answer
@@ -146,13 +146,13 @@ CenterGrowth::CenterGrowth(const SceneTriangles& triangles, std::int64_t radius_
   maybe_near_.fill(maybe * maybe);
 }
 
-std::uint64_t CenterGrowth::near(const CubeValues& least, std::uint64_t open, TriangleList list,
+std::uint64_t CenterGrowth::near(const CubeValues& smallest, std::uint64_t open, TriangleList list,
                                  const scan::NodeIndex& node, const std::array<int, 3>& low) const {
   if (open == 0) return 0;
   std::uint64_t near = 0, maybe = 0;
-  bits_within(&least, 1, maybe_near_, &maybe);
+  bits_within(&smallest, 1, maybe_near_, &maybe);
   if ((maybe & open) == 0) return 0;
-  bits_within(&least, 1, surely_near_, &near);
+  bits_within(&smallest, 1, surely_near_, &near);
   near &= open;
   for (std::uint64_t unsure = maybe & open & ~near; unsure != 0; unsure &= unsure - 1) {
     const int n = std::countr_zero(unsure);

@@ -14,14 +14,14 @@ inline constexpr std::uint32_t kMaxBakedLayers = 30;
 // The radius of growth, in lattice units: a voxel becomes interior where its center is nearer than
 // this to the surface. It is half a voxel's diagonal and a little, plus k - 1 voxels for k `layers`
 // (voxmap_format.md, section 10).
-inline constexpr std::int64_t kLeastInteriorUnits = 888;
+inline constexpr std::int64_t kMinInteriorUnits = 888;
 constexpr std::int64_t interior_radius_units(int layers) {
-  return (layers - 1) * lattice::kSnapUnits + kLeastInteriorUnits;
+  return (layers - 1) * lattice::kSnapUnits + kMinInteriorUnits;
 }
 
 // The voxels outside `interior` whose centers are less than `radius_units` from the object's
 // surface. They include every voxel that the surface passes through. The radius is from
-// kLeastInteriorUnits to interior_radius_units(kMaxBakedLayers). Voxels count from `scene_origin`.
+// kMinInteriorUnits to interior_radius_units(kMaxBakedLayers). Voxels count from `scene_origin`.
 // Exact: the kernels decide where their error allows it, center_is_nearer() elsewhere.
 std::unique_ptr<masks::MaskTree> grow_surface(const scan::SnappedObject& object,
                                               const masks::MaskTree& interior,
@@ -38,9 +38,9 @@ class CenterGrowth {
   // near() needs exact distances up to this one, in voxels.
   float reach() const { return reach_; }
 
-  // The near voxels among the voxels `open` of the cell at voxel `low` of a node. `least` holds the
-  // cell's squared distances, `list` every triangle that may be nearest to one of these voxels.
-  std::uint64_t near(const CubeValues& least, std::uint64_t open, TriangleList list,
+  // The near voxels among the voxels `open` of the cell at voxel `low` of a node. `smallest` holds
+  // the cell's squared distances, `list` every triangle that may be nearest to one of these voxels.
+  std::uint64_t near(const CubeValues& smallest, std::uint64_t open, TriangleList list,
                      const scan::NodeIndex& node, const std::array<int, 3>& low) const;
 
  private:

@@ -46,13 +46,13 @@ std::uint32_t free_of(const PreparedTriangle* const* triangles, std::size_t coun
       const V fall = hn::Max(hn::Abs(dh), set(kTouching / 4));
       const V meets = hn::Min(hn::Max(hn::Div(hn::Abs(h0), fall), zero), one);
       const auto leads_away = hn::Gt(hn::Mul(h0, dh), zero);
-      const V share = hn::IfThenElse(leads_away, zero, meets);
+      const V fraction = hn::IfThenElse(leads_away, zero, meets);
       const V length = hn::Sqrt(hn::Add(hn::Mul(du, du), hn::Mul(dv, dv)));
       const V touches =
           hn::Add(touching, hn::Mul(length, hn::Min(hn::Div(set(2 * kTouching), fall), one)));
       TriangleCoordinates met;
-      met.u = hn::Add(at.u, hn::Mul(share, du));
-      met.v = hn::Add(at.v, hn::Mul(share, dv));
+      met.u = hn::Add(at.u, hn::Mul(fraction, du));
+      met.v = hn::Add(at.v, hn::Mul(fraction, dv));
       set_along_edges(t, hn::Sub(met.u, set(t.length_1)), met);
       const auto near = hn::Le(planar_distances(t, met).planar, hn::Mul(touches, touches));
       crosses = hn::Or(crosses, hn::AndNot(beside, near));
@@ -91,9 +91,9 @@ struct Box {
 // The centers of a cell of `edge` voxels along an axis, and `around` voxels around them.
 struct Range {
   Range(int low_voxel, int edge, int around)
-      : least((static_cast<float>(low_voxel - around) + 0.5f) * kVoxel - 2 * kRounding),
-        most((static_cast<float>(low_voxel + edge + around) - 0.5f) * kVoxel + 2 * kRounding) {}
-  float least, most;
+      : smallest((static_cast<float>(low_voxel - around) + 0.5f) * kVoxel - 2 * kRounding),
+        largest((static_cast<float>(low_voxel + edge + around) - 0.5f) * kVoxel + 2 * kRounding) {}
+  float smallest, largest;
 };
 
 }  // namespace
@@ -104,9 +104,9 @@ void LinesOfSight::Cell::pick(TriangleList from, const std::array<int, 3>& cell,
   triangles.clear();
   for (const PreparedTriangle* const triangle : from) {
     const Box box(*triangle);
-    const bool is_close = box.high[0] >= x.least && box.low[0] <= x.most &&
-                          box.high[1] >= y.least && box.low[1] <= y.most &&
-                          box.high[2] >= z.least && box.low[2] <= z.most;
+    const bool is_close = box.high[0] >= x.smallest && box.low[0] <= x.largest &&
+                          box.high[1] >= y.smallest && box.low[1] <= y.largest &&
+                          box.high[2] >= z.smallest && box.low[2] <= z.largest;
     if (is_close) triangles.push_back(triangle);
   }
 }
@@ -142,8 +142,8 @@ const LinesOfSight::List& LinesOfSight::within(int voxels) {
               *high_x = boxes_[3].data(), *high_y = boxes_[4].data(), *high_z = boxes_[5].data();
   std::uint8_t* const marks = marked_.data();
   for (std::size_t i = 0; i < count; ++i) {  // without branches: vectors hold several
-    marks[i] = (high_x[i] >= x.least) & (low_x[i] <= x.most) & (high_y[i] >= y.least) &
-               (low_y[i] <= y.most) & (high_z[i] >= z.least) & (low_z[i] <= z.most);
+    marks[i] = (high_x[i] >= x.smallest) & (low_x[i] <= x.largest) & (high_y[i] >= y.smallest) &
+               (low_y[i] <= y.largest) & (high_z[i] >= z.smallest) & (low_z[i] <= z.largest);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (marks[i] != 0) list.push_back(of_4_.triangles[i]);

@@ -14,7 +14,7 @@ namespace forcelayer::distance {
 class LinesOfSight {
  public:
   static constexpr int kFar = 2;  // voxels along each axis that a line leads at most
-  static constexpr std::size_t kMostLines = 24;
+  static constexpr std::size_t kMaxLines = 24;
   using Offset = std::array<std::int8_t, 3>;  // from voxel to voxel
 
   // Forgets the lists of the node before.
@@ -25,7 +25,7 @@ class LinesOfSight {
   // cell.
   void begin(const std::array<int, 3>& low, TriangleList around, const std::array<int, 3>& voxel);
 
-  // As bits, the free lines of those to the voxels at `offsets`, kMostLines at most. A line that
+  // As bits, the free lines of those to the voxels at `offsets`, kMaxLines at most. A line that
   // comes nearer than kKernelErrorVoxels to a triangle, or by rounding may, is not free.
   std::uint32_t free(std::span<const Offset> offsets);
 

@@ -86,9 +86,9 @@ void ObjectChoice::choose(const std::array<int, 3>& low, TriangleList list, unsi
   std::array<float, kEighths> near_enough{};  // a triangle farther than this changes nothing
   for (std::size_t n = 0; n < kCubePoints; ++n) {
     const std::size_t at = eighth_of(n);
-    const float most = std::sqrt(nearest.least()[n]) + kMore;
-    limit[n] = (several >> at & 1) != 0 ? most * most : -1.0f;
-    near_enough[at] = std::max(near_enough[at], most);
+    const float largest = std::sqrt(nearest.smallest()[n]) + kMore;
+    limit[n] = (several >> at & 1) != 0 ? largest * largest : -1.0f;
+    near_enough[at] = std::max(near_enough[at], largest);
   }
   for (std::size_t n = 0; n < reach.size(); ++n) {
     near_enough[n] = (several >> n & 1) != 0 ? std::min(near_enough[n], reach[n]) : kNoReach;
@@ -106,9 +106,9 @@ void ObjectChoice::choose(const std::array<int, 3>& low, TriangleList list, unsi
       return triangle->object != object;
     });
     of_one_.find(TriangleList(first, end), low, near_enough);
-    const CubeValues& least = of_one_.least();
+    const CubeValues& smallest = of_one_.smallest();
     for (std::size_t n = 0; n < kCubePoints; ++n) {
-      if (chosen[n] == 0 && least[n] <= limit[n]) chosen[n] = numbers_[object];
+      if (chosen[n] == 0 && smallest[n] <= limit[n]) chosen[n] = numbers_[object];
     }
     first = end;
   }

@@ -25,7 +25,7 @@ inline constexpr float kEquallyNearVoxels = kKernelErrorVoxels / 2;
 // Whether a code stands for a measured distance: it is neither the lowest ("or less") nor the
 // highest ("or more").
 constexpr bool is_measured(std::uint8_t code) {
-  return static_cast<std::uint8_t>(code - 1) < kMostDistanceCode - 1;
+  return static_cast<std::uint8_t>(code - 1) < kMaxDistanceCode - 1;
 }
 
 // The objects of one 64^3 node.

@@ -117,10 +117,10 @@ HWY_INLINE void axes_without_area(const TriangleVectors& edges, TriangleVectors&
   };
   if (length2 > 0) {
     along = unit(longest);
-    const auto least = std::min_element(
+    const auto smallest = std::min_element(
         along.begin(), along.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     Point axis{};
-    axis[static_cast<std::size_t>(least - along.begin())] = 1;
+    axis[static_cast<std::size_t>(smallest - along.begin())] = 1;
     across = unit(cross(along, axis));
     height = cross(along, across);
   }

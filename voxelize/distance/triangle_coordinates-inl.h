@@ -80,7 +80,7 @@ HWY_INLINE PlanarDistances planar_distances(const PreparedTriangle& t,
   d.from_1 = off_edge(at.u, at.v, t.length_1);
   d.from_2 = off_edge(at.along_2, at.left_2, t.length_2);
   d.from_3 = off_edge(at.along_3, at.left_3, t.length_3);
-  const V least = hn::Min(hn::Min(d.from_1, d.from_2), d.from_3);
+  const V smallest = hn::Min(hn::Min(d.from_1, d.from_2), d.from_3);
   // The sign of `inside` is set where one of the three is negative. Edge 2 leads away from corner
   // 0, so the inside is to its right.
   const V margin = set(kInsideTolerance);
@@ -88,7 +88,7 @@ HWY_INLINE PlanarDistances planar_distances(const PreparedTriangle& t,
                           hn::Sub(at.left_3, margin));
   const auto outside =
       hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<decltype(kF)>(), inside));
-  d.planar = hn::And(hn::BitCast(kF, outside), least);
+  d.planar = hn::And(hn::BitCast(kF, outside), smallest);
   return d;
 }
 

@@ -43,8 +43,8 @@ std::array<Point, 3> relative(const lattice::LatticeTriangle& triangle,
 
 bool is_large(const lattice::LatticeTriangle& triangle) {
   for (std::size_t d = 0; d < 3; ++d) {
-    const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-    if (most - least > kWholeUnits) return true;
+    const auto [smallest, largest] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+    if (largest - smallest > kWholeUnits) return true;
   }
   return false;
 }
@@ -115,7 +115,7 @@ SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, 
     of_node_.push_back(place.bin);
   }
   first_.push_back(of_node_.size());
-  for (std::size_t n = 0; n < nodes_.size(); ++n) most_near_ = std::max(most_near_, count_near(n));
+  for (std::size_t n = 0; n < nodes_.size(); ++n) max_near_ = std::max(max_near_, count_near(n));
 }
 
 std::size_t SceneTriangles::count_near(std::size_t n) const {
@@ -144,7 +144,7 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
   const auto at = static_cast<std::size_t>(found - nodes_.begin());
   // With room for fuller nodes, so that memory is not touched for the first time at each.
   const std::size_t count = count_near(at);
-  if (near.capacity() < count) near.reserve(std::min(most_near_, count + count / 2));
+  if (near.capacity() < count) near.reserve(std::min(max_near_, count + count / 2));
   TriangleBatch batch(near);
   for (std::size_t i = first_[at]; i < first_[at + 1]; ++i) {
     const auto [object, bin] = of_node_[i];

@@ -58,7 +58,7 @@ class SceneTriangles {
   std::vector<scan::NodeIndex> nodes_;  // [n]
   std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
-  std::size_t most_near_ = 0;  // the most that count_near() gives
+  std::size_t max_near_ = 0;  // the most that count_near() gives
 };
 
 // The reach of a cell that needs no triangle.
@@ -131,14 +131,14 @@ class CellSearch {
     const float around = (reach_voxels + kKernelErrorVoxels) * kUnits;
     std::uint64_t cells = ~std::uint64_t{0};
     for (std::size_t d = 0; d < 3; ++d) {
-      const float least = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - around;
-      const float most = t.corner[d] + std::max({0.0f, t.edge_1[d], t.edge_2[d]}) + around;
+      const float smallest = t.corner[d] + std::min({0.0f, t.edge_1[d], t.edge_2[d]}) - around;
+      const float largest = t.corner[d] + std::max({0.0f, t.edge_1[d], t.edge_2[d]}) + around;
       std::uint64_t beside = 0;
       for (int i = 0; i < 4; ++i) {
         // The cell's first voxel center and its last.
         const float first = (16 * static_cast<float>(i) + 0.5f) * kUnits,
                     last = first + 15 * kUnits;
-        if (least <= last && most >= first) beside |= kFirst[d] << ((16 >> (2 * d)) * i);
+        if (smallest <= last && largest >= first) beside |= kFirst[d] << ((16 >> (2 * d)) * i);
       }
       cells &= beside;
     }
@@ -153,27 +153,27 @@ class CellSearch {
     for (List& cell : cells_) cell.clear();
     CubeValues limits;
     std::uint64_t open = 0;
-    float most = 0;
+    float largest = 0;
     for (std::size_t n = 0; n < kCubePoints; ++n) {
       const float reach = reach_of(child({0, 0, 0}, n, 16), 16);
       limits[n] = limit_of(reach, 16) * limit_of(reach, 16);
       if (reach >= 0) open |= std::uint64_t{1} << n;
-      most = std::max(most, reach);
+      largest = std::max(largest, reach);
     }
     large_.clear();
     for (const PreparedTriangle& triangle : near) {
-      const std::uint64_t cells = open & cells_beside(triangle, most);
+      const std::uint64_t cells = open & cells_beside(triangle, largest);
       if (std::popcount(cells) > kManyCells) {
         large_.push_back(&triangle);
       } else {
         add(&triangle, cells, cells_);
       }
     }
-    CubeValues least;
-    measure(large_, {0, 0, 0}, 16, least);
+    CubeValues smallest;
+    measure(large_, {0, 0, 0}, 16, smallest);
     bits_within(squared_.get(), large_.size(), limits, within_.get());
     for (std::size_t i = 0; i < large_.size(); ++i) {
-      add(large_[i], within_[i] & open & cells_beside(*large_[i], most), cells_);
+      add(large_[i], within_[i] & open & cells_beside(*large_[i], largest), cells_);
     }
   }
 
@@ -195,8 +195,9 @@ class CellSearch {
   }
 
   // Writes the squared distances of the cells' middles from each triangle into squared_, and each
-  // cell's least one into `least`.
-  void measure(const List& triangles, const std::array<int, 3>& low, int edge, CubeValues& least) {
+  // cell's least one into `smallest`.
+  void measure(const List& triangles, const std::array<int, 3>& low, int edge,
+               CubeValues& smallest) {
     if (room_ < triangles.size()) {
       const std::size_t room = triangles.size() + triangles.size() / 2;
       room_ = 0;
@@ -205,7 +206,7 @@ class CellSearch {
       within_ = std::make_unique_for_overwrite<std::uint64_t[]>(room);
       room_ = room;
     }
-    squared_distances(triangles, centers(low, edge), squared_.get(), least);
+    squared_distances(triangles, centers(low, edge), squared_.get(), smallest);
   }
 
   static void add(const PreparedTriangle* triangle, std::uint64_t cells,

@@ -44,8 +44,8 @@ Extent extent_of(const lattice::LatticeTriangle& triangle) {
   for (std::size_t d = 0; d < 3; ++d) {
     edges[0][d] = static_cast<double>(triangle[1][d] - triangle[0][d]) / kVoxelUnits;
     edges[1][d] = static_cast<double>(triangle[2][d] - triangle[0][d]) / kVoxelUnits;
-    const auto [least, most] = std::minmax({0.0, edges[0][d], edges[1][d]});
-    extent.length_voxels = std::max(extent.length_voxels, most - least);
+    const auto [smallest, largest] = std::minmax({0.0, edges[0][d], edges[1][d]});
+    extent.length_voxels = std::max(extent.length_voxels, largest - smallest);
   }
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t e = (d + 1) % 3, f = (d + 2) % 3;
@@ -107,14 +107,14 @@ std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   for (const lattice::LatticePoint& corner : corners) distances_m.push_back(away_m(corner));
   const auto farthest = std::max_element(distances_m.begin(), distances_m.end());
   const auto& at = corners[static_cast<std::size_t>(farthest - distances_m.begin())];
-  const double most_m = *farthest, half_m = median(distances_m);
-  if (!(most_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
+  const double max_m = *farthest, half_m = median(distances_m);
+  if (!(max_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
   char text[240];
   std::snprintf(text, sizeof text,
                 "correct its stray vertex at (%.6g, %.6g, %.6g) m, %.4g m from the middle of the "
                 "others, half of which lie within %.4g m, or ",
                 static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
-                static_cast<double>(at[2]) * unit_m, most_m, half_m);
+                static_cast<double>(at[2]) * unit_m, max_m, half_m);
   return text;
 }
 
@@ -201,15 +201,15 @@ class NodeCount {
 const NamedObject* too_large(std::span<const NamedObject> objects, int reach,
                              const NodeBytes& bytes, double available) {
   NodeCount count(reach, bytes, available);
-  const NamedObject* largest = nullptr;
-  double most = -1;
+  const NamedObject* culprit = nullptr;
+  double largest = -1;
   for (const NamedObject& named : objects) {
     const double before = count.bytes();
     for (std::size_t i = 0; i < named.object->triangles.size() && !count.is_too_much(); ++i) {
       count.add(named.object->triangle(i));
     }
-    if (count.bytes() - before > most) most = count.bytes() - before, largest = &named;
-    if (count.is_too_much()) return largest;
+    if (count.bytes() - before > largest) largest = count.bytes() - before, culprit = &named;
+    if (count.is_too_much()) return culprit;
   }
   return nullptr;
 }
@@ -238,8 +238,8 @@ double available_bytes() {
   }
   for (const char* const path :
        {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    double most = 0;
-    if (std::ifstream(path) >> most && most > 0) bytes = std::min(bytes, most);
+    double largest = 0;
+    if (std::ifstream(path) >> largest && largest > 0) bytes = std::min(bytes, largest);
   }
   rlimit own{};
   if (::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
@@ -251,24 +251,24 @@ double available_bytes() {
 Status fit_memory(const scan::SnappedObject& object, const std::string& name, double voxel_size_m,
                   double available) {
   if (object.box.empty() || largest_extent(object.box).bytes() <= available) return {};
-  Extent most;
-  std::size_t largest = 0;
+  Extent largest;
+  std::size_t largest_triangle = 0;
   for (std::size_t i = 0; i < object.triangles.size(); ++i) {
     const Extent extent = extent_of(object.triangle(i));
-    if (extent.bytes() <= most.bytes()) continue;
-    most = extent;
-    largest = i;
+    if (extent.bytes() <= largest.bytes()) continue;
+    largest = extent;
+    largest_triangle = i;
   }
-  if (most.bytes() <= available) return {};
+  if (largest.bytes() <= available) return {};
   char what[200];
   std::snprintf(what, sizeof what,
                 "passes through at least %.3g voxels, which take %.3g GB; this process can have "
                 "%.3g GB",
-                most.voxels(), most.bytes() * 1e-9, available * 1e-9);
-  return Error{ErrorCode::kBakeTooLarge, "", "triangle " + std::to_string(largest) + " of " + name,
-               what,
+                largest.voxels(), largest.bytes() * 1e-9, available * 1e-9);
+  return Error{ErrorCode::kBakeTooLarge, "",
+               "triangle " + std::to_string(largest_triangle) + " of " + name, what,
                culprit_of(object, voxel_size_m) +
-                   larger_voxels(voxel_size_m * most.excess(available) * 1.01)};
+                   larger_voxels(voxel_size_m * largest.excess(available) * 1.01)};
 }
 
 Status fit_nodes(std::span<const NamedObject> objects, int reach, const NodeBytes& bytes,

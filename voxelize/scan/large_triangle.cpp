@@ -36,8 +36,8 @@ struct Edge {
   std::int64_t above;  // sum of the positive ones of a and b: how far up a cell reaches
 
   // A cell passes where a u + b w is at least a bound. Of the 8x8 cells all pass where the bound is
-  // at most all_pass, none where it exceeds some_pass. `least` is the bound for voxels.
-  std::int64_t least;
+  // at most all_pass, none where it exceeds some_pass. `smallest` is the bound for voxels.
+  std::int64_t smallest;
   std::int64_t all_pass, some_pass;
   SquareCells::Table sums;
 
@@ -46,12 +46,12 @@ struct Edge {
     b = of_w;
     value = a * u0 + b * w0;
     above = positive(a) + positive(b);
-    least = least_sum(lattice::kSnapBits);
+    smallest = min_sum(lattice::kSnapBits);
     all_pass = 7 * (negative(a) + negative(b));
     some_pass = 7 * above;
     SquareCells::tabulate(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), sums);
   }
-  HWY_INLINE std::int64_t least_sum(int shift) const {
+  HWY_INLINE std::int64_t min_sum(int shift) const {
     return ceil_shift(value + (above > 0 ? 1 : 0), shift) - above;
   }
 };
@@ -90,11 +90,11 @@ HWY_INLINE std::int64_t set_up_projection(const lattice::LatticeTriangle& corner
 
 // The cells of 8x8 that pass all three edges, where least[k] is the least sum that passes edge k.
 // Without branches, which would be mispredicted: which edges cut the cells is irregular.
-HWY_INLINE std::uint64_t passing(const Edges& edges, const std::array<std::int64_t, 3>& least) {
+HWY_INLINE std::uint64_t passing(const Edges& edges, const std::array<std::int64_t, 3>& smallest) {
   std::array<std::int32_t, 3> below;
   for (std::size_t k = 0; k < 3; ++k) {
     below[k] = static_cast<std::int32_t>(
-        std::clamp(least[k], edges[k].all_pass, edges[k].some_pass + 1) - 1);
+        std::clamp(smallest[k], edges[k].all_pass, edges[k].some_pass + 1) - 1);
   }
   return SquareCells::above(edges[0].sums, below[0], edges[1].sums, below[1], edges[2].sums,
                             below[2]);
@@ -102,9 +102,10 @@ HWY_INLINE std::uint64_t passing(const Edges& edges, const std::array<std::int64
 
 // The voxels (u, w) of 8x8 from (u, w), multiples of 8, that pass all three edges.
 HWY_INLINE std::uint64_t shadow_of(const Edges& edges, std::int64_t u, std::int64_t w) {
-  std::array<std::int64_t, 3> least;
-  for (std::size_t k = 0; k < 3; ++k) least[k] = edges[k].least - edges[k].a * u - edges[k].b * w;
-  return passing(edges, least);
+  std::array<std::int64_t, 3> smallest;
+  for (std::size_t k = 0; k < 3; ++k)
+    smallest[k] = edges[k].smallest - edges[k].a * u - edges[k].b * w;
+  return passing(edges, smallest);
 }
 
 // Units and derivation are those of TriangleOverlap.
@@ -125,7 +126,7 @@ class LargeTriangle {
       down_ += negative(normal_[d]);
       plane_ += normal_[d] * corners_[0][d];
     }
-    lo_ = least_sum(plane_, lattice::kSnapBits);
+    lo_ = min_sum(plane_, lattice::kSnapBits);
     hi_ = greatest_sum(plane_, lattice::kSnapBits);
     // Sums of cells lie between 7 down and 7 up, and hi - lo is at most up - down + 1. Wrapped to
     // 32 bits, a sum outside lo..hi must not look like one inside.
@@ -167,20 +168,20 @@ class LargeTriangle {
   // The hit bricks of the node. False where there is none.
   HWY_INLINE bool find_bricks(lattice::BrickMask& hit) const {
     constexpr int kShift = lattice::kSnapBits + 3;
-    const std::int64_t lo = least_sum(plane_, kShift), hi = greatest_sum(plane_, kShift);
+    const std::int64_t lo = min_sum(plane_, kShift), hi = greatest_sum(plane_, kShift);
     if (lo > 7 * up_ || hi < 7 * down_) return false;
     std::array<std::uint64_t, 3> shadow;
     for (std::size_t d = 0; d < 3; ++d) {
-      std::array<std::int64_t, 3> least;
-      for (std::size_t k = 0; k < 3; ++k) least[k] = edges_[d][k].least_sum(kShift);
-      shadow[d] = passing(edges_[d], least);
+      std::array<std::int64_t, 3> smallest;
+      for (std::size_t k = 0; k < 3; ++k) smallest[k] = edges_[d][k].min_sum(kShift);
+      shadow[d] = passing(edges_[d], smallest);
     }
     return cut_by_plane(ranges({0, 0, 0}, 3), shadow, lo, hi, hit);
   }
 
  private:
   // The least and greatest n . i of a cell i that the plane n . p = `value` crosses.
-  HWY_INLINE std::int64_t least_sum(std::int64_t value, int shift) const {
+  HWY_INLINE std::int64_t min_sum(std::int64_t value, int shift) const {
     return ceil_shift(value + (up_ > 0 ? 1 : 0), shift) - up_;
   }
   HWY_INLINE std::int64_t greatest_sum(std::int64_t value, int shift) const {

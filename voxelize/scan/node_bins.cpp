@@ -99,9 +99,10 @@ void bin_chunk(const SnappedObject& object, int reach, std::size_t first, std::s
     const lattice::LatticeTriangle triangle = object.triangle(i);
     NodeIndex low, high;
     for (std::size_t d = 0; d < 3; ++d) {
-      const auto [least, most] = std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
-      low[d] = (least - reach * lattice::kSnapUnits) >> kLog2NodeUnits;
-      high[d] = (most + reach * lattice::kSnapUnits) >> kLog2NodeUnits;
+      const auto [smallest, largest] =
+          std::minmax({triangle[0][d], triangle[1][d], triangle[2][d]});
+      low[d] = (smallest - reach * lattice::kSnapUnits) >> kLog2NodeUnits;
+      high[d] = (largest + reach * lattice::kSnapUnits) >> kLog2NodeUnits;
     }
     if (low == high) {
       bins.add(low, static_cast<std::uint32_t>(i));

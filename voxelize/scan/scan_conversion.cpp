@@ -27,7 +27,7 @@ class NodeDrawing {
   void draw(const lattice::LatticeTriangle& triangle) {
     lattice::LatticeTriangle corners;  // from the node's lowest corner
     std::array<int, 3> low_voxel, high_voxel;
-    std::int64_t most_voxels = 0, extent = 0;
+    std::int64_t max_voxels = 0, extent = 0;
     for (std::size_t d = 0; d < 3; ++d) {
       for (std::size_t k = 0; k < 3; ++k) {
         corners[k][d] = triangle[k][d] - (origin_[d] << lattice::kSnapBits);
@@ -36,11 +36,11 @@ class NodeDrawing {
       const std::int64_t high = std::max({corners[0][d], corners[1][d], corners[2][d]});
       low_voxel[d] = static_cast<int>(low >> lattice::kSnapBits);
       high_voxel[d] = static_cast<int>(high >> lattice::kSnapBits);
-      most_voxels =
-          std::max(most_voxels, (high >> lattice::kSnapBits) - (low >> lattice::kSnapBits) + 1);
+      max_voxels =
+          std::max(max_voxels, (high >> lattice::kSnapBits) - (low >> lattice::kSnapBits) + 1);
       extent = std::max(extent, high - low);
     }
-    if (most_voxels <= SmallTriangles::kMaxVoxels) {
+    if (max_voxels <= SmallTriangles::kMaxVoxels) {
       small_.draw(corners, low_voxel, high_voxel, canvas_);
     } else if (extent <= kLargeTriangleUnits) {
       draw_large_triangle(corners, canvas_);

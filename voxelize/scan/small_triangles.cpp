@@ -98,11 +98,11 @@ HWY_INLINE void prepare(const SmallTriangles::Corners& units, std::size_t first,
   std::array<Vector3, 3> corners, sides;
   for (std::size_t d = 0; d < 3; ++d) {
     for (std::size_t k = 0; k < 3; ++k) corners[k][d] = load(units[k][d], first);
-    const Vector least = Min(corners[0][d], Min(corners[1][d], corners[2][d]));
-    const Vector most = Max(corners[0][d], Max(corners[1][d], corners[2][d]));
-    const Vector low = ShiftRight<lattice::kSnapBits>(least);
+    const Vector smallest = Min(corners[0][d], Min(corners[1][d], corners[2][d]));
+    const Vector largest = Max(corners[0][d], Max(corners[1][d], corners[2][d]));
+    const Vector low = ShiftRight<lattice::kSnapBits>(smallest);
     store(low, tests.low[d], first);
-    store(Sub(ShiftRight<lattice::kSnapBits>(most), low), tests.span[d], first);
+    store(Sub(ShiftRight<lattice::kSnapBits>(largest), low), tests.span[d], first);
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k][d] = Sub(corners[k][d], hn::ShiftLeft<lattice::kSnapBits>(low));
     }

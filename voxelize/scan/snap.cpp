@@ -35,13 +35,13 @@ double snap_error(double largest_m, double voxel_size_m) {
 
 // Facts of the vertices of a mesh.
 struct Extent {
-  bool inside = true;         // placed, all are within the lattice
-  mesh::Vec3d most{0, 0, 0};  // largest |coordinate| in each axis, not placed
+  bool inside = true;            // placed, all are within the lattice
+  mesh::Vec3d largest{0, 0, 0};  // largest |coordinate| in each axis, not placed
 };
 
 Extent both(Extent a, const Extent& b) {
   a.inside &= b.inside;
-  for (std::size_t d = 0; d < 3; ++d) a.most[d] = std::max(a.most[d], b.most[d]);
+  for (std::size_t d = 0; d < 3; ++d) a.largest[d] = std::max(a.largest[d], b.largest[d]);
   return a;
 }
 
@@ -109,7 +109,7 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
           const mesh::Vec3d vertex = mesh.vertices[i];
           const mesh::Vec3d world = mesh::apply(world_from_mesh, vertex);
           for (std::size_t d = 0; d < 3; ++d) {
-            seen.most[d] = std::max(seen.most[d], std::abs(vertex[d]));
+            seen.largest[d] = std::max(seen.largest[d], std::abs(vertex[d]));
           }
           const bool fits = std::abs(world[0]) < limit_m && std::abs(world[1]) < limit_m &&
                             std::abs(world[2]) < limit_m;  // false for NaN too
@@ -127,7 +127,7 @@ Result<SnappedObject> snap_object(const mesh::Mesh& mesh, const mesh::Affine& wo
   object.box = corner_box(object);
   if (!object.box.empty()) {
     const double largest_m = std::max(largest_coordinate(object.box, voxel_size_m),
-                                      mesh::largest_sum(world_from_mesh, extent.most));
+                                      mesh::largest_sum(world_from_mesh, extent.largest));
     object.snap_error_m = snap_error(largest_m, voxel_size_m);
   }
   return object;

@@ -140,21 +140,21 @@ namespace {
 HWY_EXPORT(cut);
 
 struct CodeRange {
-  std::uint8_t least, most;
+  std::uint8_t smallest, largest;
 };
 CodeRange range_of(const distance::NodeDistances& node, unsigned n) {
   if (!test(node.measured, n)) {
-    const std::uint8_t code = node.solid_row(n, 0) != 0 ? 0 : kMostDistanceCode;
+    const std::uint8_t code = node.solid_row(n, 0) != 0 ? 0 : kMaxDistanceCode;
     return {code, code};
   }
   const std::uint8_t* codes = node.brick(n);
   // As bytes, so that vectors hold sixteen.
-  std::uint8_t least = 255, most = 0;
+  std::uint8_t smallest = 255, largest = 0;
   for (unsigned v = 0; v < distance::kBrickVoxels; ++v) {
-    least = std::min(least, codes[v]);
-    most = std::max(most, codes[v]);
+    smallest = std::min(smallest, codes[v]);
+    largest = std::max(largest, codes[v]);
   }
-  return {least, most};
+  return {smallest, largest};
 }
 
 }  // namespace
@@ -175,13 +175,13 @@ BuiltNode cut_into_bricks(const distance::NodeDistances& distances) {
   std::size_t bricks = 0;
   for (unsigned n = 0; n < kNodeEntries; ++n) {
     ranges[n] = range_of(distances, n);
-    bricks += ranges[n].least != ranges[n].most;
+    bricks += ranges[n].smallest != ranges[n].largest;
   }
   node.bricks.resize(bricks * kDistanceBrickParts);
   std::uint32_t next = 0;
   for (unsigned n = 0; n < kNodeEntries; ++n) {
-    if (ranges[n].least == ranges[n].most) {
-      node.entries[n] = uniform_entry(ranges[n].least);
+    if (ranges[n].smallest == ranges[n].largest) {
+      node.entries[n] = uniform_entry(ranges[n].smallest);
       continue;
     }
     node.entries[n] = next++;

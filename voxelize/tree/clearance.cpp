@@ -351,14 +351,15 @@ class DirectoryDistances {
 
   std::uint32_t near(const Place& at, std::size_t i) const {
     if (!is_free(tree_.directory[i])) return 0;
-    std::uint32_t least = kUnknown;
+    std::uint32_t smallest = kUnknown;
     for (unsigned direction = 0; direction < kDirections; ++direction) {
       const Offset d = offset_of(direction);
       const std::uint32_t entry = tree_.directory_entry(at[0] + d.x, at[1] + d.y, at[2] + d.z);
       if (is_free(entry)) continue;
-      least = std::min(least, is_uniform(entry) ? 1 : of_upper_[entry].towards(direction) + 1);
+      smallest =
+          std::min(smallest, is_uniform(entry) ? 1 : of_upper_[entry].towards(direction) + 1);
     }
-    return least;
+    return smallest;
   }
 
   void look_back(const Place& at, std::size_t i, unsigned first, unsigned last) {

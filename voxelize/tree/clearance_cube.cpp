@@ -24,13 +24,13 @@ class PlaneMinimum {
   using Cube = ClearanceCube<T>;
 
   HWY_INLINE void set(const T* cells, int width) {
-    least_of_three(cells, 1, width * width, along_z_ + Cube::kPadding);
-    least_of_three(along_z_ + Cube::kPadding, width, width * width, least_);
+    min_of_three(cells, 1, width * width, along_z_ + Cube::kPadding);
+    min_of_three(along_z_ + Cube::kPadding, width, width * width, min_);
   }
-  HWY_INLINE auto at(int i) const { return hn::LoadU(kTag, least_ + i); }
+  HWY_INLINE auto at(int i) const { return hn::LoadU(kTag, min_ + i); }
 
  private:
-  static HWY_INLINE void least_of_three(const T* from, int step, int count, T* to) {
+  static HWY_INLINE void min_of_three(const T* from, int step, int count, T* to) {
     for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(kTag))) {
       const auto sides =
           hn::Min(hn::LoadU(kTag, from + i - step), hn::LoadU(kTag, from + i + step));
@@ -39,7 +39,7 @@ class PlaneMinimum {
   }
 
   T along_z_[Cube::kMaxPlane + 2 * Cube::kPadding] = {};
-  T least_[Cube::kMaxPlane];
+  T min_[Cube::kMaxPlane];
 };
 
 // One step from every cell of the planes first..last to its neighbors.
@@ -56,8 +56,8 @@ HWY_INLINE void step(ClearanceCube<T>& cube, int first, int last, T edge,
     above->set(cube.plane(x + 1), width);
     T* cells = cube.plane(x);
     for (int i = 0; i < width * width; i += static_cast<int>(hn::Lanes(kTag))) {
-      const auto least = hn::Min(here->at(i), hn::Min(below->at(i), above->at(i)));
-      hn::StoreU(hn::Min(hn::LoadU(kTag, cells + i), hn::SaturatedAdd(least, edges)), kTag,
+      const auto smallest = hn::Min(here->at(i), hn::Min(below->at(i), above->at(i)));
+      hn::StoreU(hn::Min(hn::LoadU(kTag, cells + i), hn::SaturatedAdd(smallest, edges)), kTag,
                  cells + i);
     }
     std::swap(below, here);

@@ -68,7 +68,7 @@ NodeGaps combine_gaps(const lattice::BrickMask& set_cells, unsigned edge, GapOf&
       }
     }
     --shell;
-    unsigned least = edge;
+    unsigned smallest = edge;
     lattice::for_each_cell(nearest, [&](unsigned x, unsigned y, unsigned z) {
       // Inside the cell, only the axes on which it lies `shell` cells behind count.
       const unsigned at[3] = {x, y, z};
@@ -77,9 +77,9 @@ NodeGaps combine_gaps(const lattice::BrickMask& set_cells, unsigned edge, GapOf&
         const bool matters = d[axis] != 0 && detail::behind(at[axis], d[axis]) == shell;
         inner = inner * 3 + static_cast<unsigned>(matters ? d[axis] + 1 : 1);
       }
-      least = std::min(least, gap_of(x << 6 | y << 3 | z, inner));
+      smallest = std::min(smallest, gap_of(x << 6 | y << 3 | z, inner));
     });
-    gaps.steps[direction] = static_cast<std::uint16_t>(shell * edge + least);
+    gaps.steps[direction] = static_cast<std::uint16_t>(shell * edge + smallest);
   }
   return gaps;
 }

@@ -26,17 +26,17 @@ Voxel directory_cell_low(std::size_t index, const std::array<std::uint32_t, 3>& 
 
 // The distance, in voxels, of a box from the nearest cropped side; 0 where it reaches beyond one.
 std::int64_t known_distance(const Voxel& low, std::int64_t edge, const masks::KeptBox& kept) {
-  std::int64_t least = kMaxClearance;
+  std::int64_t smallest = kMaxClearance;
   for (std::size_t d = 0; d < 3; ++d) {
     const auto axis = static_cast<int>(d);
     if (kept.cropped_sides & 1u << (2 * d)) {
-      least = std::min(least, low[d] - kept.box.min()[axis] + 1);
+      smallest = std::min(smallest, low[d] - kept.box.min()[axis] + 1);
     }
     if (kept.cropped_sides & 2u << (2 * d)) {
-      least = std::min(least, kept.box.max()[axis] - (low[d] + edge - 1) + 1);
+      smallest = std::min(smallest, kept.box.max()[axis] - (low[d] + edge - 1) + 1);
     }
   }
-  return std::max<std::int64_t>(least, 0);
+  return std::max<std::int64_t>(smallest, 0);
 }
 
 void clip(std::uint32_t& entry, const Voxel& low, std::int64_t edge, const masks::KeptBox& kept) {

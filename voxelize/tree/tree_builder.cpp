@@ -301,7 +301,7 @@ DistanceTrees build_distance_trees(const distance::LayerOffset& around,
     return tree;
   };
   DistanceTrees trees;
-  trees.distances = tree_of(nodes.distances, kMostDistanceCode, kDistanceBrickParts);
+  trees.distances = tree_of(nodes.distances, kMaxDistanceCode, kDistanceBrickParts);
   if (distances.grows_surface()) trees.grown = masks::tree_of_nodes(nodes.grown);
   if (distances.tells_objects()) trees.objects = tree_of(nodes.objects, 0, kObjectBrickParts);
   if (memory == nullptr) return trees;

@@ -15,7 +15,7 @@
 namespace forcelayer::tree {
 
 // Receives the fraction of the nodes that are done, by one thread at a time; may be empty.
-using NodeProgress = std::function<void(double share_done)>;
+using NodeProgress = std::function<void(double fraction_done)>;
 
 // The offset scene as a tree over `directory_dims` directory cells from the scene's origin. Uniform
 // boxes are collapsed, equal bricks and equal nodes stored once, and numbers follow the order of

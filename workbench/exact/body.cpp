@@ -16,7 +16,7 @@ namespace {
 using part::Vec3;
 
 // Places around an open edge at which the winding number is looked at.
-constexpr int kDirections = 6, kLeastSamples = 3, kMostSamples = 16;
+constexpr int kDirections = 6, kMinSamples = 3, kMaxSamples = 16;
 constexpr double kSampleSpacing = 16;   // widths of a crack
 constexpr double kNarrowest = 0x1p-10;  // of the widest cracks: those looked for first
 // A winding number that is farther from a whole number tells a hole. Beside a crack as wide as the
@@ -25,7 +25,7 @@ constexpr double kWhole = 0.2;
 // A winding number is only asked for whether it is nearer to 0: groups of triangles are dipoles
 // from two of their radii on (Barill and others 2018).
 constexpr double kFar = 2;
-// Rounding of a length along a direction, as a share of the largest coordinate: far above it.
+// Rounding of a length along a direction, as a fraction of the largest coordinate: far above it.
 constexpr double kRounding = 1e-13;
 using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
 
@@ -41,10 +41,10 @@ std::array<double, 2> shadow(const part::Piece& piece, const Vec3& direction) {
 // edge in its plane.
 bool are_apart(const part::Piece& p, const part::Piece& q, double largest_m) {
   const auto parts = [&](const Vec3& direction) {
-    const double least = kRounding * largest_m * part::length(direction);
+    const double smallest = kRounding * largest_m * part::length(direction);
     const auto [p_low, p_high] = shadow(p, direction);
     const auto [q_low, q_high] = shadow(q, direction);
-    return q_low - p_high > least || p_low - q_high > least;
+    return q_low - p_high > smallest || p_low - q_high > smallest;
   };
   const Vec3 of_p = part::cross(p[1] - p[0], p[2] - p[0]);
   const Vec3 of_q = part::cross(q[1] - q[0], q[2] - q[0]);
@@ -107,8 +107,8 @@ Body::Body(part::Part part, double crack_m)
 }
 
 // Finds how wide its cracks may be: the narrower, the closer a depth is known.
-bool Body::close_cracks(double most_m) {
-  for (crack_m_ = kNarrowest * most_m; crack_m_ <= most_m; crack_m_ *= 2) {
+bool Body::close_cracks(double max_m) {
+  for (crack_m_ = kNarrowest * max_m; crack_m_ <= max_m; crack_m_ *= 2) {
     if (has_only_cracks(crack_m_)) return true;
   }
   crack_m_ = 0;  // it is open: no crack widens what it may go through
@@ -158,11 +158,11 @@ bool Body::has_only_cracks(double crack_m) const {
     const Vec3 third = part::cross(along, across);
     const double wanted = part::length(way) / (kSampleSpacing * crack_m);
     const int samples =
-        std::clamp(static_cast<int>(std::min(wanted, 1e3)), kLeastSamples, kMostSamples);
+        std::clamp(static_cast<int>(std::min(wanted, 1e3)), kMinSamples, kMaxSamples);
     for (int n = 0; n < samples * kDirections; ++n) {
-      const double share = (n / kDirections + 0.5) / samples;
+      const double fraction = (n / kDirections + 0.5) / samples;
       const double turn = 2 * std::numbers::pi * (n % kDirections + 0.3) / kDirections;
-      const Vec3 place = from + share * way + (crack_m * std::cos(turn)) * across +
+      const Vec3 place = from + fraction * way + (crack_m * std::cos(turn)) * across +
                          (crack_m * std::sin(turn)) * third;
       if (tree_.nearest(place, crack_m / 2).found) continue;
       const double winding = winding_->at(place);

@@ -51,7 +51,7 @@ class Body {
   bool may_meet(const part::Piece& piece_m) const;
 
  private:
-  bool close_cracks(double most_m);
+  bool close_cracks(double max_m);
   bool has_only_cracks(double crack_m) const;
 
   part::Part part_;

@@ -18,7 +18,7 @@ using part::Piece;
 using part::Vec3;
 
 // Times that a piece is cut along the solid's triangles before it is cut in two.
-constexpr int kMostCuts = 3;
+constexpr int kMaxCuts = 3;
 constexpr double kSameSide = 1 - 1e-9;  // exceeds the rounding of two distances
 
 // A place of which it is known on which side it lies; so does all that is nearer than the surface.
@@ -73,9 +73,9 @@ double off_plane_m(const Piece& piece, const Piece& triangle) {
 
 // The plane through an edge of a triangle and along its normal beyond which on either side a piece
 // reaches farthest: how far its corners are from it. Nothing where it reaches no farther than
-// `least_m` across any.
+// `min_m` across any.
 std::optional<std::array<double, 3>> straddled(const Piece& piece, const Piece& triangle,
-                                               double least_m) {
+                                               double min_m) {
   const Vec3 normal = part::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
   std::optional<std::array<double, 3>> found;
   for (std::size_t n = 0; n < 3; ++n) {
@@ -86,7 +86,7 @@ std::optional<std::array<double, 3>> straddled(const Piece& piece, const Piece& 
     for (std::size_t i = 0; i < 3; ++i) off[i] = part::dot(inward, piece[i] - triangle[n]) / length;
     const auto [low, high] = std::minmax_element(off.begin(), off.end());
     const double across = std::min(-*low, *high);
-    if (across > least_m) least_m = across, found = off;
+    if (across > min_m) min_m = across, found = off;
   }
   return found;
 }
@@ -178,7 +178,7 @@ class Search {
     pieces_.clear();
     int cuts = 0;
     std::optional<std::array<double, 3>> off;
-    if (top.cuts < kMostCuts && is_settled(off_plane_m(top.piece, top.nearest))) {
+    if (top.cuts < kMaxCuts && is_settled(off_plane_m(top.piece, top.nearest))) {
       off = straddled(top.piece, top.nearest, within_m_ / 4);
     }
     if (off) {

@@ -88,12 +88,12 @@ class ExactCheck {
     for (const voxcheck::ProvenMoment& said : request_.moments) {
       const Moment moment = path_.at(said.time_s);
       const double counted_m = walk_.at(moment, said.seated).measured.distance_m;
-      if (counted_m + rounding_m_ < said.least_m) {
-        return contradiction(said.time_s, counted_m, "prove", said.least_m);
+      if (counted_m + rounding_m_ < said.min_m) {
+        return contradiction(said.time_s, counted_m, "prove", said.min_m);
       }
       const double exact_m = walk_.at(moment, false).measured.distance_m;
-      if (exact_m > said.most_m + rounding_m_ && !lies_inside(moment, exact_m, false)) {
-        return contradiction(said.time_s, exact_m, "say at most", said.most_m);
+      if (exact_m > said.max_m + rounding_m_ && !lies_inside(moment, exact_m, false)) {
+        return contradiction(said.time_s, exact_m, "say at most", said.max_m);
       }
     }
     return {};
@@ -138,8 +138,8 @@ class ExactCheck {
   // Shows task `n` of some on the terminal.
   Progress shown(const char* stage, std::size_t n, std::size_t tasks) {
     const auto whole = static_cast<double>(tasks);
-    return [this, stage, n, whole](double share) {
-      line_.show(stage, (static_cast<double>(n) + std::clamp(share, 0.0, 1.0)) / whole);
+    return [this, stage, n, whole](double fraction) {
+      line_.show(stage, (static_cast<double>(n) + std::clamp(fraction, 0.0, 1.0)) / whole);
     };
   }
 
@@ -191,9 +191,9 @@ class ExactCheck {
       worst = *near.inside;
       worst.measured.distance_m = 0;
     } else {
-      const auto least = walk_.least(std::move(near.pieces), kWithinVoxels * voxel_m_);
-      violation.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
-      worst = least.sample;
+      const auto smallest = walk_.smallest(std::move(near.pieces), kWithinVoxels * voxel_m_);
+      violation.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
+      worst = smallest.sample;
     }
     violation.worst = exact_moment(worst);
     violation.graze =
@@ -218,7 +218,7 @@ class ExactCheck {
       const Depth depth = walk.at_pose(path_.world_from_center(path_.at(time_s)), 0);
       if (depth.found_m <= violation.depth_m) continue;
       violation.depth_m = depth.found_m;
-      violation.depth_at_most_m = depth.at_most_m;
+      violation.max_depth_m = depth.at_most_m;
       violation.worst = deepest_moment(time_s, violation.worst.object, depth);
     }
   }
@@ -362,7 +362,7 @@ class ExactCheck {
     violation.graze = !stretch.is_deeper;
     const Depth& worst = stretch.worst;
     violation.depth_m = worst.found_m;
-    violation.depth_at_most_m = worst.at_most_m;
+    violation.max_depth_m = worst.at_most_m;
     violation.worst = deepest_moment(path_.time_s(stretch.worst_at), seat.object, worst);
     return violation;
   }
@@ -370,24 +370,25 @@ class ExactCheck {
   void add_seated(ExactAnswer& answer) {
     walk_.tell(shown("measuring the clearance in the seat", 0, 1));
     for (const auto& [from_s, to_s] : request_.seated) {
-      const auto least = walk_.least({{path_.at(from_s), path_.at(to_s)}}, kDepthVoxels * voxel_m_);
+      const auto smallest =
+          walk_.smallest({{path_.at(from_s), path_.at(to_s)}}, kDepthVoxels * voxel_m_);
       answer.seated.push_back(
-          {std::max(0.0, least.at_least_m - margin_m_), exact_moment(least.sample)});
+          {std::max(0.0, smallest.at_least_m - margin_m_), exact_moment(smallest.sample)});
     }
   }
 
   void add_least(ExactAnswer& answer) {
     std::vector<Piece> pieces;
     for (const auto& stretch : request_.stretches) {
-      if (request_.most_m && stretch.proven_m > *request_.most_m) continue;
+      if (request_.max_m && stretch.proven_m > *request_.max_m) continue;
       pieces.push_back(piece_of(stretch));
-      if (stretch.from_s <= request_.least_s && request_.least_s <= stretch.to_s) {
-        take(walk_.at(path_.at(request_.least_s), stretch.seated));
+      if (stretch.from_s <= request_.min_s && request_.min_s <= stretch.to_s) {
+        take(walk_.at(path_.at(request_.min_s), stretch.seated));
       }
     }
-    const auto least = walk_.least(std::move(pieces), kWithinVoxels * voxel_m_, nearest_);
-    answer.least = exact_moment(least.sample);
-    answer.clearance_m = std::max(0.0, least.at_least_m - margin_m_);
+    const auto smallest = walk_.smallest(std::move(pieces), kWithinVoxels * voxel_m_, nearest_);
+    answer.smallest = exact_moment(smallest.sample);
+    answer.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
   }
 
   const ExactRequest& request_;

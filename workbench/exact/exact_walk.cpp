@@ -13,7 +13,7 @@ ExactWalk::ExactWalk(const clearance::CenterPath& path, const MeshPair& everythi
 
 const Sample& ExactWalk::at(const Moment& moment, bool seated, double hint_m) {
   const auto [place, is_new] =
-      samples_.try_emplace({moment.pose, moment.share, seated}, Sample{moment, {}, seated});
+      samples_.try_emplace({moment.pose, moment.fraction, seated}, Sample{moment, {}, seated});
   if (is_new) {
     const MeshPair& pair = seated ? seated_ : everything_;
     place->second.measured = pair.at(path_.world_from_center(moment), hint_m);
@@ -39,25 +39,25 @@ void ExactWalk::measure(Piece& piece) {
       at(piece.to, piece.seated, from.measured.distance_m + travel_m(piece) + rounding_m_);
   for (const Sample* end : {&from, &to}) {
     const double exact = end->measured.distance_m;
-    if (exact + rounding_m_ >= piece.least_m || contradiction_) continue;
-    contradiction_ = {path_.time_s(end->moment), exact, piece.least_m};
+    if (exact + rounding_m_ >= piece.min_m || contradiction_) continue;
+    contradiction_ = {path_.time_s(end->moment), exact, piece.min_m};
   }
-  piece.least_m = std::max(piece.least_m, between_m(from, to));
+  piece.min_m = std::max(piece.min_m, between_m(from, to));
   piece.is_measured = true;
 }
 
 std::pair<Piece, Piece> ExactWalk::cut(const Piece& piece) {
   const Moment half = path_.middle(piece.from, piece.to);
-  Piece first{piece.from, half, piece.least_m, piece.seated};
-  Piece second{half, piece.to, piece.least_m, piece.seated};
+  Piece first{piece.from, half, piece.min_m, piece.seated};
+  Piece second{half, piece.to, piece.min_m, piece.seated};
   measure(first);
   measure(second);
   return {first, second};
 }
 
-ExactWalk::Least ExactWalk::least(std::vector<Piece> pieces, double within_m,
-                                  std::optional<Sample> known) {
-  const auto later = [](const Piece& a, const Piece& b) { return a.least_m > b.least_m; };
+ExactWalk::Least ExactWalk::smallest(std::vector<Piece> pieces, double within_m,
+                                     std::optional<Sample> known) {
+  const auto later = [](const Piece& a, const Piece& b) { return a.min_m > b.min_m; };
   std::priority_queue<Piece, std::vector<Piece>, decltype(later)> open(later, std::move(pieces));
   Least found;
   found.sample.measured.distance_m = 2 * kNothingM;
@@ -69,10 +69,10 @@ ExactWalk::Least ExactWalk::least(std::vector<Piece> pieces, double within_m,
   while (!open.empty()) {
     Piece piece = open.top();
     const double enough = found.sample.measured.distance_m - within_m;
-    if (piece.least_m >= enough || found.sample.measured.distance_m == 0) break;
+    if (piece.min_m >= enough || found.sample.measured.distance_m == 0) break;
     open.pop();
-    widest_m = std::max(widest_m, enough - piece.least_m);
-    progress_(1 - (enough - piece.least_m) / widest_m);
+    widest_m = std::max(widest_m, enough - piece.min_m);
+    progress_(1 - (enough - piece.min_m) / widest_m);
     if (piece.is_measured) {
       const auto [first, second] = cut(piece);
       take(at(first.to, piece.seated));
@@ -86,7 +86,7 @@ ExactWalk::Least ExactWalk::least(std::vector<Piece> pieces, double within_m,
     }
   }
   found.at_least_m = found.sample.measured.distance_m;
-  if (!open.empty()) found.at_least_m = std::min(found.at_least_m, open.top().least_m);
+  if (!open.empty()) found.at_least_m = std::min(found.at_least_m, open.top().min_m);
   return found;
 }
 
@@ -101,7 +101,7 @@ std::vector<Piece> ExactWalk::nearer_than(const Piece& whole, double required_m,
     measure(piece);
     progress_((path_.travel_m(piece.from) - path_.travel_m(whole.from)) /
               std::max(travel_m(whole), std::numeric_limits<double>::min()));
-    if (piece.least_m >= required_m) continue;
+    if (piece.min_m >= required_m) continue;
     const double from_m = at(piece.from, piece.seated).measured.distance_m;
     const double to_m = at(piece.to, piece.seated).measured.distance_m;
     const double travel = travel_m(piece);

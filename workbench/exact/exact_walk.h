@@ -22,7 +22,7 @@
 namespace forcelayer::exact {
 
 using clearance::Moment;
-using Progress = std::function<void(double share)>;
+using Progress = std::function<void(double fraction)>;
 
 // The surfaces at a moment.
 struct Sample {
@@ -34,7 +34,7 @@ struct Sample {
 // A piece of a path.
 struct Piece {
   Moment from, to;
-  double least_m = 0;        // the distance is at least this in all of it
+  double min_m = 0;          // the distance is at least this in all of it
   bool seated = false;       // the seat's objects do not count
   bool is_measured = false;  // at its ends
 };
@@ -57,7 +57,7 @@ class ExactWalk {
     Sample sample;
     double at_least_m = 0;
   };
-  Least least(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {});
+  Least smallest(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {});
 
   // Those parts of a piece, in the order of time, of which it is not proven that the distance is
   // `required_m` or more. Their begin and end are found to `resolution_m` of travel.

@@ -15,7 +15,7 @@ using part::Piece;
 using part::Vec3;
 
 // A motion that takes more cells, and more for each triangle, is cut in two before its pieces are.
-constexpr std::uint64_t kMostCells = 4000, kCellsOfTriangle = 4;
+constexpr std::uint64_t kMaxCells = 4000, kCellsOfTriangle = 4;
 
 Vec3 placed(const Pose& pose, const Vec3& p) {
   return vec3_of(pose.position_m + pose.orientation * dvec3_of(p));
@@ -32,7 +32,7 @@ class Proof {
         solid_(solid),
         motion_(motion),
         allowed_m_(allowed_m),
-        most_cells_(kMostCells + kCellsOfTriangle * surface.tree().ordered_triangles().size()) {}
+        max_cells_(kMaxCells + kCellsOfTriangle * surface.tree().ordered_triangles().size()) {}
 
   bool holds() {
     const part::TriangleTree& tree = surface_.tree();
@@ -73,7 +73,7 @@ class Proof {
     while (!pieces_.empty()) {
       const Piece piece = pieces_.back();
       pieces_.pop_back();
-      if (++cells_ > most_cells_) return false;
+      if (++cells_ > max_cells_) return false;
       const Piece from = placed(motion_.from, piece), to = placed(motion_.to, piece);
       if (is_allowed(Hull(from, to))) continue;
       // Where the motion is the longer, it is cut.
@@ -109,7 +109,7 @@ class Proof {
   const Body& solid_;
   const Motion& motion_;
   double allowed_m_;
-  std::uint64_t most_cells_, cells_ = 0;
+  std::uint64_t max_cells_, cells_ = 0;
   std::vector<Piece> pieces_;
 };
 

@@ -12,10 +12,10 @@ using part::Piece;
 using part::Vec3;
 
 // So many triangles are looked at for directions.
-constexpr std::size_t kMostNear = 128;
+constexpr std::size_t kMaxNear = 128;
 // Directions that differ by less are one, and so many are tried.
 constexpr double kSameNormal = 1 - 1e-6;
-constexpr std::size_t kMostNormals = 8;
+constexpr std::size_t kMaxNormals = 8;
 // Rounding of a length along a direction, as a fraction of the largest coordinate: far above it.
 constexpr double kRounding = 1e-14;
 // Shifts are this much shorter than allowed, for their own rounding.
@@ -59,10 +59,10 @@ class Neighbor {
   }
 
   // Whether the hull, shifted, is farther away than this along one of the directions.
-  bool is_farther(double least_m, const Vec3& shift = {}) const {
+  bool is_farther(double min_m, const Vec3& shift = {}) const {
     return std::any_of(gaps_.begin(), gaps_.begin() + count_, [&](const Gap& gap) {
       const double moved = part::dot(gap.direction, shift);
-      return std::max(gap.ahead - moved, gap.behind + moved) > least_m;
+      return std::max(gap.ahead - moved, gap.behind + moved) > min_m;
     });
   }
 
@@ -131,7 +131,7 @@ std::vector<Vec3> ways_out(const Body& solid, const Hull& hull, double reach_m) 
     const std::size_t before = ways.size();
     add(solid.outward() * neighbor.normal());
     if (ways.size() > before) sum += ways.back();
-    return ++seen < kMostNear && ways.size() <= kMostNormals;
+    return ++seen < kMaxNear && ways.size() <= kMaxNormals;
   });
   add(part::normalized(sum));
   return ways;
@@ -157,7 +157,7 @@ Hull::Hull(const Piece& from, const Piece& to) : Hull(from) {
   for (const Vec3& p : points) reach = std::max(reach, part::length(p - center));
 }
 
-bool comes_free(const Body& solid, const Hull& hull, double most_m, double off_m) {
+bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m) {
   // Through a crack a way leads inside that meets no triangle, but it is narrow.
   off_m += solid.crack_m();
   const double rounding_m = kRounding * largest_of(hull);
@@ -167,9 +167,9 @@ bool comes_free(const Body& solid, const Hull& hull, double most_m, double off_m
            !solid.holds(hull.center + shift);
   };
   if (is_free({})) return true;
-  const std::vector<Vec3> ways = ways_out(solid, hull, most_m + off_m + rounding_m);
+  const std::vector<Vec3> ways = ways_out(solid, hull, max_m + off_m + rounding_m);
   return std::any_of(ways.begin(), ways.end(),
-                     [&](const Vec3& way) { return is_free((kShorter * most_m) * way); });
+                     [&](const Vec3& way) { return is_free((kShorter * max_m) * way); });
 }
 
 }  // namespace forcelayer::exact

@@ -32,8 +32,8 @@ struct Hull {
   double reach = 0;  // from the center to the farthest point
 };
 
-// Whether a shift is found that is no longer than `most_m`, and that takes all places within
+// Whether a shift is found that is no longer than `max_m`, and that takes all places within
 // `off_m` of the hull out of the solid. No says nothing.
-bool comes_free(const Body& solid, const Hull& hull, double most_m, double off_m);
+bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m);
 
 }  // namespace forcelayer::exact

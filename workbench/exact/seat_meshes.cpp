@@ -9,9 +9,9 @@
 namespace forcelayer::exact {
 namespace {
 
-constexpr std::size_t kMostNormals = 8;  // of a surface: its flat sides by area
+constexpr std::size_t kMaxNormals = 8;   // of a surface: its flat sides by area
 constexpr double kSameDirection = 1e-6;  // rad: directions nearer to each other are one
-constexpr double kLeastCrossing = 1e-2;  // sine of the angle of two sides that meet in a line
+constexpr double kMinCrossing = 1e-2;    // sine of the angle of two sides that meet in a line
 
 double largest_m(const Surface& scene, const Surface& part, const Pose& installed) {
   double largest = std::max(scene.largest_m, part.largest_m);
@@ -53,7 +53,7 @@ void add_axes(const Surface& surface, const glm::dquat& world_from_surface,
   for (const auto& [key, side] : sides) by_area.push_back(side);
   std::stable_sort(by_area.begin(), by_area.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (by_area.size() > kMostNormals) by_area.resize(kMostNormals);
+  if (by_area.size() > kMaxNormals) by_area.resize(kMaxNormals);
   std::vector<glm::dvec3> normals;
   for (const auto& [area, sum] : by_area) {
     normals.push_back(world_from_surface * glm::normalize(sum));
@@ -62,7 +62,7 @@ void add_axes(const Surface& surface, const glm::dquat& world_from_surface,
   for (std::size_t i = 0; i < normals.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const glm::dvec3 line = glm::cross(normals[i], normals[j]);
-      if (glm::length(line) > kLeastCrossing) add(axes, glm::normalize(line));
+      if (glm::length(line) > kMinCrossing) add(axes, glm::normalize(line));
     }
   }
 }
@@ -147,10 +147,10 @@ double SeatMeshes::leeway_m(const Pose& world_from_center) const {
 
 std::optional<std::uint32_t> SeatMeshes::blocked_by(const Pose& world_from_center) const {
   std::optional<std::uint32_t> deepest;
-  double most_m = 0;
+  double max_m = 0;
   for (const auto& object : objects_) {
     const double beyond = beyond_m(*object, world_from_center);
-    if (beyond > most_m) deepest = object->number, most_m = beyond;
+    if (beyond > max_m) deepest = object->number, max_m = beyond;
   }
   return deepest;
 }

@@ -63,7 +63,7 @@ Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> all
 
 const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m) {
   const auto [place, is_new] =
-      depths_.try_emplace({moment.pose, moment.share, allowed_m.has_value()});
+      depths_.try_emplace({moment.pose, moment.fraction, allowed_m.has_value()});
   if (is_new) {
     place->second = at_pose(path_.world_from_center(moment), allowed_m, kWithinFraction);
     if (!deepest_ || place->second.found_m > deepest_->second.found_m) {

@@ -31,8 +31,8 @@ bool StoredSide::is_inside(const Pose& world_from_center, double distance_m, dou
     if (!is_known) continue;
     const auto [i, j, k] = voxel;
     const double off_m = glm::length(place_m - s * (low + 0.5)) + margin_m;  // its center
-    const bool can_be_outside = voxmap_.most_distance_m(i, j, k) + off_m >= distance_m;
-    const bool can_be_inside = voxmap_.least_distance_m(i, j, k) - off_m <= -distance_m;
+    const bool can_be_outside = voxmap_.max_distance_m(i, j, k) + off_m >= distance_m;
+    const bool can_be_inside = voxmap_.min_distance_m(i, j, k) - off_m <= -distance_m;
     if (can_be_inside && !can_be_outside && counts(place_m)) return true;
   }
   return false;

@@ -15,12 +15,12 @@ using glm::dot;
 using Vec = glm::dvec3;
 
 // Where along a segment the place nearest to `p` is, from 0 to 1.
-double nearest_share(const Vec& p, const Vec& from, const Vec& along) {
+double nearest_fraction(const Vec& p, const Vec& from, const Vec& along) {
   const double square = dot(along, along);
   return square > 0 ? std::clamp(dot(p - from, along) / square, 0.0, 1.0) : 0;
 }
 
-// The nearest places of two segments. In nearly parallel ones the share of the first is known
+// The nearest places of two segments. In nearly parallel ones the fraction of the first is known
 // badly: by the angle a between them, in error by (rounding / a) where they are close. But there
 // the distance changes by a times that only. Found from the cross product, not from the difference
 // of products of lengths, which would cost half of the digits.
@@ -29,9 +29,9 @@ std::pair<Vec, Vec> nearest_of_segments(const Vec& a, const Vec& b, const Vec& c
   const double square = dot(normal, normal);
   double s = 0.5;
   if (square > 0) s = std::clamp(dot(cross(c - a, across), normal) / square, 0.0, 1.0);
-  const double t = nearest_share(a + s * along, c, across);
+  const double t = nearest_fraction(a + s * along, c, across);
   const Vec second = c + t * across;
-  return {a + nearest_share(second, a, along) * along, second};
+  return {a + nearest_fraction(second, a, along) * along, second};
 }
 
 // A triangle with unit vectors along its longest edge, along its height and along its normal. They
@@ -90,14 +90,14 @@ class Face {
 
 TriangleDistance triangle_distance(const Corners& first, const Corners& second) {
   const Face of_first(first), of_second(second);
-  TriangleDistance least;
-  double least_square = std::numeric_limits<double>::infinity();
+  TriangleDistance smallest;
+  double min_square = std::numeric_limits<double>::infinity();
   const auto take = [&](const Vec& p, const Vec& q) {
     const double square = dot(p - q, p - q);
-    if (square >= least_square) return;
-    least_square = square;
-    least.first_m = p;
-    least.second_m = q;
+    if (square >= min_square) return;
+    min_square = square;
+    smallest.first_m = p;
+    smallest.second_m = q;
   };
   for (std::size_t n = 0; n < 3; ++n) {
     const Vec &a = first[n], &b = first[(n + 1) % 3], &c = second[n], &d = second[(n + 1) % 3];
@@ -110,8 +110,8 @@ TriangleDistance triangle_distance(const Corners& first, const Corners& second) 
       take(p, q);
     }
   }
-  least.distance_m = std::sqrt(least_square);
-  return least;
+  smallest.distance_m = std::sqrt(min_square);
+  return smallest;
 }
 
 }  // namespace forcelayer::exact

@@ -49,10 +49,10 @@ double tick_of(double span) {
 // The multiples of a tick in a span. Where doubles are so far apart that they are one and the same,
 // there are no more than elsewhere.
 std::vector<double> ticks_of(double from, double span) {
-  constexpr int kMost = 12;
+  constexpr int kMax = 12;
   const double tick = tick_of(span), first = std::ceil(from / tick);
   std::vector<double> ticks;
-  for (int n = 0; n < kMost && (first + n) * tick <= from + span * (1 + 1e-9); ++n) {
+  for (int n = 0; n < kMax && (first + n) * tick <= from + span * (1 + 1e-9); ++n) {
     ticks.push_back((first + n) * tick);
   }
   return ticks;
@@ -109,12 +109,12 @@ class Drawing {
     const char* to = "M";
     for (std::size_t i = 0; i < steps.size();) {
       const double left = x(steps[i].from_s);
-      double least = steps[i].clearance_m, right = x(steps[i].to_s);
+      double smallest = steps[i].clearance_m, right = x(steps[i].to_s);
       for (++i; i < steps.size() && x(steps[i].to_s) < left + column; ++i) {
-        least = std::min(least, steps[i].clearance_m);
+        smallest = std::min(smallest, steps[i].clearance_m);
         right = x(steps[i].to_s);
       }
-      svg_ += text("%s%.2f %.2fH%.2f", to, left, y(least), right);
+      svg_ += text("%s%.2f %.2fH%.2f", to, left, y(smallest), right);
       to = "L";
     }
     svg_ += "\"/>\n";
@@ -127,7 +127,7 @@ class Drawing {
         kLeft, y(m), kWidth - kRight, kWidth - kRight - 4, y(m) - 5, 1e3 * m);
   }
 
-  void least(double t_s, double m) {
+  void smallest(double t_s, double m) {
     svg_ += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"least\"/>\n", x(t_s), y(m));
   }
 
@@ -156,19 +156,19 @@ Result<std::string> curve_svg(const std::string& curve, const nlohmann::json& ve
   const auto steps = read_curve(curve);
   if (!steps) return steps.error();
   const double required_m = verdict["required_clearance_m"];
-  const auto& least = verdict["least_clearance"];
-  double most_m = 0;
-  for (const Step& s : *steps) most_m = std::max(most_m, s.clearance_m);
-  const double named_m = std::max<double>(required_m, least["clearance_m"]);
+  const auto& smallest = verdict["min_clearance"];
+  double max_m = 0;
+  for (const Step& s : *steps) max_m = std::max(max_m, s.clearance_m);
+  const double named_m = std::max<double>(required_m, smallest["clearance_m"]);
   Drawing drawing(steps->front().from_s, steps->back().to_s,
-                  std::max(std::min(most_m, kShown * named_m), 1.1 * required_m));
+                  std::max(std::min(max_m, kShown * named_m), 1.1 * required_m));
   drawing.band(verdict["seated"], "seat");
   drawing.band(verdict["violations"], "violation");
   drawing.axes();
   drawing.required(required_m);
   drawing.steps(*steps);
-  const bool exact = least.contains("exact_m") && least["exact_m"].is_number();
-  drawing.least(least["t_s"], least[exact ? "exact_m" : "clearance_m"]);
+  const bool exact = smallest.contains("exact_m") && smallest["exact_m"].is_number();
+  drawing.smallest(smallest["t_s"], smallest[exact ? "exact_m" : "clearance_m"]);
   return drawing.finish();
 }
 

@@ -89,16 +89,16 @@ std::string clearance(const Json& moment) {
 
 std::string facts_table(const Page& page) {
   const Json& v = page.verdict;
-  const Json& least = v["least_clearance"];
+  const Json& smallest = v["min_clearance"];
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
-  const bool at_least = least.value("at_least", false);
+  const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
   table += row(is_seated ? "least clearance outside of its seat" : "least clearance",
-               at_least ? "at least " + mm(least["clearance_m"])
-                        : clearance(least) + " to " + name_of(least["object"]));
+               at_least ? "at least " + mm(smallest["clearance_m"])
+                        : clearance(smallest) + " to " + name_of(smallest["object"]));
   if (!at_least) {
-    table +=
-        row("then", text("at %.3f s, at ", least["t_s"].get<double>()) + place(least["point_m"]));
+    table += row(
+        "then", text("at %.3f s, at ", smallest["t_s"].get<double>()) + place(smallest["point_m"]));
   }
   std::string seat;
   for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);

@@ -56,12 +56,12 @@ Box Destination::part_box(const Pose& pose) const {
 double Destination::distance_m(const Pose& pose) const {
   if (pose_) return travel_between_m(problem_, pose, *pose_);
   const Box box = part_box(pose);
-  double least_m = std::numeric_limits<double>::infinity();
+  double min_m = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    if (ends_at(axis, true)) least_m = std::min(least_m, scene_.high[axis] - box.low[axis]);
-    if (ends_at(axis, false)) least_m = std::min(least_m, box.high[axis] - scene_.low[axis]);
+    if (ends_at(axis, true)) min_m = std::min(min_m, scene_.high[axis] - box.low[axis]);
+    if (ends_at(axis, false)) min_m = std::min(min_m, box.high[axis] - scene_.low[axis]);
   }
-  return std::max(0.0, least_m);
+  return std::max(0.0, min_m);
 }
 
 std::optional<Pose> Destination::straight_from(const Pose& from,
@@ -83,8 +83,8 @@ std::optional<Pose> Destination::straight_from(const Pose& from,
 Pose Destination::sample(Random& random) const {
   if (pose_) return *pose_;
   Pose pose = problem_.world_from_start;
-  if (random.share() < 0.5) pose.orientation = random.orientation();
-  if (random.share() < 0.5) {
+  if (random.fraction() < 0.5) pose.orientation = random.orientation();
+  if (random.fraction() < 0.5) {
     for (int axis = 0; axis < 3; ++axis) {
       pose.position_m[axis] = random.between(scene_.low[axis], scene_.high[axis]);
     }
@@ -93,7 +93,7 @@ Pose Destination::sample(Random& random) const {
   bool high;
   do {
     axis = static_cast<int>(random.below(3));
-    high = random.share() < 0.5;
+    high = random.fraction() < 0.5;
   } while (!ends_at(axis, high));
   const Box box = part_box(pose);
   pose.position_m[axis] += high ? scene_.high[axis] - box.low[axis] + beside()

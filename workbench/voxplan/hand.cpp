@@ -31,15 +31,15 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 
-constexpr double kSlides = 0.75;      // of the samples near a pose of the seat: along its floors
-constexpr double kSlideVoxels = 4;    // at a step
-constexpr double kLeastSlide = 0.05;  // of a step: less is no way
-constexpr int kLifts = 3;             // of a pose off the floors: each is right to first order
-constexpr int kDirections = 26;       // that the first hand tries straight,
-constexpr int kAxes = 6;              // those of the world first
-constexpr double kCellVoxels = 6;     // in which KPIECE counts where it has been
-constexpr double kLeastKept = 0.01;   // of a motion: less is no way
-constexpr unsigned kMostGoals = 1000;
+constexpr double kSlides = 0.75;    // of the samples near a pose of the seat: along its floors
+constexpr double kSlideVoxels = 4;  // at a step
+constexpr double kMinSlide = 0.05;  // of a step: less is no way
+constexpr int kLifts = 3;           // of a pose off the floors: each is right to first order
+constexpr int kDirections = 26;     // that the first hand tries straight,
+constexpr int kAxes = 6;            // those of the world first
+constexpr double kCellVoxels = 6;   // in which KPIECE counts where it has been
+constexpr double kMinKept = 0.01;   // of a motion: less is no way
+constexpr unsigned kMaxGoals = 1000;
 constexpr int kHeldBy = 20;  // random motions that tell what holds the part
 // The clock is read after so many poses, or questions of a planner whether it shall end: processor
 // time is a call of the system.
@@ -63,7 +63,7 @@ std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted,
     if (!check.holds(Rule::kInSeat, there)) {
       if (turns == Turns::kNever) break;
       const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
-      if (length_of(step) < kLeastSlide * step_m) break;
+      if (length_of(step) < kMinSlide * step_m) break;
       if (!turned) way = of_length(step, step_m);
       turned = true;
       there = moved(trail.back(), step, radius_m);
@@ -79,7 +79,7 @@ std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted,
 // A direction of a slide: any, or one in which all floors resist little.
 Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
   const Twist6 any = random_twist(1, random);
-  if (random.share() < 0.5) return any;
+  if (random.fraction() < 0.5) return any;
   const double radius_m = check.problem().part.header().bounding_radius_m;
   return free_twist(any, check.floors(from), radius_m);
 }
@@ -92,7 +92,7 @@ class Sampler final : public ob::StateSampler {
 
   void sampleUniform(ob::State* state) override {
     Pose pose = check_.problem().world_from_start;
-    if (random_.share() < 0.5) pose.orientation = random_.orientation();
+    if (random_.fraction() < 0.5) pose.orientation = random_.orientation();
     for (int axis = 0; axis < 3; ++axis) {
       pose.position_m[axis] = random_.between(goal_.bounds().low[axis], goal_.bounds().high[axis]);
     }
@@ -101,8 +101,8 @@ class Sampler final : public ob::StateSampler {
 
   void sampleUniformNear(ob::State* state, const ob::State* near, double distance) override {
     const Pose from = pose_of(near);
-    const double length_m = distance * std::pow(random_.share(), 2);
-    const bool slides = check_.has_seat() && random_.share() < kSlides;
+    const double length_m = distance * std::pow(random_.fraction(), 2);
+    const bool slides = check_.has_seat() && random_.fraction() < kSlides;
     put(slides ? slide(from, length_m) : moved(from, random_twist(length_m, random_), radius_m_),
         state);
     space_->enforceBounds(state);
@@ -157,10 +157,10 @@ class Motions final : public ob::MotionValidator {
 
   bool checkMotion(const ob::State* from, const ob::State* to,
                    std::pair<ob::State*, double>& last) const override {
-    const double share = check_.share_kept(rule_, pose_of(from), pose_of(to));
-    if (share == 1) return true;
-    last.second = share;
-    if (last.first != nullptr) put(pose_between(pose_of(from), pose_of(to), share), last.first);
+    const double fraction = check_.fraction_kept(rule_, pose_of(from), pose_of(to));
+    if (fraction == 1) return true;
+    last.second = fraction;
+    if (last.first != nullptr) put(pose_between(pose_of(from), pose_of(to), fraction), last.first);
     return false;
   }
 
@@ -191,7 +191,7 @@ class GoalRegion final : public ob::GoalSampleableRegion {
     return goal_.distance_m(pose_of(state));
   }
   void sampleGoal(ob::State* state) const override { put(goal_.sample(random_), state); }
-  unsigned maxSampleCount() const override { return goal_.is_one_pose() ? 1 : kMostGoals; }
+  unsigned maxSampleCount() const override { return goal_.is_one_pose() ? 1 : kMaxGoals; }
 
  private:
   const Destination& goal_;
@@ -319,7 +319,7 @@ void Hand::Parts::plan_in_seat() {
   auto kpiece = std::make_shared<og::KPIECE1>(space);
   const double radius_m = problem.part.header().bounding_radius_m;
   kpiece->setRange((number % 2 == 0 ? 4 : 1) * radius_m);
-  kpiece->setMinValidPathFraction(kLeastKept);
+  kpiece->setMinValidPathFraction(kMinKept);
   planner = kpiece;
   planner->setProblemDefinition(question);
   planner->setup();

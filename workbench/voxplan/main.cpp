@@ -69,8 +69,8 @@ Status plan_for(const Options& options) {
   }
   command::ProgressLine line(options.quiet);
   const auto planned =
-      plan(problem, options, meshes ? &*meshes : nullptr, [&](double share, double out_m) {
-        line.show(command::text("out to %.3g mm", 1e3 * out_m), share);
+      plan(problem, options, meshes ? &*meshes : nullptr, [&](double fraction, double out_m) {
+        line.show(command::text("out to %.3g mm", 1e3 * out_m), fraction);
       });
   line.clear();
   if (!planned) {

@@ -12,7 +12,7 @@ namespace {
 
 using command::about;
 
-constexpr unsigned kMostThreads = 256;
+constexpr unsigned kMaxThreads = 256;
 
 Result<Pose> read_pose(const char* option, const std::string& text) {
   const auto read = command::parse_pose(text);
@@ -24,7 +24,7 @@ Result<Pose> read_pose(const char* option, const std::string& text) {
 }  // namespace
 
 OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"), time_("60s") {
-  options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMostThreads);
+  options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
   app.add_option("-o,--output", options_.path, "the path, a CSV of poses of the part")->required();
@@ -50,7 +50,7 @@ OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"
       ->check(CLI::Range(0u, 1000000000u));
   app.add_option("--threads", options_.threads,
                  "worker threads, default all; the path found does not depend on their number")
-      ->check(CLI::Range(1u, kMostThreads));
+      ->check(CLI::Range(1u, kMaxThreads));
   options_.speed_mps = 0.1;
   command::add_number(app, "--speed", options_.speed_mps, "of the part along the path, m/s",
                       {1e-6, 1e3});
@@ -69,7 +69,7 @@ Result<Options> OptionParser::finish() const {
   if (Status read = meshes_.finish(options); !read) return read.error();
   const auto time = command::parse_duration(time_);
   if (!time) return about("--time", time.error());
-  options.most_s = *time;
+  options.max_s = *time;
   const auto seat = read_pose("--seat", seat_);
   if (!seat) return seat.error();
   options.world_from_seat = *seat;

@@ -18,7 +18,7 @@ struct Options : voxcheck::MeshOptions {
   std::optional<Pose> world_from_goal;  // of the part; none: anywhere outside of the scene
   double clearance_m = 0;
   std::vector<std::string> allow;  // names of objects
-  double most_s = 0;
+  double max_s = 0;
   double speed_mps = 0;
   std::uint64_t seed = 1;
   unsigned threads = 1;

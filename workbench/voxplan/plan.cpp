@@ -133,7 +133,7 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   SearchRequest request;
   request.seed = options.seed;
   request.threads = options.threads;
-  request.most_s = options.most_s;
+  request.max_s = options.max_s;
   request.progress = progress;
   request.unproven_at = [&](const Way& in_seat, const Way& beyond) -> Result<std::optional<Pose>> {
     const auto wide = widened(problem, beyond, options.seed);

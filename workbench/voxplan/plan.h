@@ -25,6 +25,6 @@ struct Plan {
 // cannot start or end where it is asked to; kAnswerIsNo where the meshes can settle no path; those
 // of check_path() and exact::check_exactly().
 Result<Plan> plan(const Problem& problem, const Options& options, const exact::Meshes* meshes,
-                  const std::function<void(double share_of_time, double out_m)>& progress);
+                  const std::function<void(double fraction_of_time, double out_m)>& progress);
 
 }  // namespace forcelayer::voxplan

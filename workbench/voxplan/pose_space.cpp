@@ -71,9 +71,9 @@ bool PoseSpace::equalStates(const ob::State* a, const ob::State* b) const {
   return distance(a, b) == 0;
 }
 
-void PoseSpace::interpolate(const ob::State* from, const ob::State* to, double share,
+void PoseSpace::interpolate(const ob::State* from, const ob::State* to, double fraction,
                             ob::State* state) const {
-  put(pose_between(pose_of(from), pose_of(to), share), state);
+  put(pose_between(pose_of(from), pose_of(to), fraction), state);
 }
 
 ob::StateSamplerPtr PoseSpace::allocDefaultStateSampler() const { return make_sampler_(this); }

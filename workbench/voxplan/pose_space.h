@@ -18,13 +18,13 @@ struct PoseState final : ompl::base::State {
   Pose pose;  // of the part's centroid frame, world
   // How far its shell points are, as far as a test of it or of a motion to it told, so that the
   // next motion from there need not ask again; below 0 where none did.
-  mutable clearance::LeastDistance known{clearance::KnownEnds::kUnknown};
+  mutable clearance::MinDistance known{clearance::KnownEnds::kUnknown};
 };
 
 inline const Pose& pose_of(const ompl::base::State* state) {
   return static_cast<const PoseState*>(state)->pose;
 }
-inline clearance::LeastDistance& known_of(const ompl::base::State* state) {
+inline clearance::MinDistance& known_of(const ompl::base::State* state) {
   return static_cast<const PoseState*>(state)->known;
 }
 inline void put(const Pose& pose, ompl::base::State* state) {
@@ -50,7 +50,7 @@ class PoseSpace final : public ompl::base::StateSpace {
   void copyState(ompl::base::State* to, const ompl::base::State* from) const override;
   double distance(const ompl::base::State* a, const ompl::base::State* b) const override;
   bool equalStates(const ompl::base::State* a, const ompl::base::State* b) const override;
-  void interpolate(const ompl::base::State* from, const ompl::base::State* to, double share,
+  void interpolate(const ompl::base::State* from, const ompl::base::State* to, double fraction,
                    ompl::base::State* state) const override;
   ompl::base::StateSamplerPtr allocDefaultStateSampler() const override;
   ompl::base::State* allocState() const override { return new PoseState; }

@@ -13,12 +13,14 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : bits_(seed) {}
 
-  double share() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }  // in [0, 1)
-  double between(double low, double high) { return low + (high - low) * share(); }
+  double fraction() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }  // in [0, 1)
+  double between(double low, double high) { return low + (high - low) * fraction(); }
   std::size_t below(std::size_t count) {
-    return static_cast<std::size_t>(share() * static_cast<double>(count));
+    return static_cast<std::size_t>(fraction() * static_cast<double>(count));
   }
-  double normal() { return std::sqrt(-2 * std::log(1 - share())) * std::cos(2 * M_PI * share()); }
+  double normal() {
+    return std::sqrt(-2 * std::log(1 - fraction())) * std::cos(2 * M_PI * fraction());
+  }
 
   glm::dvec3 direction() {
     const double z = between(-1, 1), angle = between(0, 2 * M_PI), r = std::sqrt(1 - z * z);
@@ -27,7 +29,7 @@ class Random {
 
   // Every orientation is as likely as any other (Shoemake 1992).
   glm::dquat orientation() {
-    const double u = share(), a = between(0, 2 * M_PI), b = between(0, 2 * M_PI);
+    const double u = fraction(), a = between(0, 2 * M_PI), b = between(0, 2 * M_PI);
     return {std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
             std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
   }

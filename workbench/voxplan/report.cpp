@@ -33,7 +33,7 @@ std::string found_text(const Report& report) {
            1e3 * checked.way_m, checked.at_least ? "at least" : "proven clearance",
            voxcheck::floor_mm(checked.clearance_m));
   line +=
-      voxcheck::to_object(report.problem.scene, checked.least.object) + seat_text(report) + "\n";
+      voxcheck::to_object(report.problem.scene, checked.smallest.object) + seat_text(report) + "\n";
   for (std::size_t n = 0; n < checked.seated.size(); ++n) {
     line += voxcheck::seat_way_text(report.problem.scene, checked, n, {});
   }
@@ -72,8 +72,8 @@ Json report_json(const Report& report) {
     json["rows"] = report.plan.rows.size();
     json["way_m"] = path_facts(report.plan.rows).way_m;
     json["duration_s"] = report.plan.rows.back().time_s;
-    json["least_clearance"] = voxcheck::moment_json(scene, checked.least, checked.clearance_m);
-    json["least_clearance"]["at_least"] = checked.at_least;
+    json["min_clearance"] = voxcheck::moment_json(scene, checked.smallest, checked.clearance_m);
+    json["min_clearance"]["at_least"] = checked.at_least;
     json["seat"] = Json::array();
     for (const std::uint32_t object : checked.seat_objects) {
       json["seat"].push_back(voxcheck::object_name(scene, object));

@@ -48,7 +48,7 @@ double steady_s() {
 
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request) {
-  const double begin_s = request.clock_s(), end_s = begin_s + request.most_s;
+  const double begin_s = request.clock_s(), end_s = begin_s + request.max_s;
   seed_planners(request.seed);
   Hands hands;
   for (std::size_t n = 0; n < kHands; ++n) {
@@ -61,7 +61,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   const auto tell = [&](double now_s) {
     const std::unique_lock lock(telling, std::try_to_lock);
     if (!lock || !request.progress) return;
-    request.progress(std::min(1.0, (now_s - begin_s) / request.most_s), result.out_m);
+    request.progress(std::min(1.0, (now_s - begin_s) / request.max_s), result.out_m);
   };
   // All hands do the same work in a round, so that the clock does not choose the way.
   if (Status s = take_proven(problem, hands, request, result); !s) return s.error();

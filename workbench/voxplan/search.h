@@ -20,12 +20,12 @@ constexpr std::size_t kHands = 4;  // that search side by side, whatever the thr
 struct SearchRequest {
   std::uint64_t seed = 1;  // the same way for the same seed, whatever the threads
   unsigned threads = 1;
-  double most_s = 60;
+  double max_s = 60;
   std::function<double()> clock_s = steady_s;  // the clock that limits the search
   // Makes the check of each hand, in the order of their numbers.
   std::function<Result<std::unique_ptr<PoseCheck>>(const Problem&)> make_check = PoseCheck::create;
   // Told in and between rounds, by one thread at a time.
-  std::function<void(double share_of_time, double out_m)> progress;
+  std::function<void(double fraction_of_time, double out_m)> progress;
   // A pose at which a way that was found does not prove clear: the search goes on for one that does
   // not lead by it, unless it is the start: then all do. None where it proves.
   std::function<Result<std::optional<Pose>>(const Way& in_seat, const Way& beyond)> unproven_at;

@@ -11,7 +11,7 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr std::size_t kMostFloors = 512;
+constexpr std::size_t kMaxFloors = 512;
 constexpr int kRounds = 40;
 constexpr double kStiffness = 1e-3;  // of free motions, beside at most 2 of floors
 // How far a floor may lean along an axis to count for it: one guess after the other.
@@ -28,7 +28,7 @@ struct Bound {
 std::vector<Bound> bounds(std::span<const clearance::SeatStretch::Floor> floors, double radius_m,
                           double length_m, bool turns) {
   std::vector<Bound> all;
-  const std::size_t every = floors.size() / kMostFloors + 1;
+  const std::size_t every = floors.size() / kMaxFloors + 1;
   for (std::size_t i = 0; i < floors.size(); i += every) {
     const glm::dvec3 out(floors[i].direction);
     const glm::dvec3 turn =
@@ -58,7 +58,7 @@ Twist6 of_length(Twist6 twist, double length_m) {
 
 Twist6 random_twist(double length_m, Random& random) {
   Twist6 twist{};
-  const bool turns = random.share() < 0.5;
+  const bool turns = random.fraction() < 0.5;
   for (std::size_t i = 0; i < (turns ? 6 : 3); ++i) twist[i] = random.normal();
   return of_length(twist, length_m);
 }
@@ -119,12 +119,12 @@ std::vector<glm::dvec3> free_directions(std::span<const clearance::SeatStretch::
   for (const auto& floor : floors) away += glm::dvec3(floor.direction);
   if (glm::length(away) > 0) directions.push_back(glm::normalize(away));
   glm::dvec3 axis(0);
-  for (const double most_lean : kLeans) {
+  for (const double max_lean : kLeans) {
     glm::dmat3 resisted(0);
     std::size_t count = 0;
     for (const auto& floor : floors) {
       const glm::dvec3 out(floor.direction);
-      if (std::abs(glm::dot(out, axis)) > most_lean) continue;
+      if (std::abs(glm::dot(out, axis)) > max_lean) continue;
       resisted += glm::outerProduct(out, out);
       ++count;
     }

@@ -9,8 +9,8 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr double kMostPoses = 200;      // of a way that is widened
-constexpr double kLeastStepVoxels = 2;  // between two of them
+constexpr double kMaxPoses = 200;     // of a way that is widened
+constexpr double kMinStepVoxels = 2;  // between two of them
 constexpr int kPasses = 12;
 constexpr double kFirstShiftVoxels = 3, kShrink = 0.8;  // of what is tried, from pass to pass
 
@@ -36,8 +36,8 @@ Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed) 
   if (!made) return made.error();
   PoseCheck& check = **made;
   Random random(seed);
-  const double step_m = std::max(length_m(problem, way) / kMostPoses,
-                                 kLeastStepVoxels * problem.scene.voxel_size_m());
+  const double step_m =
+      std::max(length_m(problem, way) / kMaxPoses, kMinStepVoxels * problem.scene.voxel_size_m());
   Way wide = with_more_poses(problem, way, step_m);
   std::vector<double> clearance_m;
   for (const Pose& pose : wide) clearance_m.push_back(check.clearance_m(pose));
@@ -48,7 +48,7 @@ Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed) 
       // Toward the middle of its neighbors, too: a way that is even is felt as smooth.
       const Pose middle = pose_between(wide[i - 1], wide[i + 1], 0.5);
       const Pose there =
-          shifted(pose_between(wide[i], middle, random.share()), shift_m, radius_m, random);
+          shifted(pose_between(wide[i], middle, random.fraction()), shift_m, radius_m, random);
       const double there_m = check.clearance_m(there);
       if (there_m <= clearance_m[i]) continue;
       if (!check.is_kept(Rule::kClear, wide[i - 1], there) ||

@@ -17,7 +17,7 @@ constexpr std::uint16_t kVersion22 = DRACO_BITSTREAM_VERSION(2, 2);
 
 // A regular grid takes about a hundredth of a bit for a face. No encoder writes ten thousand faces
 // a byte; a damaged count that announces more must not take gigabytes.
-constexpr std::uint64_t kMostPerByte = 10'000;
+constexpr std::uint64_t kMaxPerByte = 10'000;
 
 // A stream, its place in the file, and its errors.
 struct Stream {
@@ -88,7 +88,7 @@ class CountReader {
     } else if (!draco::DecodeVarint(&number, &buffer_)) {
       fail_end();
     }
-    if (number / kMostPerByte <= stream_.bytes.size()) return number;
+    if (number / kMaxPerByte <= stream_.bytes.size()) return number;
     stream_.fail(ErrorCode::kMeshIncomplete, "the Draco stream announces " +
                                                  std::to_string(number) + " " + what + " in " +
                                                  std::to_string(stream_.bytes.size()) + " bytes");

@@ -141,7 +141,7 @@ int PlyElement::find(std::initializer_list<std::string_view> names) const {
   return -1;
 }
 
-std::uint64_t PlyElement::least_bytes(PlyEncoding encoding) const {
+std::uint64_t PlyElement::min_bytes(PlyEncoding encoding) const {
   if (encoding == PlyEncoding::kAscii) return 2 * properties.size();  // a digit and a separator
   std::uint64_t bytes = 0;
   for (const PlyProperty& property : properties) {

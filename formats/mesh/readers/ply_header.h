@@ -31,7 +31,7 @@ struct PlyElement {
   // Index of the first of `names` among the properties, or -1.
   int find(std::initializer_list<std::string_view> names) const;
   // Bytes that one item takes at the least in a file of this encoding.
-  std::uint64_t least_bytes(PlyEncoding encoding) const;
+  std::uint64_t min_bytes(PlyEncoding encoding) const;
 };
 
 struct PlyHeader {

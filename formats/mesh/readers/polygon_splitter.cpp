@@ -9,9 +9,9 @@
 namespace forcelayer::mesh {
 namespace {
 
-// A polygon that leaves its plane by more than this share of its extent draws a warning. Rounding
-// to six printed digits stays below it.
-constexpr double kPlanarShare = 1e-4;
+// A polygon that leaves its plane by more than this fraction of its extent draws a warning.
+// Rounding to six printed digits stays below it.
+constexpr double kPlanarFraction = 1e-4;
 
 Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
@@ -89,7 +89,7 @@ void PolygonSplitter::note_planarity(std::span<const std::uint32_t> corners, con
     extent = std::max(extent, dot(offset, offset));
   }
   const double deviation = highest - lowest;
-  if (!(deviation > kPlanarShare * std::sqrt(extent))) return;
+  if (!(deviation > kPlanarFraction * std::sqrt(extent))) return;
   ++not_planar_;
   largest_deviation_units_ = std::max(largest_deviation_units_, deviation);
 }

@@ -168,7 +168,7 @@ class PlyReader {
   void read_element(const PlyElement& element) {
     if (element.properties.empty() && element.count > 0) fail_properties(element, "has none");
     if (element.count > 0 &&
-        element.count - 1 > values_.bytes_left() / element.least_bytes(header_.encoding)) {
+        element.count - 1 > values_.bytes_left() / element.min_bytes(header_.encoding)) {
       fail_read(file_, ErrorCode::kMeshIncomplete, "line " + std::to_string(element.line),
                 "the header announces " + counted(element.count, element.name.c_str()) +
                     " elements, more than the file has room for",

@@ -172,8 +172,8 @@ void follow_progress(int result, int progress, const std::string& path, const Re
     if (ends[0].revents != 0) return;
     ReadingProgress told;
     is_open = ::read(progress, &told, sizeof told) == sizeof told;
-    if (!is_open || !(told.share_done >= 0 && told.share_done <= 1)) continue;
-    if (told.share_done == 0) tell_if_expensive(told, path, options);
+    if (!is_open || !(told.fraction_done >= 0 && told.fraction_done <= 1)) continue;
+    if (told.fraction_done == 0) tell_if_expensive(told, path, options);
     if (options.progress) options.progress(told);
   }
 }

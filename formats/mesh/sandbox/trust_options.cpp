@@ -7,8 +7,8 @@ namespace forcelayer::mesh {
 namespace {
 
 // With less memory the program itself does not load.
-constexpr std::uint64_t kLeastMemoryBytes = std::uint64_t{256} << 20;
-constexpr std::uint64_t kMostMemoryBytes = std::uint64_t{1} << 46;
+constexpr std::uint64_t kMinMemoryBytes = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMaxMemoryBytes = std::uint64_t{1} << 46;
 constexpr double kLongestS = 1e6;
 
 Status read_limits(const std::string& text, SandboxLimits& limits) {
@@ -17,7 +17,7 @@ Status read_limits(const std::string& text, SandboxLimits& limits) {
                                       {.name = "time", .text = &time}};
   if (Status read = command::read_values("--sandbox", text, names); !read) return read;
   if (!memory.empty()) {
-    const auto bytes = command::parse_bytes(memory, kLeastMemoryBytes, kMostMemoryBytes);
+    const auto bytes = command::parse_bytes(memory, kMinMemoryBytes, kMaxMemoryBytes);
     if (!bytes) return command::about("--sandbox memory", bytes.error());
     limits.memory_bytes = *bytes;
   }

@@ -102,8 +102,8 @@ void check_shapes(const SourceFile& file, bool has_shapes, const FileLosses& los
 void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & session,
                   StepDocument& document) {
   if (!document.losses.pieces.empty()) return;
-  constexpr double kLeast = 1e-3;
-  const double tolerance_mm = std::max(kLeast, 1e3 * file.options.deflection_m);
+  constexpr double kMin = 1e-3;
+  const double tolerance_mm = std::max(kMin, 1e3 * file.options.deflection_m);
   for (OpenSolid& solid : open_solids(session, tolerance_mm)) {
     document.warnings.push_back(std::move(solid.line));
     document.open_bodies.push_back(solid.shape);

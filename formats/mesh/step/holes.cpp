@@ -61,7 +61,7 @@ double close_slits(std::vector<Segment>& edges, double tolerance) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (is_met[i]) continue;
     const auto& [from, to] = edges[i];
-    double least = std::min(tolerance, 0.25 * length_of(minus(to, from)));
+    double smallest = std::min(tolerance, 0.25 * length_of(minus(to, from)));
     std::size_t nearest = i;
     for (std::size_t n = i + 1; n < edges.size(); ++n) {
       if (place(edges[n]) > place(edges[i]) + tolerance) break;
@@ -69,11 +69,11 @@ double close_slits(std::vector<Segment>& edges, double tolerance) {
       const auto& [a, b] = edges[n];
       const double width = std::min(std::max(length_of(minus(a, from)), length_of(minus(b, to))),
                                     std::max(length_of(minus(b, from)), length_of(minus(a, to))));
-      if (width <= least) least = width, nearest = n;
+      if (width <= smallest) smallest = width, nearest = n;
     }
     if (nearest == i) continue;
     is_met[i] = is_met[nearest] = true;
-    widest = std::max(widest, least);
+    widest = std::max(widest, smallest);
   }
   std::size_t n = 0;
   std::erase_if(edges, [&](const Segment&) { return is_met[n++]; });

@@ -237,14 +237,14 @@ class StepReader {
     const auto others = joined_.find(node);
     if (others == joined_.end()) return node;
     std::size_t nearest = node;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     const auto look_at = [&](std::size_t i) {
       const LostFace own = box_of_edges(XCAFDoc_ShapeTool::GetShape(products_[i].label));
       double distance = std::abs(own.size_mm - face.size_mm);
       for (std::size_t k = 0; k < 3; ++k) {
         distance += std::abs(own.center_mm[k] - face.center_mm[k]);
       }
-      if (distance < least) least = distance, nearest = i;
+      if (distance < smallest) smallest = distance, nearest = i;
     };
     look_at(node);
     for (const std::size_t i : others->second) look_at(i);

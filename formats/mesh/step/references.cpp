@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 // the next.
 std::vector<std::string> take_names(const STEPConstruct_ExternRefs& references,
                                     Standard_Integer number) {
-  constexpr std::size_t kMostFields = 16;
+  constexpr std::size_t kMaxFields = 16;
   std::vector<std::string> names;
-  while (names.size() < kMostFields) {
+  while (names.size() < kMaxFields) {
     const Standard_CString name = references.FileName(number);
     if (name == nullptr || *name == '\0') break;
     names.emplace_back(name);

@@ -45,25 +45,25 @@ std::vector<gp_Pnt> outline_of(const TopoDS_Face& face, double tolerance_mm) {
   return closes ? outline : std::vector<gp_Pnt>{};
 }
 
-// A polygon of points and the share of its length at which each of them stands.
+// A polygon of points and the fraction of its length at which each of them stands.
 struct Chain {
   std::vector<gp_Pnt> points;
-  std::vector<double> shares;  // ascending from 0 to 1
+  std::vector<double> fractions;  // ascending from 0 to 1
 
-  explicit Chain(std::vector<gp_Pnt> along) : points(std::move(along)), shares(points.size()) {
+  explicit Chain(std::vector<gp_Pnt> along) : points(std::move(along)), fractions(points.size()) {
     for (std::size_t i = 1; i < points.size(); ++i) {
-      shares[i] = shares[i - 1] + points[i].Distance(points[i - 1]);
+      fractions[i] = fractions[i - 1] + points[i].Distance(points[i - 1]);
     }
-    const double length = shares.back();
-    for (double& share : shares) share = length > 0 ? share / length : 0;
+    const double length = fractions.back();
+    for (double& fraction : fractions) fraction = length > 0 ? fraction / length : 0;
   }
 
-  gp_Pnt at(double share) const {
-    const auto after = std::upper_bound(shares.begin(), shares.end(), share);
-    if (after == shares.begin()) return points.front();
-    if (after == shares.end()) return points.back();
-    const auto i = static_cast<std::size_t>(after - shares.begin());
-    const double part = (share - shares[i - 1]) / (shares[i] - shares[i - 1]);
+  gp_Pnt at(double fraction) const {
+    const auto after = std::upper_bound(fractions.begin(), fractions.end(), fraction);
+    if (after == fractions.begin()) return points.front();
+    if (after == fractions.end()) return points.back();
+    const auto i = static_cast<std::size_t>(after - fractions.begin());
+    const double part = (fraction - fractions[i - 1]) / (fractions[i] - fractions[i - 1]);
     return points[i - 1].Translated(gp_Vec(points[i - 1], points[i]).Multiplied(part));
   }
 };
@@ -72,8 +72,8 @@ struct Chain {
 double longest_segment(const Chain& a, const Chain& b) {
   double longest = 0;
   for (const Chain* chain : {&a, &b}) {
-    for (const double share : chain->shares) {
-      longest = std::max(longest, a.at(share).Distance(b.at(share)));
+    for (const double fraction : chain->fractions) {
+      longest = std::max(longest, a.at(fraction).Distance(b.at(fraction)));
     }
   }
   return longest;
@@ -86,9 +86,9 @@ double perimeter(const std::vector<gp_Pnt>& outline) {
 }
 
 double outline_width(const std::vector<gp_Pnt>& outline) {
-  constexpr std::size_t kMostPoints = 2000;  // the farthest two are sought among all pairs
+  constexpr std::size_t kMaxPoints = 2000;  // the farthest two are sought among all pairs
   const std::size_t count = outline.size();
-  if (count < 2 || count > kMostPoints) return kUnknown;
+  if (count < 2 || count > kMaxPoints) return kUnknown;
   std::size_t from = 0, to = 1;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = i + 1; j < count; ++j) {

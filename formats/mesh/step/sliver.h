@@ -11,7 +11,7 @@ namespace forcelayer::mesh {
 //
 // The bound is the diagonal of the face's box, or the width of its outline where that is less: the
 // outline is cut at its two farthest points, and the segments between points of the two halves at
-// equal shares of their lengths sweep over every point of the face, which is thus nearer to the
+// equal fractions of their lengths sweep over every point of the face, which is thus nearer to the
 // outline than the longest segment is long. That holds for a face that lies within its outline (a
 // sphere with a slit does not), as its area shows.
 double reach_from_edges(const TopoDS_Face& face, double tolerance_mm);

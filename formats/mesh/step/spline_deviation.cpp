@@ -17,9 +17,9 @@
 namespace forcelayer::mesh {
 namespace {
 
-constexpr double kShare = 0.1;  // of the wanted deviation: what bounds are loose by
-constexpr std::uint64_t kMostEvaluations = 5'000'000;  // some seconds
-constexpr int kMostLevels = 16;
+constexpr double kFraction = 0.1;  // of the wanted deviation: what bounds are loose by
+constexpr std::uint64_t kMaxEvaluations = 5'000'000;  // some seconds
+constexpr int kMaxLevels = 16;
 
 // A direction of parameters of a spline: where its polynomials begin and end.
 struct Direction {
@@ -76,7 +76,7 @@ Net turned(const Net& net) {
   return result;
 }
 
-double largest(const Net& net, int first_u, int count_u, int first_v, int count_v) {
+double max_length(const Net& net, int first_u, int count_u, int first_v, int count_v) {
   double square = 0;
   for (int i = std::max(0, first_u); i < first_u + count_u; ++i) {
     for (int j = std::max(0, first_v); j < first_v + count_v; ++j) {
@@ -156,8 +156,8 @@ class Spline {
     for (int k = p; k + p + 1 < static_cast<int>(u_.knots.size()); ++k) {
       for (int l = q; l + q + 1 < static_cast<int>(v_.knots.size()); ++l) {
         curvatures_[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)] = {
-            largest(uu, k - p, p - 1, l - q, q + 1), largest(uv, k - p, p, l - q, q),
-            largest(vv, k - p, p + 1, l - q, q - 1)};
+            max_length(uu, k - p, p - 1, l - q, q + 1), max_length(uv, k - p, p, l - q, q),
+            max_length(vv, k - p, p + 1, l - q, q - 1)};
       }
     }
   }
@@ -180,11 +180,11 @@ class Bound {
     const auto [low_u, high_u] = std::minmax({corners[0].X(), corners[1].X(), corners[2].X()});
     const auto [low_v, high_v] = std::minmax({corners[0].Y(), corners[1].Y(), corners[2].Y()});
     const double u = high_u - low_u, v = high_v - low_v;
-    const Curvature most = spline_.curvature(corners);
-    const double curved_mm = (u * u * most.uu + 2 * u * v * most.uv + v * v * most.vv) / 8;
+    const Curvature largest = spline_.curvature(corners);
+    const double curved_mm = (u * u * largest.uu + 2 * u * v * largest.uv + v * v * largest.vv) / 8;
     const double bound_mm = *std::max_element(distances_mm.begin(), distances_mm.end()) + curved_mm;
-    if (bound_mm <= std::max(wanted_mm_, worst_mm) || curved_mm <= kShare * wanted_mm_ ||
-        level == kMostLevels || evaluations > kMostEvaluations) {
+    if (bound_mm <= std::max(wanted_mm_, worst_mm) || curved_mm <= kFraction * wanted_mm_ ||
+        level == kMaxLevels || evaluations > kMaxEvaluations) {
       worst_mm = std::max(worst_mm, bound_mm);
       return;
     }
@@ -192,8 +192,8 @@ class Bound {
     std::size_t longest = 0;
     const auto weight = [&](std::size_t n) {
       const gp_XY side = corners[(n + 1) % 3] - corners[n];
-      return side.X() * side.X() * most.uu + 2 * std::abs(side.X() * side.Y()) * most.uv +
-             side.Y() * side.Y() * most.vv;
+      return side.X() * side.X() * largest.uu + 2 * std::abs(side.X() * side.Y()) * largest.uv +
+             side.Y() * side.Y() * largest.vv;
     };
     for (std::size_t n = 1; n < 3; ++n) {
       if (weight(n) > weight(longest)) longest = n;
@@ -242,7 +242,7 @@ std::optional<double> spline_deviation_mm(const TopoDS_Face& face, double wanted
     }
     for (std::size_t n = 0; n < 3; ++n) distances_mm[n] = bound.distance(corners[n], triangle);
     bound.add(corners, distances_mm, triangle);
-    if (bound.evaluations > kMostEvaluations) return {};
+    if (bound.evaluations > kMaxEvaluations) return {};
   }
   return bound.worst_mm;
 }

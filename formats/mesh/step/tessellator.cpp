@@ -57,8 +57,8 @@ LostFace lost_face(const TopoDS_Face& face, const TopoDS_Shape& shape) {
 
 // ReadOptions::deflection_m of kDeflectionBySize.
 double deflection_by_size_mm(double diagonal_mm) {
-  constexpr double kFinest = 0.1, kShare = 1e-4;
-  return std::max(kFinest, kShare * diagonal_mm);
+  constexpr double kFinest = 0.1, kFraction = 1e-4;
+  return std::max(kFinest, kFraction * diagonal_mm);
 }
 
 double deflection_by_size_mm(const TopoDS_Shape& shape) {
@@ -137,9 +137,10 @@ class ShapeTessellation {
   Tessellation best() {
     tessellate(shape_, deflection_mm_);
     Attempt best = attempt(deflection_mm_);
-    for (const double share : kFinerDeflections) try_deflection(share * deflection_mm_, best);
+    for (const double fraction : kFinerDeflections) try_deflection(fraction * deflection_mm_, best);
     drop_slivers(best);
-    for (const double share : kCoarserDeflections) try_deflection(share * deflection_mm_, best);
+    for (const double fraction : kCoarserDeflections)
+      try_deflection(fraction * deflection_mm_, best);
     best.made.wanted_deflection_mm = deflection_mm_;
     for (const TopoDS_Face& face : best.failed) {
       best.made.lost.push_back(lost_face(face, shape_));

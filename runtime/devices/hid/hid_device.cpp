@@ -162,7 +162,7 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
   if (device.sensed_axes != kAllAxes) return refused(info, "it does not sense all six axes", mend);
   if (!(device.max_force_n > 0 && device.max_force_n <= kMaxForceN &&
         device.max_torque_nm <= kMaxTorqueNm && forcelayer::check_ratings(device) &&
-        (device.rate_hz == 0 || device.rate_hz >= kLeastMotorsHz))) {
+        (device.rate_hz == 0 || device.rate_hz >= kMinMotorsHz))) {
     return refused(info, "its ratings are not those of a hand-held device", mend);
   }
   const bool same = device.max_force_n == capabilities_.max_force_n &&

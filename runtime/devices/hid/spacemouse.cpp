@@ -38,10 +38,10 @@ double beyond_dead_zone(double deflection, double dead_zone) {
 }  // namespace
 
 void SpaceMouseMotion::advance(const std::array<double, 6>& deflection, double dt_s) noexcept {
-  const double share = 1 - std::exp(-dt_s / kSmoothingS);
+  const double fraction = 1 - std::exp(-dt_s / kSmoothingS);
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const double wanted = kSigns[axis] * beyond_dead_zone(deflection[axis], options_.dead_zone);
-    smooth_[axis] += share * (wanted - smooth_[axis]);
+    smooth_[axis] += fraction * (wanted - smooth_[axis]);
     if (wanted == 0 && std::abs(smooth_[axis]) < kAtRest) smooth_[axis] = 0;
   }
   const glm::dvec3 move(smooth_[0], smooth_[1], smooth_[2]),

@@ -17,7 +17,7 @@ enum class SpaceMouseControl {
 
 struct SpaceMouseOptions {
   SpaceMouseControl control = SpaceMouseControl::kRate;
-  double dead_zone = 0.05;  // share of full deflection that is rest; the rest is stretched
+  double dead_zone = 0.05;  // fraction of full deflection that is rest; the rest is stretched
   double speed_mps = 0.1;   // at full deflection, in rate control
   double turn_radps = 1;    // the same
   double reach_m = 0.05;    // at full deflection, in position control

@@ -96,8 +96,8 @@ const char* flaw(const forcelayer_plugin_info& info) {
     return "senses no axis, or declares one beyond the six";
   }
   // A slower one would hold a force for longer than the longest stale limit.
-  const double least_hz = info.actuated_axes == 0 ? 1 : kLeastMotorsHz;
-  if (!(info.rate_hz >= least_hz && info.rate_hz <= 100'000)) {
+  const double min_hz = info.actuated_axes == 0 ? 1 : kMinMotorsHz;
+  if (!(info.rate_hz >= min_hz && info.rate_hz <= 100'000)) {
     return "declares no rate of 1 to 100000 Hz, with motors of at least 50 Hz";
   }
   if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "rates no force";

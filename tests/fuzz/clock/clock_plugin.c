@@ -154,9 +154,9 @@ static int read_device(void* opaque, forcelayer_plugin_reading* reading) {
   return d->fault == FAULT_UNPLUG ? -1 : d->given;
 }
 
-/* Whether `w` is `entry` times 0 to `most`. */
-static int is_share(const forcelayer_plugin_wrench* w, const struct truth_write* entry,
-                    double most) {
+/* Whether `w` is `entry` times 0 to `largest`. */
+static int is_fraction(const forcelayer_plugin_wrench* w, const struct truth_write* entry,
+                       double largest) {
   double along = 0, own = 0;
   for (int axis = 0; axis < 3; ++axis) { /* torques count 100 times: of the size of forces */
     along += w->force_n[axis] * entry->force_n[axis];
@@ -165,11 +165,11 @@ static int is_share(const forcelayer_plugin_wrench* w, const struct truth_write*
     own += 1e4 * entry->torque_nm[axis] * entry->torque_nm[axis];
   }
   if (!(own > 0)) return 0;
-  const double share = along / own, rounding = 1e-9 * sqrt(own);
-  if (!(share >= 0 && share <= most + 1e-9)) return 0;
+  const double fraction = along / own, rounding = 1e-9 * sqrt(own);
+  if (!(fraction >= 0 && fraction <= largest + 1e-9)) return 0;
   for (int axis = 0; axis < 3; ++axis) {
-    if (fabs(w->force_n[axis] - share * entry->force_n[axis]) > rounding) return 0;
-    if (fabs(w->torque_nm[axis] - share * entry->torque_nm[axis]) > rounding) return 0;
+    if (fabs(w->force_n[axis] - fraction * entry->force_n[axis]) > rounding) return 0;
+    if (fabs(w->torque_nm[axis] - fraction * entry->torque_nm[axis]) > rounding) return 0;
   }
   return 1;
 }
@@ -194,16 +194,16 @@ static void judge_motors(struct device* d, const forcelayer_plugin_wrench* w) {
     const int entry_zero = length(entry->force_n) == 0 && length(entry->torque_nm) == 0;
     if (d->must_be_zero && entry_zero && n >= d->zero_after) d->must_be_zero = 0;
     newest_done = done_ns != 0 && done_ns <= d->read_ns;
-    double most = 1;
+    double largest = 1;
     if (newest_done) {
       const double age = (double)(d->read_ns - done_ns) / kStaleNs;
-      most = age <= kGrace ? 1 : age < 1 ? (1 - age) / (1 - kGrace) : 0;
+      largest = age <= kGrace ? 1 : age < 1 ? (1 - age) / (1 - kGrace) : 0;
       if (age > 1 && n + 1 == writes && !d->must_be_zero) {
         d->must_be_zero = 1;
         d->zero_after = writes;
       }
     }
-    if (!ours && most > 0 && is_share(w, entry, most)) ours = 1;
+    if (!ours && largest > 0 && is_fraction(w, entry, largest)) ours = 1;
   }
   if (now_ns() - d->read_ns > 100000000) return; /* asleep meanwhile: the entries are others now */
   if (!ours) breaks(d, "a wrench that the loop did not write, or one that is too old");

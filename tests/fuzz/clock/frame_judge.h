@@ -92,17 +92,17 @@ class FrameJudge final : public loop::InputSource {
           torque_nm <= limits_.max_torque_nm * kRounding)) {
       breaks("a wrench beyond its limits");
     }
-    const double share = kDt / limits_.slew_s * kRounding;
+    const double fraction = kDt / limits_.slew_s * kRounding;
     const bool force_slew =
-        force_n > 0 && glm::length(w.force_n - last_.force_n) > limits_.max_force_n * share;
-    const bool torque_slew =
-        torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) > limits_.max_torque_nm * share;
+        force_n > 0 && glm::length(w.force_n - last_.force_n) > limits_.max_force_n * fraction;
+    const bool torque_slew = torque_nm > 0 && glm::length(w.torque_nm - last_.torque_nm) >
+                                                  limits_.max_torque_nm * fraction;
     if (force_slew || torque_slew) breaks("a wrench beyond its slew");
     const bool detected = must_refuse_ || frame.health.trouble != InputTrouble::kNone ||
                           frame.health.loop_late || frame.output == OutputState::kTripped;
     if (detected && !zero) breaks("a force in the frame of a detection");
     since_detected_ = detected ? 0 : since_detected_ + 1;
-    // The share of the wrench that may be back by now: nothing for zero_s, then a ramp.
+    // The fraction of the wrench that may be back by now: nothing for zero_s, then a ramp.
     const double gain =
         (static_cast<double>(since_detected_) * kDt - limits_.zero_s) / limits_.ramp_s + 0.006;
     if (since_detected_ < 300 && (force_n > limits_.max_force_n * std::max(gain, 0.0) ||

@@ -29,8 +29,8 @@ void look_up(const Voxmap& map, Random& random) {
       voxel[axis] = origin[axis] - 8 + static_cast<std::int64_t>(random() % (span + 16));
     }
     require(static_cast<unsigned>(map.value(voxel[0], voxel[1], voxel[2])) < 4, "four values");
-    require(map.least_distance_m(voxel[0], voxel[1], voxel[2]) <
-                map.most_distance_m(voxel[0], voxel[1], voxel[2]),
+    require(map.min_distance_m(voxel[0], voxel[1], voxel[2]) <
+                map.max_distance_m(voxel[0], voxel[1], voxel[2]),
             "a code's step");
     (void)map.object_name(map.nearest_object(voxel[0], voxel[1], voxel[2]));
   }

@@ -7,9 +7,9 @@ namespace forcelayer::viewer {
 namespace {
 
 // The largest of 1, 2 and 5 times a power of ten that is not more.
-double round_down(double most) {
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  return (most / power >= 5 ? 5 : most / power >= 2 ? 2 : 1) * power;
+double round_down(double largest) {
+  const double power = std::pow(10, std::floor(std::log10(largest)));
+  return (largest / power >= 5 ? 5 : largest / power >= 2 ? 2 : 1) * power;
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ Arrows arrows_of(const ViewScene& scene, const ContactView& contacts) {
   std::stable_sort(arrows.points.begin(), arrows.points.end(), [&](std::size_t a, std::size_t b) {
     return points[a].depth_m > points[b].depth_m;
   });
-  const std::size_t drawn = std::min(arrows.points.size(), kMostArrows);
+  const std::size_t drawn = std::min(arrows.points.size(), kMaxArrows);
   arrows.left_out = arrows.points.size() - drawn;
   arrows.points.resize(drawn);
   if (!scene.voxmap || !scene.shell) return arrows;

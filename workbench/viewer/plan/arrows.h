@@ -20,7 +20,7 @@ struct Arrows {
 };
 
 // Number of arrows that a reader can distinguish on a part.
-inline constexpr std::size_t kMostArrows = 100;
+inline constexpr std::size_t kMaxArrows = 100;
 
 // Points in the interior have a mark of their own in place of an arrow.
 Arrows arrows_of(const ViewScene& scene, const ContactView& contacts);

@@ -70,7 +70,7 @@ CameraView frame_box(const WorldBox& box, const glm::dvec3& direction, double as
 glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3>& points_m,
                               const glm::dvec3& forces, double reach_m) {
   // Weights of the usual direction, of a view across the forces and of the usual height, in units
-  // of the share of points seen.
+  // of the fraction of points seen.
   constexpr double kHabit = 0.25, kAcross = 0.3, kSteep = 0.2;
   const double length = glm::length(forces);
   const glm::dvec3 force = length > 0 ? forces / length : glm::dvec3(0);
@@ -82,9 +82,10 @@ glm::dvec3 clearest_direction(const Voxmap& voxmap, const std::vector<glm::dvec3
       const auto seen = std::count_if(
           points_m.begin(), points_m.end(),
           [&](const glm::dvec3& point) { return sees(voxmap, point, direction, reach_m); });
-      const double share =
+      const double fraction =
           points_m.empty() ? 0 : static_cast<double>(seen) / static_cast<double>(points_m.size());
-      const double score = share + kHabit * 0.5 * (1 + glm::dot(direction, default_direction())) -
+      const double score = fraction +
+                           kHabit * 0.5 * (1 + glm::dot(direction, default_direction())) -
                            kAcross * std::abs(glm::dot(direction, force)) -
                            kSteep * std::abs(direction.z - default_direction().z);
       if (score > best_score) {

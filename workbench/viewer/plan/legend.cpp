@@ -10,10 +10,10 @@ namespace {
 
 // The end of a name as far as a legend has room.
 std::string short_name(const std::string& name) {
-  constexpr std::size_t kMost = 28;
+  constexpr std::size_t kMax = 28;
   const std::string shown = escaped(name);
-  if (shown.size() <= kMost) return shown;
-  std::size_t from = shown.size() - kMost;
+  if (shown.size() <= kMax) return shown;
+  std::size_t from = shown.size() - kMax;
   const std::size_t node = shown.find('/', from);
   if (node != std::string::npos) from = node + 1;
   while (from < shown.size() && (shown[from] & 0xc0) == 0x80) ++from;  // whole characters
@@ -23,7 +23,7 @@ std::string short_name(const std::string& name) {
 // Those that are shown.
 void add_objects(const PicturePlan& plan, const ViewScene& scene,
                  std::vector<LegendEntry>& legend) {
-  constexpr std::size_t kMost = 16;
+  constexpr std::size_t kMax = 16;
   std::vector<std::size_t> shown;
   for (std::size_t n = 0; n < scene.meshes.size(); ++n) {
     const std::string& name = scene.meshes[n].name;
@@ -32,7 +32,7 @@ void add_objects(const PicturePlan& plan, const ViewScene& scene,
     }
   }
   const std::size_t count = shown.size();
-  const std::size_t named = count <= kMost ? count : kMost - 1;
+  const std::size_t named = count <= kMax ? count : kMax - 1;
   for (std::size_t n = 0; n < named; ++n) {
     legend.push_back(
         {Swatch::kSquare, color_of_mesh(shown[n]), 1, short_name(scene.meshes[shown[n]].name)});

@@ -53,12 +53,12 @@ ContactViewSource::ContactViewSource(const Voxmap& voxmap, const Pshell& shell, 
 
 // As DefaultModel::report_distance() and Simulation have it.
 void ContactViewSource::prove_clearance(const Pose& pose, ContactView& view) const {
-  if (model_ == Model::kPaper || !(contacts_.least_distance_m > 0) || contacts_.outside_map) return;
+  if (model_ == Model::kPaper || !(contacts_.min_distance_m > 0) || contacts_.outside_map) return;
   const double deviations_m = voxmap_.header().static_deviation_m +
                               shell_.header().part_deviation_m + query_.rounding_bound_m();
-  const double proven_m = surface_distance_bound_m(shell_.surface_distance_terms(),
-                                                   double{contacts_.least_distance_m}) -
-                          deviations_m;
+  const double proven_m =
+      surface_distance_bound_m(shell_.surface_distance_terms(), double{contacts_.min_distance_m}) -
+      deviations_m;
   if (!(proven_m > 0)) return;
   view.clearance_m = proven_m;
   view.at_least = contacts_.nearest == field::ContactSet::kNone;

@@ -202,7 +202,7 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s) {
 }
 
 std::string_view NotableRows::name_of(std::size_t row) const {
-  if (row == least_clearance) return "the least proven clearance";
+  if (row == min_clearance) return "the least proven clearance";
   return row == strongest ? "the strongest force" : "";
 }
 
@@ -222,7 +222,7 @@ NotableRows notable_rows(const std::vector<TraceRow>& rows) {
     }
     if (stronger(rows[n], rows[strongest])) strongest = n;
   }
-  if (nearest && !rows[*nearest].clearance->at_least) notable.least_clearance = nearest;
+  if (nearest && !rows[*nearest].clearance->at_least) notable.min_clearance = nearest;
   if (force_n(rows[strongest]) > 0) notable.strongest = strongest;
   return notable;
 }

@@ -45,13 +45,13 @@ std::size_t row_at(const std::vector<TraceRow>& rows, double time_s);
 struct NotableRows {
   // The moment of the least clearance that is proven in any frame, as voxrun reports it: after the
   // seat, where the part starts in one. None where nothing was near enough to be measured.
-  std::optional<std::size_t> least_clearance;
+  std::optional<std::size_t> min_clearance;
   // The moment of the greatest force on the hand, of rows with a contact where there are any:
   // braking and the part's mass are felt without one. None where nothing was felt.
   std::optional<std::size_t> strongest;
 
   // The one that is shown unless another is asked for; the first row where there is neither.
-  std::size_t usual() const { return least_clearance.value_or(strongest.value_or(0)); }
+  std::size_t usual() const { return min_clearance.value_or(strongest.value_or(0)); }
   // "the least proven clearance" or "the strongest force"; empty for any other row.
   std::string_view name_of(std::size_t row) const;
 };

@@ -44,7 +44,7 @@ class ShownVoxels {
   }
 
  private:
-  static bool is_measured(std::uint32_t code) { return code > 0 && code < kMostDistanceCode; }
+  static bool is_measured(std::uint32_t code) { return code > 0 && code < kMaxDistanceCode; }
 
   // Looks a voxel up in the tree of distances. A map without distances answers as if measured.
   VoxelLookup code_of(const RelativeVoxel& v) const {
@@ -56,7 +56,7 @@ class ShownVoxels {
                                            distances->directory_origin[axis]);
     }
     return distances->contains(at[0], at[1], at[2]) ? distances->lookup(at[0], at[1], at[2])
-                                                    : VoxelLookup{kMostDistanceCode, 0, 512};
+                                                    : VoxelLookup{kMaxDistanceCode, 0, 512};
   }
 
   // 0 where none is known, or the number is a hint.

@@ -169,10 +169,10 @@ PolyData spring_between(const glm::dvec3& from_m, const glm::dvec3& to_m, double
   if (length_m > 0) {
     const glm::dvec3 u = across(along / length_m), v = glm::cross(along / length_m, u);
     for (int n = 0; n <= kTurns * kSteps; ++n) {
-      const double share = static_cast<double>(n) / (kTurns * kSteps);
-      const double a = 2 * std::numbers::pi * kTurns * share;
-      const double radius_m = std::min({1.0, 10 * share, 10 * (1 - share)}) * width_m / 2;
-      points.push_back(floats(from_m + share * along +
+      const double fraction = static_cast<double>(n) / (kTurns * kSteps);
+      const double a = 2 * std::numbers::pi * kTurns * fraction;
+      const double radius_m = std::min({1.0, 10 * fraction, 10 * (1 - fraction)}) * width_m / 2;
+      points.push_back(floats(from_m + fraction * along +
                               radius_m * (std::cos(a) * u + std::sin(a) * v) - origin_m));
     }
   }

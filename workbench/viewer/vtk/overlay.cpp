@@ -355,8 +355,8 @@ void Overlay::set_legend(const std::vector<LegendEntry>& entries) { drawing_->le
 void Overlay::lay_out(int width, int height, double meters_per_pixel, int reserved) {
   constexpr double kWidth = 800, kHeight = 600, kSmallest = 0.75;  // of words that can be read
   Drawing& d = *drawing_;
-  const double share = std::min(width / kWidth, height / kHeight) / d.full_scale;
-  d.scale = d.full_scale * std::clamp(share, kSmallest, 1.0);
+  const double fraction = std::min(width / kWidth, height / kHeight) / d.full_scale;
+  d.scale = d.full_scale * std::clamp(fraction, kSmallest, 1.0);
   d.clear();
   d.draw_title(width, height);
   d.draw_tree(reserved);

@@ -18,7 +18,7 @@ struct TreeLine {
   std::string words;
   std::size_t depth = 0;
   Color color{};
-  double filled = 1;  // the share of its square that has the color: 0 hidden, 1 shown
+  double filled = 1;  // the fraction of its square that has the color: 0 hidden, 1 shown
   bool selected = false;
 };
 

@@ -346,12 +346,12 @@ void Stage::draw_sections() {
 
 void Stage::build_layers() {
   if (!scene_.voxmap) return;
-  voxel_rectangles_ = most_rectangles_ = 0;
+  voxel_rectangles_ = max_rectangles_ = 0;
   for (std::size_t n = 0; n < kLayers.size(); ++n) {
     const QuadSurface surface =
         layer_surface(*scene_.voxmap, kLayers[n], scene_.origin_m, Faces::kMerged, hidden_objects_);
     voxel_rectangles_ += surface.quad_count();
-    most_rectangles_ = std::max(most_rectangles_, surface.quad_count());
+    max_rectangles_ = std::max(max_rectangles_, surface.quad_count());
     actors_->layers()[n]->set(surface);
   }
 }
@@ -390,10 +390,10 @@ void Stage::build_change(const std::optional<LayerChange>& change) {
 }
 
 void Stage::build_quick_layers() {
-  if (!scene_.voxmap || most_rectangles_ <= kQuickRectangles) return;
+  if (!scene_.voxmap || max_rectangles_ <= kQuickRectangles) return;
   int edge = 2;  // each doubling leaves about a quarter of the faces
   while (edge < CoarseLayers::kLargestEdge &&
-         most_rectangles_ > kQuickRectangles * static_cast<std::uint64_t>(edge * edge)) {
+         max_rectangles_ > kQuickRectangles * static_cast<std::uint64_t>(edge * edge)) {
     edge *= 2;
   }
   const CoarseLayers coarse(*scene_.voxmap, edge);
@@ -613,9 +613,9 @@ void place_moment(Stage& stage, const ViewScene& scene, const Moment& moment) {
   stage.place_clearance(measured ? std::vector{contacts.nearest_m, contacts.nearest_scene_m}
                                  : std::vector<glm::dvec3>());
   const glm::dvec3 force_n = moment.on_hand ? moment.on_hand->force_n : glm::dvec3(0);
-  constexpr double kLeastForceN = 0.005;  // less is said as 0.00 N
+  constexpr double kMinForceN = 0.005;  // less is said as 0.00 N
   stage.place_net_force(world_from_center(moment.world_from_part, *scene.shell).position_m, force_n,
-                        glm::length(force_n) >= kLeastForceN ? 1.2 * radius_m : 0);
+                        glm::length(force_n) >= kMinForceN ? 1.2 * radius_m : 0);
 }
 
 }  // namespace forcelayer::viewer

@@ -83,9 +83,9 @@ class Stage {
   std::unique_ptr<Actors> actors_;
   double scale_;  // of the width of lines
   std::uint64_t voxel_rectangles_ = 0;
-  std::uint64_t most_rectangles_ = 0;  // of one layer
-  std::vector<char> hidden_meshes_;    // [meshes of the scene]
-  std::vector<char> measured_;         // [meshes of the scene] drawn for themselves
+  std::uint64_t max_rectangles_ = 0;  // of one layer
+  std::vector<char> hidden_meshes_;   // [meshes of the scene]
+  std::vector<char> measured_;        // [meshes of the scene] drawn for themselves
   bool colors_objects_ = false;
   HiddenObjects hidden_objects_;  // [objects of the voxmap + 1]; empty: none
   std::optional<Cut> cut_;

@@ -26,7 +26,7 @@ namespace {
 // In pixels of the design.
 constexpr double kHeight = 104, kLeft = 150, kRight = 30, kBottom = 14;
 constexpr double kBarStep = 5, kBars = 5 * kBarStep + 2;
-constexpr double kLeastWidth = 320, kLeastHeight = 300;  // of a window that has room for the strip
+constexpr double kMinWidth = 320, kMinHeight = 300;  // of a window that has room for the strip
 constexpr double kButton = 26, kButtonHigh = 18, kButtonGap = 4, kSpeed = 44;  // beside the buttons
 static_assert(static_cast<double>(FrameKind::kPenetration) * kBarStep < kBars);
 constexpr std::size_t kLargestCurve = 2000;  // points
@@ -148,7 +148,7 @@ Strip::Strip(vtkRenderer* renderer, double scale)
 Strip::~Strip() = default;
 
 bool Strip::fits(int width, int height) const {
-  return width >= kLeastWidth * drawing_->scale && height >= kLeastHeight * drawing_->scale;
+  return width >= kMinWidth * drawing_->scale && height >= kMinHeight * drawing_->scale;
 }
 
 int Strip::top_pixel() const {

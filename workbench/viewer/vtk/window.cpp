@@ -579,8 +579,9 @@ class Window {
       quick += quick_;
     }
     std::sort(frame_ms.begin(), frame_ms.end());
-    const auto at = [&](double share) {
-      return frame_ms[static_cast<std::size_t>(share * static_cast<double>(frame_ms.size() - 1))];
+    const auto at = [&](double fraction) {
+      return frame_ms[static_cast<std::size_t>(fraction *
+                                               static_cast<double>(frame_ms.size() - 1))];
     };
     return {{"frames", frame_ms.size()},
             {"in_coarser_voxels", quick},

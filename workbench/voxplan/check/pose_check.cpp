@@ -40,7 +40,9 @@ CenterPath motion(const Problem& problem, const Pose& from, const Pose& to) {
           problem.part.header().bounding_radius_m};
 }
 
-double share_of(const Moment& moment) { return static_cast<double>(moment.pose) + moment.share; }
+double fraction_of(const Moment& moment) {
+  return static_cast<double>(moment.pose) + moment.fraction;
+}
 
 }  // namespace
 
@@ -66,11 +68,11 @@ PoseCheck::PoseCheck(const Problem& problem, std::optional<SeatStretch> seat)
       in_seat_(problem.scene, problem.part, but_seat_, cap_voxels(problem, required_.voxels())) {}
 
 bool PoseCheck::holds(Rule rule, const Pose& pose) {
-  clearance::LeastDistance known;
+  clearance::MinDistance known;
   return holds(rule, pose, known);
 }
 
-bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::LeastDistance& known) {
+bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::MinDistance& known) {
   ++tested_;
   if (is_refused(pose)) return false;
   part(rule).forget();
@@ -108,42 +110,43 @@ bool PoseCheck::is_refused(const Pose& pose) const {
 // the motion may go on for as long as it cannot come within that way of a refused one.
 double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
   const double way_m = travel_between_m(problem_, from, to);
-  double share = 1;
+  double fraction = 1;
   for (const Refused& refused : refused_) {
     if (travel_between_m(problem_, from, refused.pose) > way_m + refused.within_m) continue;
     double kept = 0;
-    for (double at = 0; at < share;) {
+    for (double at = 0; at < fraction;) {
       const double off_m = travel_between_m(problem_, pose_between(from, to, at), refused.pose);
       if (off_m < refused.within_m) {
-        share = kept;
+        fraction = kept;
         break;
       }
       kept = at;
       at += std::max(off_m - refused.within_m, refused.within_m / 2) / way_m;
     }
   }
-  return share;
+  return fraction;
 }
 
-double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                             KnownEnds& known) {
-  const double share = share_told(rule, from, to, or_nothing, known);
+double PoseCheck::fraction_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                                KnownEnds& known) {
+  const double fraction = share_told(rule, from, to, or_nothing, known);
   ++motions_tested_;
-  if (share == 1) {
+  if (fraction == 1) {
     ++motions_kept_;
     kept_m_ += travel_between_m(problem_, from, to);
   }
-  return share;
+  return fraction;
 }
 
 double PoseCheck::share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                              KnownEnds& known) {
   if (!refused_.empty()) {
-    const double share = share_not_refused(from, to);
-    if (share < 1 && (or_nothing || share == 0)) return 0;
-    if (share < 1) {
+    const double fraction = share_not_refused(from, to);
+    if (fraction < 1 && (or_nothing || fraction == 0)) return 0;
+    if (fraction < 1) {
       KnownEnds before{known.first, {KnownEnds::kUnknown}};
-      return share * share_by_proofs(rule, from, pose_between(from, to, share), false, before);
+      return fraction *
+             share_by_proofs(rule, from, pose_between(from, to, fraction), false, before);
     }
   }
   return share_by_proofs(rule, from, to, or_nothing, known);
@@ -158,36 +161,37 @@ double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, b
                            {required_.voxels(), required_.voxels()});
   end = walk.kept_until(begin, end, or_nothing, known);
   tested_ += walk.tested();
-  if (share_of(end) == 0 || rule == Rule::kClear || !has_seat()) return share_of(end);
+  if (fraction_of(end) == 0 || rule == Rule::kClear || !has_seat()) return fraction_of(end);
   if (problem_.seat_meshes != nullptr) {
-    const double share = share_by_meshes(from, to, share_of(end));
-    return or_nothing && share < 1 ? 0 : share;
+    const double fraction = share_by_meshes(from, to, fraction_of(end));
+    return or_nothing && fraction < 1 ? 0 : fraction;
   }
   const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
-  if (!pushed) return share_of(end);
+  if (!pushed) return fraction_of(end);
   // It was tested in steps of half a voxel: the last but one was right.
   const double steps = path.travel_m({1, 0}) / (0.5 * problem_.scene.voxel_size_m());
-  return or_nothing ? 0 : std::max(0.0, share_of(*pushed) - 1.001 / std::max(1.0, steps));
+  return or_nothing ? 0 : std::max(0.0, fraction_of(*pushed) - 1.001 / std::max(1.0, steps));
 }
 
 // From pose to pose: each as far as no point of the part can have come deeper, and a step at least.
-double PoseCheck::share_by_meshes(const Pose& from, const Pose& to, double most) {
+double PoseCheck::share_by_meshes(const Pose& from, const Pose& to, double largest) {
   const double way_m = travel_between_m(problem_, from, to);
   const double step_m = kMeshStepVoxels * problem_.scene.voxel_size_m();
   double kept = 0;
-  for (double share = 0;;) {
+  for (double fraction = 0;;) {
     ++tested_;
-    const double leeway_m = problem_.seat_meshes->leeway_m(pose_between(from, to, share));
+    const double leeway_m = problem_.seat_meshes->leeway_m(pose_between(from, to, fraction));
     if (leeway_m < 0) return kept;
-    kept = share;
-    if (share == most) return most;
-    share = way_m > 0 ? std::min(most, share + std::max(leeway_m, step_m) / way_m) : most;
+    kept = fraction;
+    if (fraction == largest) return largest;
+    fraction =
+        way_m > 0 ? std::min(largest, fraction + std::max(leeway_m, step_m) / way_m) : largest;
   }
 }
 
-double PoseCheck::share_kept(Rule rule, const Pose& from, const Pose& to) {
+double PoseCheck::fraction_kept(Rule rule, const Pose& from, const Pose& to) {
   KnownEnds known;
-  return share_kept(rule, from, to, false, known);
+  return fraction_kept(rule, from, to, false, known);
 }
 
 bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
@@ -196,7 +200,7 @@ bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to) {
 }
 
 bool PoseCheck::is_kept(Rule rule, const Pose& from, const Pose& to, KnownEnds& known) {
-  return share_kept(rule, from, to, true, known) == 1;
+  return fraction_kept(rule, from, to, true, known) == 1;
 }
 
 double PoseCheck::clearance_m(const Pose& pose) {
@@ -207,11 +211,11 @@ double PoseCheck::clearance_m(const Pose& pose) {
 }
 
 std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
-  const double share = share_kept(rule, from, to);
-  if (share == 1) return 0;
+  const double fraction = fraction_kept(rule, from, to);
+  if (fraction == 1) return 0;
   const double step = 0.5 * problem_.scene.voxel_size_m() / travel_between_m(problem_, from, to);
   for (int n = 0; n < 8; ++n) {
-    const Pose there = pose_between(from, to, std::min(1.0, share + n * step));
+    const Pose there = pose_between(from, to, std::min(1.0, fraction + n * step));
     // The seat first: beside its objects, another one counts as up to 1.7 voxels nearer than it is.
     if (rule == Rule::kInSeat && problem_.seat_meshes != nullptr) {
       if (const auto object = problem_.seat_meshes->blocked_by(there)) return *object;
@@ -219,9 +223,9 @@ std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
       if (const auto pushed = seat_->pushed_in(there, problem_.allowed)) return pushed->object;
     }
     part(rule).forget();
-    const auto least = part(rule).at(there, 0, required_.voxels());
-    if (least.point != clearance::LeastDistance::kNone) {
-      return part(rule).nearest(part(rule).place_m(there, least.point)).object;
+    const auto smallest = part(rule).at(there, 0, required_.voxels());
+    if (smallest.point != clearance::MinDistance::kNone) {
+      return part(rule).nearest(part(rule).place_m(there, smallest.point)).object;
     }
   }
   return 0;

@@ -28,14 +28,14 @@ class PoseCheck {
   virtual ~PoseCheck() = default;
 
   bool holds(Rule rule, const Pose& pose);
-  virtual bool holds(Rule rule, const Pose& pose, clearance::LeastDistance& known);  // it tells
+  virtual bool holds(Rule rule, const Pose& pose, clearance::MinDistance& known);  // it tells
 
   // From now on no way leads by that pose, or within a voxel of travel around it: it belongs to a
   // way that was found and did not prove clear. The start stays allowed.
   void refuse(const Pose& pose);
 
   // How much of the motion keeps the rule from its beginning on: 1 where all of it does.
-  double share_kept(Rule rule, const Pose& from, const Pose& to);
+  double fraction_kept(Rule rule, const Pose& from, const Pose& to);
   // Whether all of it does: quicker where it does not.
   bool is_kept(Rule rule, const Pose& from, const Pose& to);
   // The same; the rule holds at ends of which something is known, and of both more is known then.
@@ -63,8 +63,8 @@ class PoseCheck {
  protected:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
   // All questions about motions end here.
-  virtual double share_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                            clearance::KnownEnds& known);
+  virtual double fraction_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                               clearance::KnownEnds& known);
   // For one that answers without a test: so many poses count as tested.
   void count_tested(std::uint64_t poses) { tested_ += poses; }
 
@@ -75,7 +75,7 @@ class PoseCheck {
   double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                          clearance::KnownEnds& known);
   bool is_refused(const Pose& pose) const;
-  double share_by_meshes(const Pose& from, const Pose& to, double most);
+  double share_by_meshes(const Pose& from, const Pose& to, double largest);
   double share_not_refused(const Pose& from, const Pose& to) const;
 
   const Problem& problem_;

@@ -19,9 +19,10 @@ double travel_between_m(const Problem& problem, const Pose& from, const Pose& to
          problem.part.header().bounding_radius_m * glm::length(turn_between(from, to));
 }
 
-Pose pose_between(const Pose& from, const Pose& to, double share) {
-  return {from.position_m + (to.position_m - from.position_m) * share,
-          glm::normalize(coupling::rotation_by(turn_between(from, to) * share) * from.orientation)};
+Pose pose_between(const Pose& from, const Pose& to, double fraction) {
+  return {
+      from.position_m + (to.position_m - from.position_m) * fraction,
+      glm::normalize(coupling::rotation_by(turn_between(from, to) * fraction) * from.orientation)};
 }
 
 PathRow row_of(double time_s, const Pose& pose) {

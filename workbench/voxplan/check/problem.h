@@ -37,9 +37,9 @@ inline Pose part_from_center(const Pshell& part) {
 // How far a point of the part travels at most from one pose to another, m: the length of a motion.
 double travel_between_m(const Problem& problem, const Pose& from, const Pose& to);
 
-// The pose at a share of the motion between two: the centroid goes straight and the orientation
+// The pose at a fraction of the motion between two: the centroid goes straight and the orientation
 // turns the short way round, both evenly.
-Pose pose_between(const Pose& from, const Pose& to, double share);
+Pose pose_between(const Pose& from, const Pose& to, double fraction);
 
 // The same pose as a row of a path.
 PathRow row_of(double time_s, const Pose& pose);

@@ -75,7 +75,7 @@ void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
   const hn::CappedTag<float, 16> f;
   alignas(64) float distances_m[PoseSearch::kLeafPoses];
   const PoseCoordinates& at = search.at;
-  auto least = hn::Set(f, std::numeric_limits<float>::infinity());
+  auto smallest = hn::Set(f, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < leaf.count; i += hn::Lanes(f)) {
     auto way = hn::Zero(f), turn = hn::Zero(f), back = hn::Zero(f);
     for (std::size_t n = 0; n < 3; ++n) {
@@ -90,12 +90,12 @@ void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
     }
     const auto distance = hn::Add(hn::Sqrt(way), hn::Sqrt(hn::Min(turn, back)));
     hn::StoreU(distance, f, distances_m + i);
-    least = hn::Min(least, distance);
+    smallest = hn::Min(smallest, distance);
   }
   // Its nearest counts as near as the nearest of all within twice the rounding.
-  const float least_m = hn::GetLane(hn::MinOfLanes(f, least));
-  const float limit_m = std::min(search.limit_m(), least_m + 2 * search.margin_m);
-  if (least_m > limit_m) return;
+  const float min_m = hn::GetLane(hn::MinOfLanes(f, smallest));
+  const float limit_m = std::min(search.limit_m(), min_m + 2 * search.margin_m);
+  if (min_m > limit_m) return;
   for (std::uint32_t i = 0; i < leaf.count; ++i) {
     if (distances_m[i] <= limit_m) search.compare(leaf.numbers[i]);
   }
@@ -108,16 +108,16 @@ void Search(PoseSearch& search) {
   while (!open.empty()) {
     PoseSearch::Branch branch = open.back();
     open.pop_back();
-    if (branch.least_m > search.limit_m()) continue;
+    if (branch.min_m > search.limit_m()) continue;
     while (nodes[branch.node].first_child != 0) {
       const std::uint32_t child = nodes[branch.node].first_child;
       PoseSearch::Branch near{BoxDistance(search.at, nodes[child]), child};
       PoseSearch::Branch far{BoxDistance(search.at, nodes[child + 1]), child + 1};
-      if (far.least_m < near.least_m) std::swap(near, far);
-      if (far.least_m <= search.limit_m()) open.push_back(far);
+      if (far.min_m < near.min_m) std::swap(near, far);
+      if (far.min_m <= search.limit_m()) open.push_back(far);
       branch = near;
     }
-    if (branch.least_m <= search.limit_m()) LookAtLeaf(search, search.leaf(nodes[branch.node]));
+    if (branch.min_m <= search.limit_m()) LookAtLeaf(search, search.leaf(nodes[branch.node]));
   }
 }
 

@@ -56,7 +56,7 @@ class PoseIndex {
     std::uint32_t number;
   };
   struct Branch {
-    float least_m;
+    float min_m;
     std::uint32_t node;
   };
   friend struct PoseSearch;

@@ -8,9 +8,9 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr int kCuts = 5;                         // times that corners are cut
-constexpr double kStraightVoxels = 2;            // on from the seat, before the way turns
-constexpr double kCut = 0.25, kLeastCut = 0.01;  // of the legs at the joint, as of other corners
+constexpr int kCuts = 5;                       // times that corners are cut
+constexpr double kStraightVoxels = 2;          // on from the seat, before the way turns
+constexpr double kCut = 0.25, kMinCut = 0.01;  // of the legs at the joint, as of other corners
 
 // The way as it is made smooth, stage by stage.
 class Smoother {
@@ -84,8 +84,9 @@ void Smoother::cut_joint() {
   const Pose &last = way_.in_seat[way_.in_seat.size() - 2], &joint = way_.beyond.front(),
              &next = way_.beyond[1];
   if (corner_rad(problem_, last, joint, next) < kCornerRad) return;
-  for (double share = kCut; share >= kLeastCut; share /= 2) {
-    const Pose before = pose_between(joint, last, share), behind = pose_between(joint, next, share);
+  for (double fraction = kCut; fraction >= kMinCut; fraction /= 2) {
+    const Pose before = pose_between(joint, last, fraction),
+               behind = pose_between(joint, next, fraction);
     if (!check_.is_kept(Rule::kInSeat, before, behind)) continue;
     const Way across = to_clear({before, behind});
     if (!check_.is_kept(Rule::kClear, across.back(), behind)) continue;

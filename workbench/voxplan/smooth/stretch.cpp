@@ -8,15 +8,15 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr double kMostPoses = 200;         // of a stretch,
-constexpr double kLeastStepVoxels = 2;     // no nearer to each other than this
-constexpr double kLeastGain = 1e-3;        // of a shorter way across a detour
-constexpr double kKept = 0.8;              // of the clearance of a pose that goes there
-constexpr double kLeastMoveVoxels = 0.01;  // of a pose
-constexpr int kEvenings = 60;              // passes at most
+constexpr double kMaxPoses = 200;        // of a stretch,
+constexpr double kMinStepVoxels = 2;     // no nearer to each other than this
+constexpr double kMinGain = 1e-3;        // of a shorter way across a detour
+constexpr double kKept = 0.8;            // of the clearance of a pose that goes there
+constexpr double kMinMoveVoxels = 0.01;  // of a pose
+constexpr int kEvenings = 60;            // passes at most
 
-constexpr double kCut = 0.25;       // of the legs beside it,
-constexpr double kLeastCut = 0.01;  // or half of that, and so on down to this
+constexpr double kCut = 0.25;     // of the legs beside it,
+constexpr double kMinCut = 0.01;  // or half of that, and so on down to this
 
 struct Twist {
   glm::dvec3 way_m, turn_m;
@@ -56,23 +56,22 @@ double Stretch::worth_m(const Pose& pose) {
 
 void Stretch::add_poses() {
   const double all_m = length_m(problem_, &way_.front(), &way_.back());
-  const double step_m =
-      std::max(all_m / kMostPoses, kLeastStepVoxels * problem_.scene.voxel_size_m());
+  const double step_m = std::max(all_m / kMaxPoses, kMinStepVoxels * problem_.scene.voxel_size_m());
   way_ = with_more_poses(problem_, way_, step_m);
 }
 
 // Puts the poses between two of them on the straight way, where that is kept and shorter.
 bool Stretch::cross(std::size_t from, std::size_t to) {
   const double before_m = length_m(problem_, &way_[from], &way_[to]);
-  if (travel_between_m(problem_, way_[from], way_[to]) > (1 - kLeastGain) * before_m) return false;
-  const double least_m = *std::min_element(worth_m_.begin() + from, worth_m_.begin() + to + 1);
+  if (travel_between_m(problem_, way_[from], way_[to]) > (1 - kMinGain) * before_m) return false;
+  const double min_m = *std::min_element(worth_m_.begin() + from, worth_m_.begin() + to + 1);
   Way across;
   std::vector<double> across_m;
   for (std::size_t i = from + 1; i < to; ++i) {
-    const double share = static_cast<double>(i - from) / static_cast<double>(to - from);
-    across.push_back(pose_between(way_[from], way_[to], share));
+    const double fraction = static_cast<double>(i - from) / static_cast<double>(to - from);
+    across.push_back(pose_between(way_[from], way_[to], fraction));
     across_m.push_back(worth_m(across.back()));
-    if (across_m.back() < std::max(least_m, kKept * worth_m_[i])) return false;
+    if (across_m.back() < std::max(min_m, kKept * worth_m_[i])) return false;
   }
   if (!is_kept(way_[from], way_[to])) return false;
   std::copy(across.begin(), across.end(), way_.begin() + from + 1);
@@ -93,12 +92,12 @@ void Stretch::shorten(std::size_t first) {
 }
 
 void Stretch::even(std::size_t first) {
-  const double least_m = kLeastMoveVoxels * problem_.scene.voxel_size_m();
+  const double min_m = kMinMoveVoxels * problem_.scene.voxel_size_m();
   for (int pass = 0; pass < kEvenings; ++pass) {
     bool moves = false;
     for (std::size_t i = first; i + 1 < way_.size(); ++i) {
       const Pose there = pose_between(way_[i - 1], way_[i + 1], 0.5);
-      if (travel_between_m(problem_, way_[i], there) < least_m) continue;
+      if (travel_between_m(problem_, way_[i], there) < min_m) continue;
       const double there_m = worth_m(there);
       if (there_m < std::min({worth_m_[i - 1], worth_m_[i], worth_m_[i + 1]})) continue;
       if (!is_kept(way_[i - 1], there) || !is_kept(there, way_[i + 1])) continue;
@@ -115,9 +114,9 @@ void Stretch::cut_corners() {
   for (std::size_t i = 1; i + 1 < way_.size(); ++i) {
     bool cuts = false;
     if (corner_rad(problem_, way_[i - 1], way_[i], way_[i + 1]) > kCornerRad) {
-      for (double share = kCut; share >= kLeastCut && !cuts; share /= 2) {
-        const Pose before = pose_between(way_[i], way_[i - 1], share);
-        const Pose behind = pose_between(way_[i], way_[i + 1], share);
+      for (double fraction = kCut; fraction >= kMinCut && !cuts; fraction /= 2) {
+        const Pose before = pose_between(way_[i], way_[i - 1], fraction);
+        const Pose behind = pose_between(way_[i], way_[i + 1], fraction);
         if (!is_kept(before, behind)) continue;
         cut.push_back(before);
         cut.push_back(behind);

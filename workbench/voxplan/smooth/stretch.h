@@ -17,7 +17,7 @@ class Stretch {
  public:
   Stretch(PoseCheck& check, Rule rule, Way way);
 
-  // No two poses are farther apart than a voxel or two, or a share of the whole way.
+  // No two poses are farther apart than a voxel or two, or a fraction of the whole way.
   void add_poses();
   // Straight across detours, from long ones to short ones.
   void shorten(std::size_t first);

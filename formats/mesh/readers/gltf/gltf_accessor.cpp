@@ -122,10 +122,10 @@ GltfDocument::Accessor GltfDocument::accessor(std::uint64_t accessor_index) cons
 void GltfDocument::read_components(const Accessor& accessor, std::vector<double>& numbers) const {
   const std::uint64_t component_bytes = byte_size(accessor.component_type);
   numbers_read_ += accessor.count * accessor.components;
-  if (numbers_read_ > most_unfolded()) {
+  if (numbers_read_ > max_unfolded()) {
     fail(ErrorCode::kMeshUnsupported, accessor.where,
          "the file's meshes share so much data that they unfold to over " +
-             std::to_string(most_unfolded()) + " numbers",
+             std::to_string(max_unfolded()) + " numbers",
          "export each mesh with vertices of its own");
   }
   numbers.assign(accessor.count * accessor.components, 0.0);

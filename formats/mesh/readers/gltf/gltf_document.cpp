@@ -282,7 +282,7 @@ std::string_view GltfDocument::load_buffer(const nlohmann::json& buffer, std::ui
   return text_of(file_buffers_.emplace_back(std::move(*bytes)));
 }
 
-std::uint64_t GltfDocument::most_unfolded() const {
+std::uint64_t GltfDocument::max_unfolded() const {
   constexpr std::uint64_t kAlways = 1'000'000, kPerByte = 32;
   return kAlways + kPerByte * (file_.bytes.size() + buffer_bytes_);
 }
@@ -312,11 +312,11 @@ std::string GltfDocument::decompressed_view(const nlohmann::json& extension,
   view.count = index(extension, "count");
   view.stride = index(extension, "byteStride");
   constexpr std::uint64_t kLongestElement = 256;
-  const std::uint64_t most = sizeof(double) * most_unfolded();
-  if (view.stride > kLongestElement || view.count > most ||
-      (decompressed_bytes_ += view.count * view.stride) > most) {
+  const std::uint64_t largest = sizeof(double) * max_unfolded();
+  if (view.stride > kLongestElement || view.count > largest ||
+      (decompressed_bytes_ += view.count * view.stride) > largest) {
     fail(ErrorCode::kMeshUnsupported, where,
-         "brings what the file unfolds to over " + std::to_string(most) + " bytes");
+         "brings what the file unfolds to over " + std::to_string(largest) + " bytes");
   }
   auto bytes = decode_meshopt(view);
   if (!bytes) {

@@ -40,7 +40,7 @@ class GltfDocument {
 
   // The most numbers, and the most instances, that accessors, meshes and nodes may make by sharing
   // data of the file.
-  std::uint64_t most_unfolded() const;
+  std::uint64_t max_unfolded() const;
 
   // An accessor of type SCALAR with unsigned integers.
   std::vector<std::uint32_t> read_indices(std::uint64_t accessor) const;

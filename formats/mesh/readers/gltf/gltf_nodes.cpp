@@ -227,9 +227,9 @@ std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
     document_.fail(ErrorCode::kMeshUnreadable, kExtension,
                    "has no attributes, so nothing says how many instances there are");
   }
-  if (*count > document_.most_unfolded()) {
+  if (*count > document_.max_unfolded()) {
     document_.fail(ErrorCode::kMeshUnsupported, kExtension,
-                   "has more than " + std::to_string(document_.most_unfolded()) + " instances");
+                   "has more than " + std::to_string(document_.max_unfolded()) + " instances");
   }
   const auto translations = read("TRANSLATION", 3), rotations = read("ROTATION", 4),
              scales = read("SCALE", 3);
@@ -307,10 +307,10 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     const std::uint64_t mesh = document_.index(json, "mesh");
     const std::vector<double> weights = weights_of(json);
     const std::vector<Affine> instances = instancing_of(json);
-    if (placings.size() + instances.size() > document_.most_unfolded()) {
+    if (placings.size() + instances.size() > document_.max_unfolded()) {
       document_.fail(
           ErrorCode::kMeshUnsupported, in_nodes(node.index),
-          "brings the file's instances to over " + std::to_string(document_.most_unfolded()));
+          "brings the file's instances to over " + std::to_string(document_.max_unfolded()));
     }
     Affine from_mesh = node.assembly_from_node;
     if (json.contains("skin")) {

@@ -18,8 +18,8 @@ namespace {
 
 // Points along each parameter: some of each piece of the surface.
 int samples_along(int pieces) {
-  constexpr int kOfEach = 3, kMost = 100;
-  return std::clamp(kOfEach * pieces, 1, kMost);
+  constexpr int kOfEach = 3, kMax = 100;
+  return std::clamp(kOfEach * pieces, 1, kMax);
 }
 
 class FaceForecast {
@@ -37,12 +37,12 @@ class FaceForecast {
     if (surface_.GetType() == GeomAbs_Plane || !(size_mm_ > 0)) return kOfAPlane;
     const int across = samples_along(surface_.NbUIntervals(GeomAbs_C2)),
               along = samples_along(surface_.NbVIntervals(GeomAbs_C2));
-    const double share = (u1_ - u0_) * (v1_ - v0_) / across / along;
+    const double fraction = (u1_ - u0_) * (v1_ - v0_) / across / along;
     double count = kOfAPlane;
     for (int i = 0; i < across; ++i) {
       for (int j = 0; j < along; ++j) {
-        count += share * density(u0_ + (i + 0.5) * (u1_ - u0_) / across,
-                                 v0_ + (j + 0.5) * (v1_ - v0_) / along);
+        count += fraction * density(u0_ + (i + 0.5) * (u1_ - u0_) / across,
+                                    v0_ + (j + 0.5) * (v1_ - v0_) / along);
       }
     }
     return count;

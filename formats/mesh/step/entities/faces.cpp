@@ -24,15 +24,15 @@ void add_faces(const TopoDS_Shape& shape, ShapeSet& seen, ShapeSet& faces) {
 }
 
 std::string text_of(const Losses& losses) {
-  constexpr std::size_t kMostNames = 5;
+  constexpr std::size_t kMaxNames = 5;
   std::string text = losses.count > 0 ? std::to_string(losses.names.size()) + " of " +
                                             counted(losses.count, losses.kind)
                                       : counted(losses.names.size(), losses.kind);
-  for (std::size_t i = 0; i < losses.names.size() && i < kMostNames; ++i) {
+  for (std::size_t i = 0; i < losses.names.size() && i < kMaxNames; ++i) {
     text += (i == 0 ? ": " : ", ") + losses.names[i];
   }
-  if (losses.names.size() > kMostNames) {
-    text += " and " + std::to_string(losses.names.size() - kMostNames) + " more";
+  if (losses.names.size() > kMaxNames) {
+    text += " and " + std::to_string(losses.names.size() - kMaxNames) + " more";
   }
   return text;
 }

@@ -64,7 +64,7 @@ constexpr const char* kMend =
     "export the file again, with all solids as boundary representations of products, or as "
     "triangles "
     "such as STL";
-constexpr int kMostLevels = 8;  // of what lists what; a damaged entity may list itself
+constexpr int kMaxLevels = 8;  // of what lists what; a damaged entity may list itself
 
 // The types of an entity that OpenCASCADE does not know: one, or those of a complex entity. Empty
 // for one that it knows.
@@ -275,7 +275,7 @@ class StepCheck {
   }
 
   // By a shape representation, or by a set that one lists.
-  bool is_listed_as_shape(const Entity& entity, int levels = kMostLevels) const {
+  bool is_listed_as_shape(const Entity& entity, int levels = kMaxLevels) const {
     return levels == 0 || has_user(entity, [&](const Entity& user) {
              return lists_shapes(user) ||
                     (user->IsKind(STANDARD_TYPE(StepVisual_TessellatedGeometricSet)) &&
@@ -284,7 +284,7 @@ class StepCheck {
   }
 
   // Triangles that are there beside the exact face, shell or solid that they approximate.
-  bool stands_for_what_was_read(const Entity& entity, int levels = kMostLevels) const {
+  bool stands_for_what_was_read(const Entity& entity, int levels = kMaxLevels) const {
     if (levels == 0) return false;
     Interface_EntityIterator part = graph_.Shareds(entity);
     bool has_parts = false, all_parts_stand = true;

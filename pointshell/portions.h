@@ -1,4 +1,4 @@
-// The shares of a part, whose points are made and proven by themselves: the bodies that it holds
+// The portions of a part, whose points are made and proven by themselves: the bodies that it holds
 // several times, as an original and its copies, and all others together.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace forcelayer::pointshell {
 
-struct Share {
+struct Portion {
   const part::Part* part = nullptr;  // of the original, relative to the whole part's centroid
   const part::TriangleTree* tree = nullptr;
   double radius = 0;  // m, to cover it with: the copies then are covered within the part's
@@ -25,20 +25,21 @@ struct Share {
   certificate::CoveringProof proof;
   std::unique_ptr<certificate::HiddenSurface> hidden;
 
-  // Where the part has several shares.
+  // Where the part has several portions.
   std::unique_ptr<part::Part> own_part;
   std::unique_ptr<part::TriangleTree> own_tree;
 
   std::size_t times() const { return 1 + copies.size(); }
 };
 
-// `tree`: over the whole part relative to `center`, which must outlive the shares. Without groups
-// one share, which is the part.
-std::vector<Share> shares_of(const part::TriangleTree& tree, double radius,
-                             const part::Vec3& center, std::span<const part::CopiedGroup> groups);
+// `tree`: over the whole part relative to `center`, which must outlive the portions. Without groups
+// one portion, which is the part.
+std::vector<Portion> portions_of(const part::TriangleTree& tree, double radius,
+                                 const part::Vec3& center,
+                                 std::span<const part::CopiedGroup> groups);
 
 // The points of all originals and copies, as the file stores them.
-std::vector<part::Vec3> all_points(std::span<const Share> shares);
+std::vector<part::Vec3> all_points(std::span<const Portion> portions);
 
 // Adds to what is proven of other shares what is proven of one.
 void unite(certificate::SurfaceLosses& all, const certificate::SurfaceLosses& own);
