@@ -1,5 +1,5 @@
-// A recording of a run, byte by byte: all that a replay needs to repeat it bit for bit. The
-// normative text is recording_format.md. All numbers are little-endian.
+// A recording of a run, byte by byte: all that a replay needs to repeat it bit for bit. All numbers
+// are little-endian. recording_format.md explains the values.
 //
 //   header | parameter_count parameters | frames | trailer
 #pragma once
