@@ -39,9 +39,10 @@ struct State {
   glm::dvec3 held_back_rad{0};       // the same of the angle
   double allowance_j = 0;            // motion_allowance.h
 
-  std::uint64_t frame = 0;   // steps done
-  std::uint32_t seat = 0;    // SeatUse
-  std::uint32_t unused = 0;  // zero
+  std::uint64_t frame = 0;  // steps done
+  std::uint32_t seat = 0;   // SeatUse
+  // The object that the guard kept the part out of in the last motion that it tried; 0: none.
+  std::uint32_t stopped_by = 0;
 };
 static_assert(std::is_trivially_copyable_v<State>);
 

@@ -48,7 +48,8 @@ enum class ClearanceKind : std::uint32_t {
 // An object of the scene that the part pushes against.
 struct TouchedObject {
   std::uint32_t object = 0;  // its number in the scene's file (Run::object_name); 0: none
-  float force_n = 0;         // of the springs of its contacts, without their dampers
+  float force_n = 0;  // of the springs of its contacts, without their dampers; of an object that
+                      // the guard keeps the part out of, with what they leave of the hand's pull
 };
 
 // Report of a frame. Counts are those at `world_from_center`.

@@ -135,7 +135,8 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   if (here_.seated == 0 && state.seat == kSeatEntered) state.seat = kSeatClosed;
   report.seat_open = state.seat != kSeatClosed ? 1 : 0;
   report_distance(report);
-  report_touched(here_, here_.totals, here_.load, contact_, probe_, report);
+  const StoppedBy stop{state.stopped_by, -result.at_handle.force_n};
+  report_touched(here_, here_.totals, here_.load, contact_, probe_, stop, report);
   return result;
 }
 
@@ -198,6 +199,7 @@ void DefaultModel::refill_allowance(State& state, const coupling::GripTarget& ta
 void DefaultModel::move(State& state, const coupling::GripTarget& target, double dt_s,
                         StepReport& report) noexcept {
   double remaining_s = dt_s;
+  state.stopped_by = 0;
   for (int look_ups = 0; look_ups < parameters_.look_ups && remaining_s > 1e-9 * dt_s; ++look_ups) {
     Motion motion = prepare(state, target, dt_s);
     choose(motion, state, remaining_s, dt_s);
@@ -290,6 +292,7 @@ bool DefaultModel::try_motion(State& state, Motion& motion, StepReport& report) 
         here_, glm::vec3(candidate.position_m - state.world_from_center.position_m), there_);
     double rise_j = 0;
     const bool clear = guard::accepts_pose(here_, there_);
+    if (!clear) state.stopped_by = object_barring(candidate);
     if (clear && affordable(state, motion, candidate, kinetic_j, rise_j)) {
       state.allowance_j = std::max(0.0, state.allowance_j - rise_j);
       state.coupling_angle_rad = angle_rad(state, target, candidate);
@@ -309,6 +312,21 @@ bool DefaultModel::try_motion(State& state, Motion& motion, StepReport& report) 
     }
   }
   return false;
+}
+
+// The object at the deepest point that bars a pose and does not bar the present one.
+std::uint32_t DefaultModel::object_barring(const Pose& pose) const noexcept {
+  std::uint32_t deepest = there_.count, at = 0;
+  for (std::uint32_t i = 0; i < there_.count; ++i) {
+    if (there_.is_barred[i] == 0) continue;
+    while (at < here_.count && here_.point[at] < there_.point[i]) ++at;
+    const bool barred_here =
+        at < here_.count && here_.point[at] == there_.point[i] && here_.is_barred[at] != 0;
+    if (barred_here) continue;
+    if (deepest == there_.count || there_.depth_m[i] > there_.depth_m[deepest]) deepest = i;
+  }
+  if (deepest == there_.count) return 0;
+  return probe_.object_near(pose.position_m + glm::dvec3(there_[deepest].arm_m));
 }
 
 bool DefaultModel::affordable(const State& state, const Motion& motion, const Pose& candidate,

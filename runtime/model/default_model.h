@@ -54,6 +54,7 @@ class DefaultModel {
   bool try_motion(State& state, Motion& motion, StepReport& report) noexcept;
   bool affordable(const State& state, const Motion& motion, const Pose& candidate, double kinetic_j,
                   double& rise_j) const noexcept;
+  std::uint32_t object_barring(const Pose& pose) const noexcept;
   void add_found_contacts(Motion& motion) noexcept;
   void limit_travel(Motion& motion) const noexcept;
   Pose moved(const Pose& from, const coupling::GripTarget& target, Motion& motion,

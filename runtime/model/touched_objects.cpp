@@ -6,6 +6,8 @@
 namespace forcelayer::model {
 namespace {
 
+constexpr double kNoticedN = 0.01;  // less is rounding, and the damper of a part that comes to rest
+
 // The forces of the objects that were found, as vectors.
 class ObjectForces {
  public:
@@ -40,10 +42,12 @@ class ObjectForces {
 
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
                     const LoadSharing& load, const ContactLaw& law,
-                    const field::ContactProbe& probe, StepReport& report) noexcept {
+                    const field::ContactProbe& probe, const StoppedBy& stop,
+                    StepReport& report) noexcept {
   const std::uint32_t run = (totals.count + kAskedContacts - 1) / kAskedContacts;
   ObjectForces forces;
   glm::dvec3 force_n{0};  // of the run
+  glm::dvec3 left_n = stop.pull_n;
   std::uint32_t in_run = 0, deepest = 0, seen = 0;
   for (std::uint32_t i = 0; i < set.count && seen < totals.count; ++i) {
     if (!(set.depth_m[i] > 0)) continue;
@@ -57,9 +61,11 @@ void report_touched(const field::ContactSet& set, const ContactTotals& totals,
     const std::uint32_t object =
         probe.object_near(report.world_from_center.position_m + glm::dvec3(set[deepest].arm_m));
     if (object != 0) forces.add(object, force_n);
+    left_n += force_n;
     force_n = {};
     in_run = 0;
   }
+  if (stop.object != 0 && glm::length(left_n) > kNoticedN) forces.add(stop.object, -left_n);
   forces.strongest(report);
 }
 

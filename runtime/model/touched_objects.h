@@ -10,10 +10,19 @@ namespace forcelayer::model {
 // order share the object of their deepest one.
 inline constexpr std::uint32_t kAskedContacts = 256;
 
+// An object that the guard keeps the part out of, though it may have no contact with depth, and the
+// force with which the hand pulls the part.
+struct StoppedBy {
+  std::uint32_t object = 0;  // 0: none
+  glm::dvec3 pull_n{0};
+};
+
 // Sets StepReport::touched and seat_contacts from the contacts of `set`, whose totals and sharing
-// are given, at the pose `report.world_from_center`.
+// are given, at the pose `report.world_from_center`. What the contacts leave of the pull, the
+// object that stops the part bears.
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
                     const LoadSharing& load, const ContactLaw& law,
-                    const field::ContactProbe& probe, StepReport& report) noexcept;
+                    const field::ContactProbe& probe, const StoppedBy& stop,
+                    StepReport& report) noexcept;
 
 }  // namespace forcelayer::model

@@ -335,8 +335,7 @@ void add_objects(const Scenes& scenes, const loop::LoopStatistics& s, Json& json
 std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   constexpr std::size_t kNamed = 8;
   const auto totals = by_force(scenes, s);
-  if (s.contact_frames == 0) return "touched nothing\n";
-  if (totals.empty()) return "";
+  if (totals.empty()) return s.contact_frames == 0 ? "touched nothing\n" : "";
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
     line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",

@@ -245,7 +245,16 @@ box("plate.obj", -5, 30, 5)
 box("roof.obj", 65, 30, 5)
 box("block.obj", 10, 10, 10)
 box("sheet.obj", 0, 5, 0.1)
+box("thin.obj", 0, 100, 0.25)
 PYTHON
+# Pressed on a sheet of half a millimeter, without a point in it: the sheet stops the block, and is named.
+printf 't_s,x_mm,y_mm,z_mm\n0,0,0,0.25\n0.3,0,0,0.25\n1,0,0,-40\n' >press.csv
+"$bin/voxelize" thin.obj --units mm --voxel-size 2mm -o thin.vox --quiet
+"$bin/pointshell" block.obj --units mm --voxel-size 2mm -o pressed.pshell --quiet
+run 0 thin.vox pressed.pshell --motion press.csv
+grep -qE '^touched thin \([0-9.]+ s, up to 1[45][0-9.]* N\)$' out.txt || { cat out.txt; fail "the sheet is not named"; }
+says '^seated on thin to the end: .*; held, against thin; .*; did not follow: held off by up to 4[0-9.]* mm .*by thin$'
+
 "$bin/voxelize" plate.obj roof.obj --units mm --voxel-size 1mm -o roofed.vox --quiet
 "$bin/voxelize" plate.obj --units mm --voxel-size 1mm -o open.vox --quiet
 "$bin/pointshell" block.obj --units mm --voxel-size 1mm -o block.pshell --quiet

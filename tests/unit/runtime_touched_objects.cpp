@@ -56,18 +56,21 @@ TEST(TouchedObjects, AreThoseOfTheTwin) {
   SCOPED_TRACE(seed);
   std::mt19937_64 random(seed);
   const model::ContactLaw law{1000, 1, kS, {}};
-  for (const std::uint32_t count : {0u, 1u, 7u, 400u, 4000u}) {
+  for (const std::uint32_t count : {0u, 1u, 7u, 400u, 401u, 4000u, 4001u}) {
     field::ContactSet set;
     fill(set, count, random);
     const Slabs slabs(0.1 / 6.5);
     const model::ContactTotals totals = model::contact_totals(set, law);
     const model::LoadSharing load(totals);
+    // Of every other set the guard keeps the part out of an object.
+    const model::StoppedBy stop{count % 2 == 1 ? 3u : 0u, {2, -7, -30}};
     StepReport report;
-    model::report_touched(set, totals, load, law, slabs, report);
+    model::report_touched(set, totals, load, law, slabs, stop, report);
     EXPECT_LE(slabs.asked, model::kAskedContacts) << count;
 
     std::map<std::uint32_t, glm::dvec3> forces;
     double all_n = 0;
+    glm::dvec3 left_n = stop.pull_n;
     std::uint32_t of_seat = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
       const field::Contact c = set[i];
@@ -75,11 +78,13 @@ TEST(TouchedObjects, AreThoseOfTheTwin) {
       of_seat += set.of_seat[i];
       const double force_n = law.stiffness_n_per_m * load.fraction(c) * double{c.depth_m};
       all_n = std::max(all_n, force_n);
+      left_n += force_n * glm::dvec3(c.direction);
       const std::uint32_t object = slabs.of(glm::dvec3(c.arm_m));
       if (object == 0) continue;
       auto& sum = forces.try_emplace(object, glm::dvec3(0)).first->second;
       sum += force_n * glm::dvec3(c.direction);
     }
+    if (stop.object != 0) forces.try_emplace(stop.object, glm::dvec3(0)).first->second -= left_n;
     EXPECT_EQ(report.seat_contacts, of_seat) << count;
     // A run lies on two objects at most; its other contacts go to the wrong one.
     const double run = std::ceil(totals.count / double{model::kAskedContacts});
