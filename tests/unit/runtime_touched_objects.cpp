@@ -62,7 +62,7 @@ TEST(TouchedObjects, AreThoseOfTheTwin) {
     const Slabs slabs(0.1 / 6.5);
     const model::ContactTotals totals = model::contact_totals(set, law);
     const model::LoadSharing load(totals);
-    // Of every other set the guard keeps the part out of an object.
+    // In every other set the guard keeps the part out of an object.
     const model::StoppedBy stop{count % 2 == 1 ? 3u : 0u, {2, -7, -30}};
     StepReport report;
     model::report_touched(set, totals, load, law, slabs, stop, report);
