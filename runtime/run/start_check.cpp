@@ -20,9 +20,10 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
   const std::string_view name = voxmap.object_name(enclosed->object);
   const glm::dvec3& p = enclosed->world_m;
   char at[120];
-  std::snprintf(at, sizeof at,
-                " lies inside the part, at %.4g, %.4g, %.4g m, where no point of its shell is", p.x,
-                p.y, p.z);
+  std::snprintf(
+      at, sizeof at,
+      " lies inside the part, at x %.2f, y %.2f, z %.2f mm, where no point of its shell is",
+      1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
   return Error{ErrorCode::kUsage, "", "start",
                (name.empty() ? std::string("an object") : std::string(name)) + at,
                "bake the scene without it (--without), start elsewhere (--start), or run without "
@@ -31,8 +32,8 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
 
 std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points) {
   if (seat_points != shell.header().point_count) return {};
-  return "every point of the part lies in the scene's force layer: bake it --without the part, or "
-         "with smaller voxels";
+  return "the scene seems to hold the part itself: every point of the part touches it; bake the "
+         "scene --without the part, or with smaller voxels";
 }
 
 }  // namespace forcelayer

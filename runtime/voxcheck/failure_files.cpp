@@ -1,13 +1,25 @@
 #include "runtime/voxcheck/failure_files.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "formats/command/report.h"
 #include "formats/command/report_path.h"
+#include "formats/command/verdict/hosts.h"
+#include "runtime/voxcheck/report.h"
 
 namespace forcelayer::voxcheck {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "voxcheck";  // of issues that are no violations
+
+constexpr std::string_view kJunit =
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\"";
+
+bool is_verdict(const Error& error) { return error.code == ErrorCode::kAnswerIsNo; }
 
 std::vector<FailureFile> told;  // of this process
 
@@ -30,6 +42,35 @@ void tell(const Error& error) {
 }
 
 }  // namespace
+
+std::vector<FailureFile> failure_files(const Options& options, int argc, char** argv) {
+  const auto junit = [&options](const Error& error) -> std::string {
+    if (is_verdict(error)) return "";
+    return command::junit_text(subject_of(options), error);
+  };
+  const auto issues = [&options](const Error& error) -> std::string {
+    if (is_verdict(error)) return "";
+    const command::Subject subject = subject_of(options);
+    Json list = command::warning_issues(subject);
+    list.insert(list.begin(), command::issue(subject, kName, "critical", to_line(error)));
+    return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  };
+  const auto lines = [&options](const Error& error) -> std::string {
+    if (is_verdict(error)) return "";
+    return command::annotation(subject_of(options), "error", kName, to_line(error));
+  };
+  std::vector<FailureFile> files{{"junit:", {kJunit}, junit},
+                                 {"gitlab:", {"[]", "[\n  {\n    \"description\""}, issues}};
+  for (int n = 1; n < argc; ++n) {
+    const std::string_view argument = argv[n];
+    const bool behind = argument == "--report" && n + 1 < argc;
+    if (argument == "--report=github" || (behind && argv[n + 1] == std::string_view("github"))) {
+      files.push_back({"github", {}, lines, "/dev/stdout", true});
+      break;
+    }
+  }
+  return files;
+}
 
 void tell_failures_in(std::vector<FailureFile> files, int argc, char** argv) {
   told = std::move(files);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/result.h"
+#include "runtime/voxcheck/options.h"
 
 namespace forcelayer::voxcheck {
 
@@ -19,6 +20,9 @@ struct FailureFile {
   std::string path = {};                             // empty: what the command line names
   bool checked = false;                              // it may be written to, whatever is there
 };
+
+// Those of hosts: JUnit, GitLab, GitHub. `options` are looked at when a failure is reported.
+std::vector<FailureFile> failure_files(const Options& options, int argc, char** argv);
 
 // From here on a failure is reported in those of `files` that the command line names; in one that
 // is not checked, only where that replaces nothing but a file of its kind. Goes before

@@ -2,10 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <glm/trigonometric.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "formats/command/arguments.h"
@@ -23,7 +25,6 @@
 #include "runtime/run/start_check.h"
 #include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/failure_files.h"
-#include "runtime/voxcheck/hosts.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/options.h"
@@ -56,31 +57,32 @@ Status prepare_outputs(Options& options) {
   return {};
 }
 
-Status write_reports(const Report& report, const std::vector<PathRow>& rows,
-                     const clearance::CenterPath& path) {
+Status write_reports(const Report& report) {
   const Options& options = report.options;
-  if (!options.quiet) std::cout << verdict_text(report);
-  if (options.github) std::cout << github_lines(report);
+  const command::Verdict verdict = verdict_of(report);
+  const command::Subject subject = subject_of(options);
+  if (!options.quiet) std::cout << command::terminal_text(verdict);
+  if (options.github) std::cout << command::annotations(subject, verdict);
   std::cout.flush();
   if (!options.json.empty()) {
-    if (Status s = command::write_report(options.json, report_json(report)); !s) return s;
+    if (Status s = command::write_report(options.json, report_json(report, verdict)); !s) return s;
   }
   if (!options.csv.empty()) {
     if (Status s = write_curve(report); !s) return s;
   }
   // Before the two that tell of a failure in place of the verdict.
   if (!options.picture.empty()) {
-    if (Status s = draw_picture(report, path); !s) return s;
+    if (Status s = draw_picture(report, verdict); !s) return s;
   }
   if (!options.junit.empty()) {
-    if (Status s = write_junit(report); !s) return s;
+    const std::string test = command::junit_text(subject, verdict, report.read_s + report.check_s);
+    if (Status s = command::write_text(options.junit, test); !s) return s;
   }
   if (!options.code_quality.empty()) {
-    if (Status s = command::write_report(options.code_quality, code_quality_json(report)); !s) {
-      return s;
-    }
+    const auto issues = command::issues(subject, verdict);
+    if (Status s = command::write_report(options.code_quality, issues); !s) return s;
   }
-  return check_verdict(report, rows.front(), rows.back());
+  return command::exit_of(verdict, options.path);
 }
 
 // How far the end of the path that is nearer to the seat lies from it.
@@ -94,10 +96,29 @@ double off_seat_m(const Pose& world_from_seat, const Pshell& part,
   return std::min(off_m(0), off_m(path.poses() - 1));
 }
 
+// How many times as far as the scene is across the path leads from the scene's middle.
+double scenes_away(const Voxmap& scene, const Pshell& part, std::span<const PathRow> rows) {
+  const VoxmapHeader& h = scene.header();
+  const PathFacts facts = path_facts(rows, part.header().center_m);
+  double across2 = 0, away2 = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low_m = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m;
+    const double edge_m = static_cast<double>(h.dims_voxels[axis]) * h.voxel_size_m;
+    const double middle_m = low_m + edge_m / 2;
+    const double away_m =
+        std::max(std::abs(facts.low_m[axis] - middle_m), std::abs(facts.high_m[axis] - middle_m));
+    across2 += edge_m * edge_m;
+    away2 += away_m * away_m;
+  }
+  return std::sqrt(away2 / across2);
+}
+
 // Warns of a seat that touches nothing, that is not on the path or that is the part itself, and of
-// a path that passes because it is of another scene.
+// a path that passes because it is of another scene, or in another unit.
 void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& part,
-                    const clearance::CenterPath& path, const clearance::CheckResult& result) {
+                    std::span<const PathRow> rows, const clearance::CenterPath& path,
+                    const clearance::CheckResult& result) {
+  constexpr double kFarAway = 10;  // a path in meters that was meant in millimeters is farther
   const auto warn = [&](const std::string& text) { command::warn(text, options.quiet); };
   if (options.world_from_seat) {
     const double off_m = off_seat_m(*options.world_from_seat, part, path);
@@ -112,7 +133,14 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
     }
   }
   if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
-  if (is_never_near(result, part, options.allow)) warn(never_near_text("path"));
+  if (is_never_near(result, part, options.allow)) {
+    warn(never_near_text("path"));
+  } else if (const double times = scenes_away(scene, part, rows); times > kFarAway) {
+    warn(
+        command::text("the path leads %.0f times as far away as the scene is across: is it in "
+                      "another unit?",
+                      times));
+  }
 }
 
 // Warns where it is the rows that are too few: between two of them all of the part may be elsewhere
@@ -175,12 +203,13 @@ Status check(const Options& options) {
     result = std::move(settled->checked);
     exact = std::move(settled->exact);
   }
-  warn_of_places(options, *scene, *part, path, *result);
+  warn_of_places(options, *scene, *part, *rows, path, *result);
   if (exact) {
     for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
-  return write_reports({options, *scene, *part, *result, exact, read_s - begin_s, now_s() - read_s},
-                       *rows, path);
+  const CheckedPath checked{
+      *scene, *part, *rows, path, *result, exact ? &*exact : nullptr, options.clearance_m};
+  return write_reports({options, checked, exact, read_s - begin_s, now_s() - read_s});
 }
 
 int run(int argc, char** argv) {

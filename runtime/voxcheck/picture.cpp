@@ -27,14 +27,15 @@ struct Shown {
 
 Shown shown_of(const Report& report) {
   // A seat that is not settled has no worst moment.
-  if (!report.result.clear() && !worst_of(report.result).unsettled_seat) {
-    const auto& worst = worst_of(report.result);
-    const ExactViolation* exact = exact_of(report, worst);
+  const clearance::CheckResult& result = report.checked.result;
+  if (!result.clear() && !worst_of(report.checked).unsettled_seat) {
+    const auto& worst = worst_of(report.checked);
+    const ExactViolation* exact = exact_of(report.checked, worst);
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
             worst.depth_m > 0 ? &worst : nullptr, worst.object_inside};
   }
   const bool known = report.exact && report.exact->smallest.exact_m < kNothingM;
-  return {report.result.smallest, known ? &report.exact->smallest : nullptr};
+  return {result.smallest, known ? &report.exact->smallest : nullptr};
 }
 
 // The line between the two nearest points; without the meshes a dot at the part's.
@@ -43,18 +44,19 @@ std::vector<std::string> measure(const Report& report, const Shown& shown) {
   if (moment.object == 0 && shown.exact == nullptr) return {};
   const glm::dvec3 part = moment.point_m;
   glm::dvec3 object = part;
-  std::string words = text("%.3f mm proven", 1e3 * moment.clearance_m);
+  std::string words = command::length_text(moment.clearance_m) + " proven";
   if (shown.exact != nullptr) {
     const auto& p = shown.exact->scene_m;
     object = {p[0], p[1], p[2]};
-    words = text("%.3f mm", 1e3 * shown.exact->exact_m);
+    words = command::length_text(shown.exact->exact_m);
   }
   if (shown.object_inside) words = "inside the part";
-  if (shown.deep != nullptr) words = text("%.3f mm deep", 1e3 * shown.deep->depth_m);
+  if (shown.deep != nullptr) words = command::length_text(shown.deep->depth_m) + " deep";
   std::vector<std::string> options{"--measure", point_text(part) + "," + point_text(object),
                                    "--measure-words", words};
   if (moment.object != 0) {
-    options.insert(options.end(), {"--measure-object", object_name(report.scene, moment.object)});
+    options.insert(options.end(),
+                   {"--measure-object", object_name(report.checked.scene, moment.object)});
   }
   return options;
 }
@@ -84,10 +86,11 @@ std::vector<std::string> inputs_of(const Options& options) {
 
 }  // namespace
 
-Status draw_picture(const Report& report, const clearance::CenterPath& path) {
+Status draw_picture(const Report& report, const command::Verdict& verdict) {
+  const clearance::CenterPath& path = report.checked.path;
   const Options& options = report.options;
   const Shown shown = shown_of(report);
-  const auto& c = report.part.header().center_m;
+  const auto& c = report.checked.part.header().center_m;
   const Pose world_from_part = path.world_from_center(path.at(shown.moment.time_s)) *
                                inverse(Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}});
   std::vector<std::string> arguments = inputs_of(options);
@@ -96,7 +99,7 @@ Status draw_picture(const Report& report, const clearance::CenterPath& path) {
   };
   add({"--part-pose", pose_text(world_from_part)});
   add(measure(report, shown));
-  for (const std::string& line : picture_title(report)) add({"--title", line});
+  for (const std::string& line : picture_title(verdict)) add({"--title", line});
   add({"--screenshot", options.picture, "--size", "1200x800", "--quiet"});
   const auto end = command::run_program("voxview", arguments, "", command::ProgramOutput::kTaken,
                                         "forcelayer-viewer");

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,28 +30,12 @@ bool is_never_near(const clearance::CheckResult& result, const Pshell& part,
 // The warning of that; `given` is the path, or what else says where the part is.
 std::string never_near_text(const char* given);
 
-// "at 0.500 s, at 0.1, 0.2, 0.3 m"
-std::string place_text(const clearance::CheckedMoment& moment);
-
-// ", at most 1.234 mm"; empty where no upper bound is known.
-std::string max_text(const clearance::CheckedMoment& moment);
-
-// A line: how long the part is in its seat in that stretch, and how near it comes to what there.
-// `exact_m`: measured by the meshes; else the bounds are given.
-std::string seat_way_text(const Voxmap& scene, const clearance::CheckResult& result,
-                          std::size_t stretch, std::optional<double> exact_m);
-
 // How near to an object that does not count, in the seat or by `allow`, others may be hidden from
 // the files (front.h); 0 where all count, or there is no other.
 double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result,
                        std::span<const std::string> allow);
 
-// A line that says so; empty where that is 0.
+// Words that say so.
 std::string hidden_text(double within_m);
-
-// `clearance_m`: proven for more than this moment, where it is of more.
-nlohmann::ordered_json moment_json(const Voxmap& scene, const clearance::CheckedMoment& moment,
-                                   double clearance_m);
-nlohmann::ordered_json seated_json(const Voxmap& scene, const clearance::SeatedStretch& stretch);
 
 }  // namespace forcelayer::voxcheck

@@ -124,6 +124,9 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
       against(scenes, s.touched_last, true).c_str());
 }
 
+// A coordinate that would be printed as -0 is printed as 0.
+double near_zero_mm(double m) { return std::round(1e5 * m) / 1e2 + 0.0; }
+
 // The least clearance, rounded down.
 std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   const auto& smallest = s.min_clearance;
@@ -133,10 +136,11 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   if (smallest.kind == ClearanceKind::kAtLeast) {
     part = text("clearance at least %.3f mm, nothing was nearer", mm);
   } else {
-    part = text("least proven clearance %.3f mm%s%s at %.3f s, at %.4g, %.4g, %.4g m", mm,
+    part = text("least proven clearance %.3f mm%s%s at %.3f s, at x %.2f, y %.2f, z %.2f mm", mm,
                 smallest.object != 0 ? " to " : "",
                 escaped(scenes.object_text(smallest.object)).c_str(), smallest.time_s,
-                smallest.point_m.x, smallest.point_m.y, smallest.point_m.z);
+                near_zero_mm(smallest.point_m.x), near_zero_mm(smallest.point_m.y),
+                near_zero_mm(smallest.point_m.z));
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
     part += text(", not known in %llu frame%s", printable(n), ending(n));

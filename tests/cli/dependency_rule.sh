@@ -40,6 +40,7 @@ formats/path:           formats
 formats/digest:         formats
 formats/command/spelling:
 formats/command:        formats formats/command/spelling
+formats/command/verdict: formats formats/command
 runtime/forcelayer:     formats
 runtime/machine:        formats
 voxelize/masks:         formats/lattice
@@ -83,13 +84,13 @@ runtime/python:         formats formats/path runtime/clearance runtime/field run
 workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-runtime/voxcheck:       formats formats/command formats/command/spelling formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
+runtime/voxcheck:       formats formats/command formats/command/spelling formats/command/verdict formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer workbench/exact
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
-workbench/voxplan:       formats formats/command formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
-workbench/study:         formats formats/command formats/digest formats/path
+workbench/voxplan:       formats formats/command formats/command/verdict formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
+workbench/study:         formats formats/command formats/command/verdict formats/digest formats/path
 workbench/viewer/plan:   formats formats/command formats/command/spelling formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/stream workbench/viewer/run workbench/viewer/surface
 workbench/viewer/vtk:    formats formats/command runtime/forcelayer workbench/viewer/plan workbench/viewer/run workbench/viewer/surface
 workbench/viewer:        formats formats/command formats/mesh/sandbox workbench/viewer/plan workbench/viewer/run workbench/viewer/vtk

@@ -130,8 +130,8 @@ class GitHub(Host):
 
     def check_red(self):
         line, = [line for line in self.said.splitlines() if line.startswith("::error ")]
-        assert line.startswith("::error file=paths/along_brackets.csv,title=clearance::10.000 mm required; "), line
-        assert names_all(line), line
+        assert line.startswith("::error file=paths/along_brackets.csv,title=clearance::Does not keep the clearance, "), line
+        assert "; 10 mm required)." in line and names_all(line), line
 
 
 class GitLab(Host):
@@ -178,8 +178,8 @@ HOSTS = {"github": (GitHub, "github.yml"), "gitlab": (GitLab, "gitlab.yml"), "sl
 
 
 def names_all(text):
-    """Whether a line names the time, the path, the object and the distance."""
-    return all(word in text for word in (" s: ", BRACKET, "paths/along_brackets.csv", " mm exact to "))
+    """Whether a line names the position along the path, the path, the object and the distance."""
+    return all(word in text for word in (" mm; ", BRACKET, "paths/along_brackets.csv", " mm (measured to "))
 
 
 def verdict(folder, name):

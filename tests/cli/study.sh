@@ -48,7 +48,9 @@ import json, re, sys
 from html.parser import HTMLParser
 page = open("pin/report.html").read()
 report, verdict = json.load(open("pin.json")), json.load(open("pin/verdict.json"))
-assert report["verdict"] == verdict["verdict"] == "clear" and report["check"]["min_clearance"] == verdict["min_clearance"]
+assert report["verdict"] == verdict["verdict"] == "clear" and report["kind"] == verdict["kind"] == "comes out", report["kind"]
+assert report["sentence"] == verdict["sentence"] == open("pin/verdict.txt").readline().strip(), report["sentence"]
+assert report["check"]["min_clearance"] == verdict["min_clearance"]
 assert [step["status"] for step in report["steps"]] == [0] * len(report["steps"])
 tags, texts = [], []
 class Reader(HTMLParser):
@@ -64,10 +66,14 @@ assert "url(" not in page and "@import" not in page
 assert ("img" in [tag for tag, _ in tags]) == (sys.argv[1] == "") and "svg" in [tag for tag, _ in tags]
 said = " ".join(texts)
 assert open("pin/verdict.txt").read().strip() in said and "voxrun pin/scene.vox" in said
-assert f"{1e3 * verdict['min_clearance']['exact_m']:.3f} mm exact" in said
+def mm(length_m):  # rounded down, without zeros at the end
+    return f"{int(1e6 * length_m + 1e-6) / 1e3:.3f}".rstrip("0").rstrip(".") + " mm"
+assert mm(verdict["min_clearance"]["exact_m"]) + " measured" in said
 [seated] = verdict["seated"]
-assert "least clearance outside of its seat" in said
-assert f"{1e3 * seated['way_m']:.3f} mm of a path of {1e3 * verdict['way_m']:.3f} mm; {1e3 * seated['exact_m']:.3f} mm exact to " in said
+assert "least distance, contact aside" in said and "Comes out, straight along +z" in said
+assert f"0.0 mm to {1e3 * seated['to_m']:.1f} mm of a path of {1e3 * verdict['way_m']:.1f} mm; {mm(seated['exact_m'])} measured to " in said
+assert verdict["sentence"].startswith("Comes out, straight along +z: slides along "), verdict["sentence"]
+assert f" for the first {1e3 * seated['to_m']:.1f} mm" in verdict["sentence"], verdict["sentence"]
 END
 
 # An invalid number is refused before anything is baked.
@@ -96,11 +102,11 @@ if [ -x "$bin/voxplan" ]; then
   study 0 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o found --json found.json
   grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
-  grep -q '^voxplan: .*: no path found in .* (best: out to ' err.txt || fail "lost: $(cat err.txt)"
-  grep -q 'class="verdict no"><strong>No path found' lost/report.html && grep -q '"verdict": "no path found"' lost/verdict.json &&
-    grep -q '^no path found in ' lost/verdict.txt || fail "the page of a search that found none"
+  grep -q '^voxplan: .*: no path found: in .* s it came .* mm far (1 mm required); blocked by ' err.txt || fail "lost: $(cat err.txt)"
+  grep -q 'class="verdict no"><strong>No path found' lost/report.html && grep -q '"kind": "no path found"' lost/verdict.json &&
+    grep -q '"verdict": "not clear"' lost/verdict.json && grep -q '^No path found: in .* (1 mm required); blocked by .*\.$' lost/verdict.txt || fail "the page of a search that found none"
   says_no lost/verdict.xml Cover
-  grep -q '^forcelayer: gearbox.glb: Cover: no path found in .* (best: out to .*; the same search finds no path again; try a longer' \
+  grep -q '^forcelayer: gearbox.glb: Cover: No path found: in .*; the same search finds no path again; try a longer' \
     err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s --seed 5 -o lost
   grep -q '^\$ voxplan .* --seed 5$' out.txt || fail "--seed is not handed on: $(cat out.txt)"
@@ -131,23 +137,25 @@ fi
 
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held --json held.json
-grep -q '^forcelayer: gearbox.glb: Cover: it does not come out: pulled 60 mm, it moved .*; blocked by Gearbox/Lid/Bolt, ' err.txt ||
+grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: pulled 60 mm, it moved .* (1 mm required); blocked by Gearbox/Lid/Bolt, Gearbox/Lid/Bolt\[2\], Gearbox/Lid/Bolt\[3\] and Gearbox/Lid/Bolt\[4\]; see held/report.html$' err.txt ||
   fail "$(cat err.txt)"
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 says_no held/verdict.xml held/straight.csv
 python3 - <<'END' || fail "what blocks the cover: $(cat held.json)"
 import json
 report, verdict = json.load(open("held.json")), json.load(open("held/verdict.json"))
-assert report["verdict"] == "does not come out" and verdict["verdict"] == "not clear"
+assert report["verdict"] == verdict["verdict"] == "not clear" and report["kind"] == "does not come out"
+assert report["sentence"] == open("held/verdict.txt").readline().strip(), report["sentence"]
 assert report["blocked_by"] == ["Gearbox/Lid/Bolt"] + [f"Gearbox/Lid/Bolt[{n}]" for n in (2, 3, 4)]
 END
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
 # At 2 mm the bolt heads are too narrow to be felt: the meshes tell, and without them it stays open.
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given
-grep -q 'class="verdict no"><strong>Not clear' given/report.html || fail "the page of what is not clear"
-grep -q 'pushed [0-9.]* mm deep' given/report.html || fail "the page does not say what is wrong"
+grep -q 'class="verdict no"><strong>Does not come out, straight along +z</strong>' given/report.html || fail "the page of what is not clear"
+grep -q 'goes [0-9.]* mm deep into Gearbox/Lid/Bolt' given/report.html && grep -q '<td>[0-9.]* mm deep</td>' given/report.html || fail "the page does not say what is wrong"
 study 6 'gearbox.glb#Cover' --voxel-size 2mm --path up.csv --clearance 1mm -o given --files-alone
-grep -q 'not settled' given/report.html || fail "the page does not say that the seat is not settled"
+grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>undecided in contact</td>' given/report.html ||
+  fail "the page does not say that the seat is not settled"
 
 # One pose, in seconds since 1970: ticks of its curve's nanosecond are nearer than doubles.
 printf 't_s,x_m,y_m,z_m\n1700000000,0,0,0.2\n' >late.csv

@@ -15,6 +15,12 @@ check() {
   shift
   "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
   [ "$status" -eq "$wanted" ] || { cat out.txt err.txt; fail "status $status instead of $wanted: $*"; }
+  # The first sentence says yes or no, as the exit status does.
+  local answer='^(Comes out|Keeps the clearance|Passes without a collision|Stays in contact)(, |: )'
+  [ "$wanted" -eq 0 ] || answer='^(Does not keep the clearance|Collides|Does not come out|Too close to call|Undecided|Never near the scene)(, |: )'
+  if [ -s out.txt ] && [ "$wanted" -eq 0 -o "$wanted" -eq 6 ] && ! head -n 1 out.txt | grep -qE '^(::|<)'; then
+    head -n 1 out.txt | grep -qE "$answer" || { cat out.txt; fail "status $wanted, and the first sentence: $*"; }
+  fi
   grep -v '^voxcheck: warning: ' err.txt >lines.txt || true
   [ "$(wc -l <lines.txt)" -eq $((wanted != 0)) ] || { cat err.txt; fail "stderr has not one line for an error: $*"; }
   grep '^voxcheck: warning: ' err.txt >warnings.txt || true
@@ -73,7 +79,7 @@ check 0 opened.vox cover.pshell over.csv --json over.json
 # Clear, and nobody can read it.
 "$bin/voxcheck" opened.vox cover.pshell over.csv >/dev/full 2>err.txt && fail "an answer that was lost"
 errs '^voxcheck: standard output: cannot be written$'
-says '^clear: 12\.700 mm required; (least proven clearance|at least) [0-9.]+ mm'
+says '^Keeps the clearance, along a path that ends where it begins: stays [0-9.]+ mm away or more \((proven to Gearbox/[A-Za-z/]+, after [0-9.]+ of 200 mm|nothing is nearer); 12\.7 mm required\)\.$'
 python3 - <<'PYTHON'
 import json
 over = json.load(open("over.json"))
@@ -84,10 +90,12 @@ PYTHON
 # A violation between two rows is seen. Every report says the same.
 check 6 opened.vox cover.pshell through.csv --json through.json --report csv:curve.csv --report=junit:through.xml \
   --report gitlab:quality.json --report=github
-says '^NOT clear: 12\.700 mm required; not proven in 1 stretch$'
-says '^::error file=through\.csv,title=clearance::12\.700 mm required; 0\.[0-9]+ to 0\.[0-9]+ s: 0\.000 mm proven'
+through='Does not keep the clearance, straight along -z: comes within [0-9.]+ mm of Gearbox/[A-Za-z/]+ \(after [0-9.]+ of 400 mm; 12\.7 mm required\)\.'
+says "^$through\$"
+says "^::error file=through\.csv,title=clearance::$through\$"
+says '^  1[0-9]{2}\.[0-9] to 2[0-9]{2}\.[0-9] mm along the path \(0\.[0-9]{3} to 0\.[0-9]{3} s\): comes within .*, after [0-9.]+ mm, at x [0-9.-]+, y [0-9.-]+, z [0-9.-]+ mm$'
 # The path is what is wrong, in a few words; it begins and ends too far away to be installed there.
-errs '^voxcheck: through\.csv: at 0\.[0-9]+ s: 12\.700 mm required, but not proven: 0\.000 mm proven to Gearbox/[A-Za-z/]+$'
+errs '^voxcheck: through\.csv: does not keep the clearance: comes within [0-9.]+ mm of Gearbox/[A-Za-z/]+ \(after [0-9.]+ of 400 mm; 12\.7 mm required\)$'
 silent
 python3 - <<'PYTHON'
 import csv, json, xml.etree.ElementTree as tree
@@ -103,7 +111,9 @@ near = [row for row in curve if row[2] < 0.0127]
 assert near[0][0] == violation["from_s"] and near[-1][1] == violation["to_s"], (near[0], violation)
 assert len(quality) == 1 and quality[0]["location"]["path"] == "through.csv" and quality[0]["fingerprint"]
 suite = tree.parse("through.xml").getroot()
-assert suite.get("failures") == "1" and "mm proven" in suite.find("testcase/failure").get("message")
+assert suite.get("failures") == "1" and "comes within" in suite.find("testcase/failure").get("message")
+assert report["kind"] == "does not keep the clearance" and report["direction"] == "straight along -z", report
+assert report["sentence"] == suite.find("testcase/failure").get("message") == quality[0]["description"], report
 PYTHON
 
 # The seat: until the part has left it, only other objects count; without one it is a violation.
@@ -113,9 +123,11 @@ errs "; if it is installed at the path's beginning, give --seat 0,0,0m$"
 silent
 # There, narrow features are not felt: that is said, and it is not clear before it is accepted or settled.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --report junit:open.xml --report github
-says '^NOT clear: its seat is not settled; seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
-says '^::error file=out\.csv.*not settled.*narrower than 1\.73 mm are not felt; settle with --exact, or accept with --felt-seat$'
-errs '^voxcheck: out\.csv: at 0\.000 s: 1\.000 mm required, but not proven: its seat is not settled$'
+open='[Uu]ndecided.*: .*in contact, features of Gearbox/Housing narrower than 1\.73 mm are not seen \(1 mm required\)'
+says "^$open\.\$"
+says '^Undecided, straight along \+z: comes free of Gearbox/Housing after [1-5]\.[0-9] mm, but '
+says "^::error file=out\.csv,title=clearance::$open\.\$"
+errs "^voxcheck: out\.csv: $open; settle with --exact, or accept with --felt-seat\$"
 python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("open.json"))
@@ -123,17 +135,18 @@ report = json.load(open("open.json"))
 assert report["verdict"] == "not clear" and report["seat_settled"] is False, report
 assert violation["seat_not_settled"] and not violation["pushed_into_seat"], violation
 assert [violation["from_s"], violation["to_s"]] == list(report["seated"][0].values())[:2], violation
-assert "not settled" in tree.parse("open.xml").getroot().find("testcase/failure").get("message")
+assert [violation["from_m"], violation["to_m"]] == list(report["seated"][0].values())[2:4], violation
+assert report["kind"] == "undecided" and "are not seen" in tree.parse("open.xml").getroot().find("testcase/failure").get("message")
 PYTHON
 felt=(--seat 0,0,0m --felt-seat)
 check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json out.json
-says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s; else clear: 1\.000 mm required'
-says '; least proven clearance outside of its seat [12]\.[0-9]{3} mm, at most '
-says '^  in its seat for [1-5]\.[0-9] mm of a path of 48\.0 mm: least clearance there 0\.000 mm proven, at most [01]\.[0-9]+ mm to Gearbox/'
-says '^  in its seat it may pass through features of those objects narrower than 1\.73 mm$'
+says '^Comes out, straight along \+z: slides along Gearbox/Housing for the first [1-5]\.[0-9] mm, otherwise stays [12]\.[0-9]{1,3} mm away or more \(proven to Gearbox/[A-Za-z/]+, after [1-5]\.[0-9] of 48 mm; 1 mm required\)\.$'
+says '^  nearest otherwise: at least [12]\.[0-9]{1,3} mm and at most '
+says '^  in contact from 0\.0 to [1-5]\.[0-9] mm along the path \(0\.000 to 0\.[0-9]{3} s\): at least 0 mm and at most [01]\.[0-9]+ mm to Gearbox/'
+says '^  in contact, features narrower than 1\.73 mm are not seen; add --exact to check them$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
-says '^seated on Gearbox/Housing from 0\.[0-9]{3} to 1\.000 s; else clear'
+says '^Keeps the clearance, straight along -z: slides along Gearbox/Housing for the last [1-5]\.[0-9] mm, otherwise stays'
 silent
 check 6 opened.vox cover.pshell in.csv --clearance 1mm
 errs "; if it is installed at the path's end, give --seat 0,0,0m$"
@@ -154,8 +167,8 @@ check 0 opened.vox cover.pshell astray.csv "${hosts[@]}"
 silent
 told 1 0 0 'the part is never near the scene: is it the part and the path of this scene?'
 check 6 opened.vox cover.pshell astray.csv "${hosts[@]}" --fail-on far --json far.json
-told 1 1 0 'the part is never near the scene'
-errs '^voxcheck: astray\.csv: the part is never near the scene: at least [0-9.]+ mm; check the units of the path'
+told 1 1 0 'Never near the scene'
+errs '^voxcheck: astray\.csv: never near the scene: it stays [0-9.]+ mm away or more \(nothing is nearer; 12\.7 mm required\); check the units of the path'
 grep -q '"verdict": "not clear"' far.json || fail "clear, though it is too far"
 check 0 opened.vox cover.pshell over.csv "${hosts[@]}" --fail-on far
 told 0 0 0 ''
@@ -164,6 +177,10 @@ for name in ./astray.csv "$PWD/astray.csv"; do
   check 0 opened.vox cover.pshell "$name" "${hosts[@]}"
   grep -q '^::warning file=astray\.csv,' out.txt && grep -q '"path": "astray.csv"' host.quality || fail "$name is no file of the job"
 done
+# A path in meters that was meant in millimeters leaves the seat, and goes on for 60 m: that is no clear without a word.
+printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,60\n' >meters.csv
+check 0 opened.vox cover.pshell meters.csv --clearance 1mm --seat 0,0,0m --felt-seat
+warns 'warning: the path leads 382 times as far away as the scene is across: is it in another unit?'
 # A seat at neither end of the path lets nothing off.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0\n2,0,0,0.06\n' >visit.csv
 check 6 opened.vox cover.pshell visit.csv --clearance 1mm --seat 0,0,0m
@@ -171,7 +188,7 @@ warns 'warning: --seat: has no effect: it is at neither end of the path. The nea
 # Both ends in the seat.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0,0,0\n' >there_and_back.csv
 check 0 opened.vox cover.pshell there_and_back.csv --clearance 1mm "${felt[@]}"
-says '^seated on Gearbox/Housing from 0\.000 to 0\.[0-9]{3} s and from 1\.[0-9]{3} to 2\.000 s; else clear'
+says '^Keeps the clearance, .*: slides along Gearbox/Housing for the first [1-5]\.[0-9] mm and slides along Gearbox/Housing for the last [1-5]\.[0-9] mm, otherwise stays'
 silent
 # A turn whose unit is missing, and one whose way round is not said, are no path: the part would be checked otherwise.
 printf 't_s,x_m,y_m,z_m,rx,ry,rz\n0,0,0,0.2,0,0,0\n1,0,0,0.2,0,0,90\n' >unitless.csv
@@ -203,7 +220,7 @@ check 0 opened.vox cover.pshell close.csv
 # The scene holds the part too: it is seated on itself, all over.
 "$bin/voxelize" "$data/gearbox.glb" --voxel-size 2mm -o whole.vox --quiet
 check 6 whole.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --felt-seat
-warns "warning: every point of the part lies in the scene's force layer: bake it --without the part, or with smaller voxels"
+warns "warning: the scene seems to hold the part itself: every point of the part touches it; bake the scene --without the part, or with smaller voxels"
 grep -A 1 '"warnings": \[' astray.json | grep -q 'never near the scene' || fail "the report does not warn"
 check 0 opened.vox cover.pshell astray.csv --quiet
 silent
@@ -219,7 +236,7 @@ check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --allow Ho
 # Pushed into its seat it is not clear.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,-0.003\n2,0,0,0.06\n' >pushed.csv
 check 6 opened.vox cover.pshell pushed.csv --clearance 1mm "${felt[@]}" --json pushed.json
-says 'pushed [0-9.]+ mm deeper into Gearbox/Housing than it is seated, at '
+says '^Does not come out, .* but goes [0-9.]+ mm deeper into Gearbox/Housing than where it is installed \(after '
 grep -q '"pushed_into_seat": true' pushed.json || fail "not pushed in"
 
 # One path, however it is written; however many threads.
@@ -260,19 +277,19 @@ if [ -x "$bin/voxcheck-exact" ]; then
   printf 't_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0.003\n2,0.01,0,0.003\n3,0.01,0,0.06\n' >sideways.csv
   exact=(--exact "$data/gearbox.glb" --without Lid --part "$data/gearbox.glb#Cover" --allow 'Clip/*' --allow Pin)
   check 6 opened.vox cover.pshell sideways.csv --clearance 2.8mm
-  says 'mm proven'
+  says 'comes within [0-9.]+ mm of'
   check 0 opened.vox cover.pshell sideways.csv --clearance 2.8mm "${exact[@]}" --json settled.json
-  says '^clear: 2\.800 mm required; least clearance 3\.000 mm exact to Gearbox/Housing'
+  says '^Keeps the clearance, .*: stays 3 mm away or more \(measured to Gearbox/Housing, after [0-9.]+ of 124 mm; 2\.8 mm required\)\.$'
   check 6 opened.vox cover.pshell sideways.csv --clearance 3.2mm "${exact[@]}" --json nearer.json
-  says '^NOT clear: 3\.200 mm required; not kept in 1 stretch$'
-  says '3\.000 mm exact to Gearbox/Housing'
+  says '^Does not keep the clearance, .*: comes as near as 3 mm \(measured to Gearbox/Housing, after [0-9.]+ of 124 mm; 3\.2 mm required\)\.$'
+  [ "$(grep -c 'mm along the path' out.txt)" = 1 ] || fail "more than one stretch: $(cat out.txt)"
   check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --report junit:graze.xml
-  says 'a graze, [23]\.[0-9]+ mm exact and 0\.000[0-9]+ mm of deviations and rounding to Gearbox/Housing'
+  says '^Too close to call, .*: comes as near as [23]\.[0-9]+ mm to Gearbox/Housing, which deviations and rounding of 0\.000[0-9]+ mm leave open \('
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
-  says 'the surfaces meet, at least [1-9]\.[0-9]{3} mm deep in Gearbox/Housing, at 0\.[0-9]+ s'
+  says '^Collides, straight along -z: meets Gearbox/Housing, at least [1-9][0-9.]* mm deep \(after [0-9.]+ of 400 mm; 1 mm required\)\.$'
   # Where surfaces meet it is no graze, however little is required.
   check 6 opened.vox cover.pshell through.csv --clearance 0mm "${exact[@]}" --json met.json
-  says 'the surfaces meet, at least '
+  says '^Collides, .*: meets Gearbox/Housing, at least '
   check 0 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json seated.json
   python3 - <<'PYTHON'
 import json
@@ -304,7 +321,7 @@ assert seat["deepest_m"] <= seat["allowed_m"] < 1e-7, seat
 PYTHON
   # Pushed into its seat: as deep as it goes.
   check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json deep.json
-  says 'pushed [0-9.]+ mm deep into Gearbox/Housing, 0\.000 mm where it is installed and 0\.[0-9]+ mm allowed, at '
+  says '^Does not come out, .* but goes [0-9.]+ mm deep into Gearbox/Housing, 0 mm as installed and 0\.[0-9]+ mm allowed \(after '
 
   # Bolt heads that are too narrow to be felt at these voxels: the cover goes through them. The meshes tell.
   if [ -z "${FORCELAYER_SANITIZED:-}" ]; then  # the same code as above, for minutes
@@ -313,13 +330,13 @@ PYTHON
     held=(held.vox coarse.pshell out.csv --clearance 1mm --seat 0,0,0m)
     meshes=(--exact "$data/gearbox.glb" --without Cover --without 'Bolt???' --part "$data/gearbox.glb#Cover")
     check 6 "${held[@]}"
-    says '^NOT clear: its seat is not settled; .* else clear: '
+    says '^Undecided, .* are not seen '
     check 0 "${held[@]}" --felt-seat
     check 6 "${held[@]}" "${meshes[@]}" --json through_bolt.json --report junit:through_bolt.xml
-    says 'pushed 1\.[45][0-9]+ mm deep into Gearbox/Lid/Bolt, 0\.000 mm where it is installed and 0\.000 mm allowed'
+    says '^Does not come out, .* goes 1\.[45][0-9]* mm deep into Gearbox/Lid/Bolt, 0 mm as installed and 0\.0000[0-9]+ mm allowed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
-    says '^  in its seat 2\.000 mm deeper than installed are allowed; deepest found 1\.[0-9]+ mm deeper, into Gearbox/Lid/Bolt$'
+    says '^  in contact, the part goes at most 1\.[0-9]+ mm deeper than installed, into Gearbox/Lid/Bolt; 2 mm are allowed$'
     python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("through_bolt.json"))

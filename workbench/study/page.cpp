@@ -1,6 +1,7 @@
 #include "workbench/study/page.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "formats/command/command.h"
@@ -59,15 +60,19 @@ std::string row(const std::string& name, const std::string& value) {
 }
 
 std::string mm(const Json& length_m) {
-  return length_m.is_number() ? text("%.3f mm", 1e3 * length_m.get<double>()) : "not known";
+  return length_m.is_number() ? command::length_text(length_m.get<double>()) : "not known";
 }
 
 std::string name_of(const Json& object) {
   return object.is_string() ? html(object.get<std::string>()) : "not known";
 }
 
+// A length along the path, to a tenth of a millimeter.
+std::string along(const Json& length_m) { return text("%.1f mm", 1e3 * length_m.get<double>()); }
+
 std::string place(const Json& p) {
-  return text("%.4g, %.4g, %.4g m", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+  const auto mm = [&](int axis) { return std::round(1e5 * p[axis].get<double>()) / 1e2 + 0.0; };
+  return text("x %.2f, y %.2f, z %.2f mm", mm(0), mm(1), mm(2));
 }
 
 // The same of several lines.
@@ -81,43 +86,42 @@ std::string html_lines(const std::string& plain) {
   return out;
 }
 
-// Proven, exact where the meshes were asked, and at most.
+// Measured where the meshes were asked, else the bounds.
 std::string clearance(const Json& moment) {
-  if (moment.contains("exact_m")) return mm(moment["exact_m"]) + " exact";
-  return mm(moment["clearance_m"]) + " proven, at most " + mm(moment["at_most_m"]);
+  if (moment.contains("exact_m")) return mm(moment["exact_m"]) + " measured";
+  return "at least " + mm(moment["clearance_m"]) + ", at most " + mm(moment["at_most_m"]);
 }
 
 std::string facts_table(const Page& page) {
-  const Json& v = page.verdict;
+  const Json& v = page.report;
   const Json& smallest = v["min_clearance"];
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
-  table += row(is_seated ? "least clearance outside of its seat" : "least clearance",
+  table += row(is_seated ? "least distance, contact aside" : "least distance",
                at_least ? "at least " + mm(smallest["clearance_m"])
                         : clearance(smallest) + " to " + name_of(smallest["object"]));
   if (!at_least) {
-    table += row(
-        "then", text("at %.3f s, at ", smallest["t_s"].get<double>()) + place(smallest["point_m"]));
+    table += row("there", "after " + along(smallest["along_path_m"]) + " of the path, at " +
+                              place(smallest["point_m"]));
   }
   std::string seat;
   for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
-  if (!seat.empty()) table += row("seated on", seat);
+  if (!seat.empty()) table += row("installed on", seat);
   for (const Json& s : v.value("seat_depths", Json::array())) {
-    table += row("deepest in " + s["object"].get<std::string>(),
+    table += row("depth in " + s["object"].get<std::string>(),
                  mm(s["deepest_m"]) + "; where it is installed " +
                      (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away, " : mm(s["installed_m"]) + ", ") +
                      mm(s["allowed_m"]) + " allowed");
   }
   for (const Json& s : v["seated"]) {
-    table += row("in its seat",
-                 text("%.3f to %.3f s", s["from_s"].get<double>(), s["to_s"].get<double>()) + ", " +
-                     mm(s["way_m"]) + " of a path of " + mm(v["way_m"]) + "; " + clearance(s) +
-                     " to " + name_of(s["object"]));
+    table += row("in contact", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
+                                   along(v["way_m"]) + "; " + clearance(s) + " to " +
+                                   name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {
-    table += row("not seen", "objects that those of its seat hide, within " +
-                                 mm(v["hidden_within_m"]) + " of them");
+    table += row("not checked", "objects less than " + mm(v["hidden_within_m"]) +
+                                    " behind those that it is installed on");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",
@@ -131,29 +135,27 @@ std::string facts_table(const Page& page) {
 
 // A depth in the seat is of the meshes, or of shell points beyond where they are installed.
 std::string depth_words(const Json& violation) {
-  return violation.contains("exact_m") ? " deep" : " deeper in than it is seated";
+  return violation.contains("exact_m") ? " deep" : " deeper than installed";
 }
 
 std::string violations_table(const Json& violations) {
   if (violations.empty()) return "";
   std::string table =
-      "<h2>Where it is too near</h2>\n<table>\n<tr><th>from, s</th><th>to, s</th><th>clearance</th>"
-      "<th>against</th><th>nearest at, s</th><th>place</th></tr>\n";
+      "<h2>Where it is too near</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th>"
+      "<th>to</th><th>nearest after</th><th>place</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
     if (v.contains("exact_m") && v["exact_m"] == 0) {
       how = v.value("inside", false) ? "all of the part is inside" : "the surfaces meet";
       if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
     }
-    if (v.value("pushed_into_seat", false)) how = "pushed " + mm(v["depth_m"]) + depth_words(v);
+    if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
     if (v.value("object_inside", false)) how = "it lies inside the part";
-    if (v.value("seat_not_settled", false)) how = "not settled in its seat";
-    if (v.value("graze", false)) how += ", a graze";
-    table += text("<tr><td>%.3f</td><td>%.3f</td><td>", v["from_s"].get<double>(),
-                  v["to_s"].get<double>()) +
-             how + "</td><td>" + name_of(v["object"]) +
-             text("</td><td>%.3f</td><td>", v["t_s"].get<double>()) + place(v["point_m"]) +
-             "</td></tr>\n";
+    if (v.value("seat_not_settled", false)) how = "undecided in contact";
+    if (v.value("graze", false)) how += ", too close to call";
+    table += "<tr><td>" + along(v["from_m"]) + "</td><td>" + along(v["to_m"]) + "</td><td>" + how +
+             "</td><td>" + name_of(v["object"]) + "</td><td>" + along(v["along_path_m"]) +
+             "</td><td>" + place(v["point_m"]) + "</td></tr>\n";
   }
   return table + "</table>\n";
 }
@@ -192,14 +194,6 @@ constexpr const char* kStyle =
 
 }  // namespace
 
-std::string junit_of(const std::string& part, const std::string& failure) {
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"forcelayer study\" "
-         "tests=\"1\" "
-         "failures=\"1\">\n  <testcase classname=\"forcelayer.study\" name=\"" +
-         html(part) + "\">\n    <failure message=\"" + html(failure) +
-         "\"/>\n  </testcase>\n</testsuite>\n";
-}
-
 Result<std::string> html_of(const Page& page) {
   const auto drawn = pictures(page.pictures);
   if (!drawn) return drawn.error();
@@ -209,19 +203,18 @@ Result<std::string> html_of(const Page& page) {
   std::string commands;
   for (const std::string& line : page.commands) commands += html(line) + "\n";
   std::string found;
-  if (page.verdict.is_object()) {
-    found = facts_table(page) + violations_table(page.verdict["violations"]) +
+  if (page.report.is_object()) {
+    found = facts_table(page) + violations_table(page.report["violations"]) +
             "<h2>Clearance along the path</h2>\n" + page.curve_svg +
-            "<p>The curve is what the baked files prove, between poses as at them; the dot is the "
-            "least clearance. Gray: in its seat. Red: less than required. Elsewhere the curve is "
-            "only as near to the truth as the verdict needs.</p>\n";
+            "<p>The curve is a safe lower bound; the real distance is larger. Dot: the least "
+            "distance. Gray: in contact, as installed. Red: less than required.</p>\n";
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
-         "</h1>\n<p class=\"verdict " + (page.clear ? "yes" : "no") + "\"><strong>" +
-         html(page.word) + "</strong>\n" + html_lines(page.sentence) + "</p>\n" + found + *drawn +
-         "<h2>How it was found</h2>\n<pre>" + commands + "</pre>\n" + *files +
-         "<p>Made by forcelayer " + command::kVersion +
+         "</h1>\n<p class=\"verdict " + (command::is_yes(page.verdict.kind) ? "yes" : "no") +
+         "\"><strong>" + html(command::heading(page.verdict)) + "</strong>\n" +
+         html_lines(page.text) + "</p>\n" + found + *drawn + "<h2>How it was found</h2>\n<pre>" +
+         commands + "</pre>\n" + *files + "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +
          ".</p>\n</body></html>\n";
 }

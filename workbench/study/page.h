@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/command/verdict/verdict.h"
 #include "formats/result.h"
 
 namespace forcelayer::study {
@@ -17,18 +18,15 @@ struct Picture {
 
 struct Page {
   std::string part, assembly;
-  bool clear = false;
-  std::string word, sentence;   // the verdict
-  nlohmann::json verdict;       // report of voxcheck; null where no path was found
+  command::Verdict verdict;
+  std::string text;             // its sentence and the lines that follow it
+  nlohmann::json report;        // of voxcheck; null where no path was found
   nlohmann::json scene, shell;  // reports of voxelize and pointshell
   std::string curve_svg;
   std::vector<Picture> pictures;
   std::vector<std::string> commands;
   std::vector<std::string> files;  // that stand beside the page
 };
-
-// A JUnit file of one test that failed, for a study without a path to check.
-std::string junit_of(const std::string& part, const std::string& failure);
 
 // Errors: kReadFailed, kFileNotFound for a picture.
 Result<std::string> html_of(const Page& page);

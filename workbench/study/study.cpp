@@ -4,7 +4,6 @@
 #include <sys/file.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +17,8 @@
 #include "formats/command/quantity.h"
 #include "formats/command/report.h"
 #include "formats/command/text.h"
+#include "formats/command/verdict/hosts.h"
+#include "formats/command/verdict/verdict.h"
 #include "formats/file/descriptor.h"
 #include "formats/file/file_bytes.h"
 #include "workbench/study/curve.h"
@@ -68,7 +69,6 @@ class Study {
   Status say_that_no_path_was_found();
   Status draw();
   Status write_page();
-  const char* word() const;
   Status report() const;
   Status judge() const;
 
@@ -78,10 +78,11 @@ class Study {
   const Options& options_;
   Steps steps_;
   std::string path_;  // that is checked; empty where the search found none
-  json verdict_;      // of voxcheck; null where there is no path
-  bool clear_ = false;
-  std::string held_;  // how far the pulled part went; empty: to the end, or its path was given
-  std::string sentence_;
+  json checked_;      // report of voxcheck; null where there is no path
+  command::Verdict verdict_;
+  std::string held_;      // how far the pulled part went; empty: to the end, or its path was given
+  std::string sentence_;  // the first one
+  std::string text_;      // that and the lines that follow it
 };
 
 // The objects that a path is not clear of, by name. Those that are entered deepest come first, to
@@ -312,37 +313,48 @@ Status Study::check() {
   if (path_.empty()) return say_that_no_path_was_found();
   const auto checked = run(check_step(), true);
   if (!checked) return checked.error();
-  verdict_ = read_json(in("verdict.json"));
-  clear_ = checked->status == 0;
-  sentence_ = checked->output;
-  if (!held_.empty() && clear_) {
-    sentence_ =
-        "the straight path is clear by the meshes; a simulated hand did not find a path: " + held_ +
-        "\n" + sentence_;
+  checked_ = read_json(in("verdict.json"));
+  verdict_.kind = command::verdict_kind(checked_.value("kind", ""));
+  verdict_.required_m = checked_.value("required_clearance_m", 0.0);
+  if (checked_["direction"].is_string()) verdict_.motion = checked_["direction"];
+  sentence_ = checked_.value("sentence", "");
+  text_ = checked->output;
+  if (!held_.empty() && command::is_yes(verdict_.kind)) {
+    text_ += "  a simulated hand did not follow this path: " + held_ + "\n";
   } else if (!held_.empty()) {
-    std::string by;
-    for (const std::string& name : blockers(verdict_)) {
-      by += (by.empty() ? "; blocked by " : ", ") + escaped(name);
-    }
-    held_ = "it does not come out: " + held_ + by;
-    sentence_ = held_ + "\nthe straight path: " + sentence_;
+    verdict_.kind = command::VerdictKind::kDoesNotComeOut;
+    verdict_.finding = held_;
+    verdict_.blocked_by = blockers(checked_);
+    sentence_ = command::sentence(verdict_);
+    text_ = sentence_ + "\n  the straight path: " + text_;
   }
-  return command::write_text(in("verdict.txt"), sentence_);
+  return command::write_text(in("verdict.txt"), text_);
 }
 
 // In the words of voxplan: what it tried, and what was in the way. The files of an earlier verdict
 // would say something else.
 Status Study::say_that_no_path_was_found() {
   const json plan = read_json(in("plan.json"));
-  const bool is_reported = plan.is_object() && plan.contains("error");
-  sentence_ = is_reported ? plan["error"].value("what", "") : "no path found";
-  for (const char* name : {"curve.csv", "curve.svg", "worst.png"}) std::remove(in(name).c_str());
-  const json verdict{{"verdict", "no path found"}, {"words", sentence_}};
-  if (Status s = command::write_text(in("verdict.json"), verdict.dump(2) + "\n"); !s) return s;
-  if (Status s = command::write_text(in("verdict.xml"), junit_of(options_.node, sentence_)); !s) {
-    return s;
+  const json found = plan.is_object() ? plan : json::object();
+  verdict_.kind = command::VerdictKind::kNoPathFound;
+  verdict_.required_m = found.value("required_clearance_m", 0.0);
+  if (found.contains("finding") && found["finding"].is_string()) {
+    verdict_.finding = found["finding"];
+    verdict_.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
+  } else {  // refused before the search
+    verdict_.finding = found.value("error", json::object()).value("what", "it was refused");
+    const auto required_m = command::parse_length(options_.clearance);
+    verdict_.required_m = required_m ? *required_m : 0;
   }
-  return command::write_text(in("verdict.txt"), sentence_);
+  sentence_ = command::sentence(verdict_);
+  text_ = command::terminal_text(verdict_);
+  for (const char* name : {"curve.csv", "curve.svg", "worst.png"}) std::remove(in(name).c_str());
+  const std::string verdict = command::verdict_json(verdict_).dump(2) + "\n";
+  if (Status s = command::write_text(in("verdict.json"), verdict); !s) return s;
+  const command::Subject subject{"forcelayer study", "forcelayer.study", options_.node};
+  const std::string test = command::junit_text(subject, verdict_, 0);
+  if (Status s = command::write_text(in("verdict.xml"), test); !s) return s;
+  return command::write_text(in("verdict.txt"), text_);
 }
 
 Status Study::draw() {
@@ -355,16 +367,14 @@ Status Study::write_page() {
   Page page;
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
-  page.clear = clear_;
-  page.word = word();
-  page.word.front() = static_cast<char>(std::toupper(page.word.front()));
-  page.sentence = sentence_;
   page.verdict = verdict_;
+  page.text = text_;
+  page.report = checked_;
   page.scene = read_json(in("scene.json"));
   page.shell = read_json(in("part.json"));
   page.files = {in("scene.vox"), in("part.pshell"), in("verdict.json")};
   if (!path_.empty()) {
-    auto svg = curve_svg(in("curve.csv"), page.verdict);
+    auto svg = curve_svg(in("curve.csv"), page.report);
     if (!svg) return svg.error();
     page.curve_svg = std::move(*svg);
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
@@ -382,21 +392,16 @@ Status Study::write_page() {
   return {};
 }
 
-const char* Study::word() const {
-  if (path_.empty()) return "no path found";
-  if (clear_) return "clear";
-  return held_.empty() ? "not clear" : "does not come out";
-}
-
 Status Study::report() const {
   if (options_.json.empty()) return {};
   nlohmann::ordered_json report;
-  report["verdict"] = word();
-  report["words"] = sentence_;
+  report.update(command::verdict_json(verdict_));
+  report["sentence"] = sentence_;
+  report["words"] = text_;
   report["page"] = in("report.html");
   report["path"] = path_.empty() ? json() : json(path_);
-  report["blocked_by"] = blockers(verdict_);
-  report["check"] = verdict_;
+  report["blocked_by"] = path_.empty() ? verdict_.blocked_by : blockers(checked_);
+  report["check"] = checked_;
   for (const auto& line : steps_.lines()) {
     report["steps"].push_back(
         {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
@@ -405,15 +410,14 @@ Status Study::report() const {
 }
 
 Status Study::judge() const {
-  if (clear_) return {};
-  if (path_.empty()) {
-    return Error{
-        ErrorCode::kAnswerIsNo, options_.assembly, options_.node, sentence_,
-        "the same search finds no path again; try a longer --time, another --seed, a smaller "
-        "--clearance or --voxel-size, or give a path of your own with --path or --pull"};
-  }
+  if (command::is_yes(verdict_.kind)) return {};
+  const std::string mend =
+      path_.empty()
+          ? "the same search finds no path again; try a longer --time, another --seed, a smaller "
+            "--clearance or --voxel-size, or give a path of your own with --path or --pull"
+          : "see " + in("report.html");
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
-               held_.empty() ? "its path is not clear" : held_, "see " + in("report.html")};
+               sentence_.substr(0, sentence_.size() - 1), mend};
 }
 
 Status Study::make() {

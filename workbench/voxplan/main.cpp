@@ -84,15 +84,12 @@ Status plan_for(const Options& options) {
       command::warn(voxcheck::never_near_text("seat"), options.quiet);
     }
     if (Status s = write_path(options.path, planned->rows); !s) return s;
-    if (!options.quiet) std::cout << found_text(report) << std::flush;
+    if (!options.quiet) std::cout << command::terminal_text(report.verdict) << std::flush;
   }
   if (!options.json.empty()) {
     if (Status s = command::write_report(options.json, report_json(report)); !s) return s;
   }
-  if (planned->search.found) return {};
-  return Error{ErrorCode::kAnswerIsNo, options.part, "", not_found_text(report),
-               "which does not prove that there is no path: try a longer --time, another --seed, a "
-               "smaller --clearance or smaller voxels"};
+  return command::exit_of(report.verdict, options.part);
 }
 
 int run(int argc, char** argv) {

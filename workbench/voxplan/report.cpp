@@ -6,6 +6,7 @@
 #include "formats/path/path_edit.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/path_verdict.h"
 #include "runtime/voxcheck/words.h"
 
 namespace forcelayer::voxplan {
@@ -14,48 +15,66 @@ namespace {
 using command::text;
 using Json = nlohmann::ordered_json;
 
-std::string seat_text(const Report& report) {
-  if (report.plan.checked.seated.empty()) return "";
-  return text("; until %.3f s seated on ", report.plan.checked.seated.front().to_s) +
-         voxcheck::listed_names(report.problem.scene, report.plan.checked.seat_objects);
-}
-
 double hidden_within_m(const Report& report) {
   return voxcheck::hidden_within_m(report.problem.scene, report.plan.checked, report.options.allow);
 }
 
+std::optional<clearance::CenterPath> path_of(const Problem& problem, const Plan& plan) {
+  if (!plan.search.found) return {};
+  return clearance::CenterPath(plan.rows, problem.part);
+}
+
+voxcheck::CheckedPath checked_of(const Report& report) {
+  return {report.problem.scene,      report.problem.part,
+          report.plan.rows,          *report.path,
+          report.plan.checked,       nullptr,
+          report.options.clearance_m};
+}
+
+command::Verdict found_verdict(const Report& report) {
+  const clearance::CheckResult& checked = report.plan.checked;
+  command::Verdict verdict = voxcheck::verdict_of(checked_of(report));
+  verdict.notes = voxcheck::bounds_texts(checked_of(report));
+  verdict.notes.insert(verdict.notes.begin(), text("found in %.3g s", report.plan.search.seconds));
+  if (!checked.seated.empty()) {
+    verdict.notes.push_back(
+        report.options.meshes.empty()
+            ? "contact is felt by shell points alone: voxcheck --exact settles it"
+            : "contact is settled by the meshes: no surface passes through another");
+  }
+  if (const double within_m = hidden_within_m(report); within_m > 0) {
+    verdict.notes.push_back(voxcheck::hidden_text(within_m));
+  }
+  return verdict;
+}
+
+command::Verdict not_found_verdict(const Report& report) {
+  const SearchResult& result = report.plan.search;
+  command::Verdict verdict;
+  verdict.kind = command::VerdictKind::kNoPathFound;
+  verdict.required_m = report.options.clearance_m;
+  verdict.finding = text("in %.3g s it came %.3g mm far", result.seconds, 1e3 * result.out_m);
+  if (result.refused > 0) {
+    verdict.finding += text(", and %llu found paths could not be proven",
+                            static_cast<unsigned long long>(result.refused));
+  }
+  for (const std::uint32_t object : result.blocked_by) {
+    verdict.blocked_by.push_back(voxcheck::object_name(report.problem.scene, object));
+  }
+  verdict.advice =
+      "which does not prove that there is no path: try a longer --time, another --seed, a smaller "
+      "--clearance or smaller voxels";
+  return verdict;
+}
+
 }  // namespace
 
-std::string found_text(const Report& report) {
-  const clearance::CheckResult& checked = report.plan.checked;
-  std::string line =
-      text("path found in %.3g s: %.4g mm long, %s %.3f mm", report.plan.search.seconds,
-           1e3 * checked.way_m, checked.at_least ? "at least" : "proven clearance",
-           voxcheck::floor_mm(checked.clearance_m));
-  line +=
-      voxcheck::to_object(report.problem.scene, checked.smallest.object) + seat_text(report) + "\n";
-  for (std::size_t n = 0; n < checked.seated.size(); ++n) {
-    line += voxcheck::seat_way_text(report.problem.scene, checked, n, {});
-  }
-  if (!checked.seated.empty()) {
-    line += report.options.meshes.empty()
-                ? "  its seat is felt by shell points alone: voxcheck --exact settles it\n"
-                : "  the meshes settle it: in its seat no surface passes through another\n";
-  }
-  return line + voxcheck::hidden_text(hidden_within_m(report));
-}
-
-std::string not_found_text(const Report& report) {
-  const SearchResult& result = report.plan.search;
-  std::string line =
-      text("no path found in %.3g s (best: out to %.3g mm", result.seconds, 1e3 * result.out_m);
-  if (!result.blocked_by.empty()) {
-    line += ", blocked by " + voxcheck::listed_names(report.problem.scene, result.blocked_by);
-  }
-  if (result.refused == 0) return line + ")";
-  return line +
-         text("; %llu that did not prove clear)", static_cast<unsigned long long>(result.refused));
-}
+Report::Report(const Options& of_options, const Problem& of_problem, const Plan& of_plan)
+    : options(of_options),
+      problem(of_problem),
+      plan(of_plan),
+      path(path_of(of_problem, of_plan)),
+      verdict(of_plan.search.found ? found_verdict(*this) : not_found_verdict(*this)) {}
 
 Json report_json(const Report& report) {
   const SearchResult& result = report.plan.search;
@@ -64,7 +83,7 @@ Json report_json(const Report& report) {
   Json json;
   json["schema_version"] = 1;
   json["found"] = result.found;
-  json["required_clearance_m"] = report.options.clearance_m;
+  json.update(command::verdict_json(report.verdict));
   json["settled_by"] = report.options.meshes.empty() ? "files" : "meshes";
   json["missing_faces"] = voxcheck::missing_faces(report.problem.scene, report.problem.part);
   if (result.found) {
@@ -72,7 +91,9 @@ Json report_json(const Report& report) {
     json["rows"] = report.plan.rows.size();
     json["way_m"] = path_facts(report.plan.rows).way_m;
     json["duration_s"] = report.plan.rows.back().time_s;
-    json["min_clearance"] = voxcheck::moment_json(scene, checked.smallest, checked.clearance_m);
+    const voxcheck::CheckedPath checked_path = checked_of(report);
+    json["min_clearance"] =
+        voxcheck::moment_json(checked_path, checked.smallest, checked.clearance_m);
     json["min_clearance"]["at_least"] = checked.at_least;
     json["seat"] = Json::array();
     for (const std::uint32_t object : checked.seat_objects) {
@@ -80,7 +101,7 @@ Json report_json(const Report& report) {
     }
     json["seated"] = Json::array();
     for (const auto& stretch : checked.seated) {
-      json["seated"].push_back(voxcheck::seated_json(scene, stretch));
+      json["seated"].push_back(voxcheck::seated_json(checked_path, stretch));
     }
     if (const double within_m = hidden_within_m(report); within_m > 0) {
       json["hidden_within_m"] = within_m;

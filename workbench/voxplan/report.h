@@ -2,8 +2,9 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
+#include <optional>
 
+#include "formats/command/verdict/verdict.h"
 #include "workbench/voxplan/check/problem.h"
 #include "workbench/voxplan/options.h"
 #include "workbench/voxplan/plan.h"
@@ -11,16 +12,14 @@
 namespace forcelayer::voxplan {
 
 struct Report {
+  Report(const Options& of_options, const Problem& of_problem, const Plan& of_plan);
+
   const Options& options;
   const Problem& problem;
   const Plan& plan;
+  const std::optional<clearance::CenterPath> path;  // none where none was found
+  const command::Verdict verdict;                   // all answers are written from it
 };
-
-// "path found: ...", a line.
-std::string found_text(const Report& report);
-
-// "no path found in 60 s (best: out to 31 mm, blocked by bracket_12, rib_3)".
-std::string not_found_text(const Report& report);
 
 nlohmann::ordered_json report_json(const Report& report);
 

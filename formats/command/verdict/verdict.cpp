@@ -1,0 +1,245 @@
+#include "formats/command/verdict/verdict.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "formats/command/text.h"
+
+namespace forcelayer::command {
+namespace {
+
+using Known = VerdictDistance::Known;
+
+constexpr std::size_t kListed = 5;          // objects in a sentence
+constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
+constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
+
+// Rounded down. A decimal number that is read from a command line stays as it was written: what a
+// double adds to it lies six digits behind the last that is kept.
+std::string cut_mm(double length_m, int decimals) {
+  std::string digits = text("%.*f", decimals + 6, 1e3 * length_m);
+  digits.resize(digits.size() - 6);
+  digits.erase(digits.find_last_not_of('0') + 1);
+  if (digits.back() == '.') digits.pop_back();
+  return digits == "-0" ? "0" : digits;
+}
+
+// No two doubles have the same: a thousand times one fits into a long double.
+std::string all_digits(double length_m) { return text("%.21Lg mm", 1e3L * length_m); }
+
+std::string printed(const std::string& object) {
+  return object.empty() ? "the scene" : escaped(object);
+}
+
+// "A", "A and B", "A, B and 3 more".
+std::string listed(std::span<const std::string> objects) {
+  std::string line;
+  const std::size_t shown = std::min(kListed, objects.size());
+  for (std::size_t n = 0; n < shown; ++n) {
+    const bool is_last = n + 1 == objects.size();
+    line += (n == 0 ? "" : is_last ? " and " : ", ") + printed(objects[n]);
+  }
+  if (objects.size() > shown) line += text(" and %zu more", objects.size() - shown);
+  return line;
+}
+
+std::string capital(std::string line) {
+  line.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(line.front())));
+  return line;
+}
+
+// "after 51.6 of 60 mm"
+std::string position_text(const Verdict& v, double along_m) {
+  const auto short_mm = [](double m) { return cut_mm(std::round(1e4 * m) / 1e4, 1); };
+  return "after " + short_mm(along_m) + " of " + short_mm(v.path_m) + " mm";
+}
+
+// "slides along A and B for the first 51.6 mm", with the play where there is some. Where the answer
+// is no the part may have been near other objects in the meantime.
+std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
+  const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
+  const std::string length = cut_mm(std::round(1e4 * (slide.to_m - slide.from_m)) / 1e4, 1) + " mm";
+  const std::string objects = slide.objects.empty() ? "its seat" : listed(slide.objects);
+  if (!is_yes(v.kind)) {
+    if (begins && ends) return "never comes free of " + objects;
+    if (begins) return "comes free of " + objects + " after " + length;
+    return "is back at " + objects + " for " + (ends ? "the last " : "") + length;
+  }
+  std::string line = (slide.objects.empty() ? "is in " : "slides along ") + objects;
+  if (begins && ends) {
+    line += " for the whole path of " + length;
+  } else {
+    line += std::string(" for ") + (begins ? "the first " : ends ? "the last " : "") + length;
+  }
+  const VerdictDistance& nearest = slide.nearest;
+  if (nearest.known == Known::kMeasured && nearest.distance_m > kSmallestM) {
+    line += " (" + length_text(nearest.distance_m) + " of play)";
+  }
+  return line;
+}
+
+std::string slides_text(const Verdict& v) {
+  std::string line;
+  for (const VerdictSlide& slide : v.slides) {
+    line += (line.empty() ? "" : " and ") + slide_text(v, slide);
+  }
+  return line;
+}
+
+const char* how_known(Known known) {
+  switch (known) {
+    case Known::kMeasured:
+      return "measured";
+    case Known::kProven:
+      return "proven";
+    default:
+      return "";
+  }
+}
+
+// The distance, and in parentheses to what, where, and what was required.
+std::string distance_text(const Verdict& v, const char* before, const char* behind) {
+  const auto [distance, required] = length_texts(v.nearest.distance_m, v.required_m);
+  std::string line = before + distance + behind + " (";
+  if (v.nearest.known == Known::kAtLeast) {
+    line += "nothing is nearer";
+  } else {
+    line += std::string(how_known(v.nearest.known)) + " to " + printed(v.nearest.object) + ", " +
+            position_text(v, v.nearest.along_m);
+  }
+  return line + "; " + required + " required)";
+}
+
+// The same of a finding in words.
+std::string finding_text(const Verdict& v) {
+  std::string line = v.finding;
+  line += " (";
+  if (v.nearest.known != Known::kNot) line += position_text(v, v.nearest.along_m) + "; ";
+  return line + length_text(v.required_m) + " required)";
+}
+
+// The reason: a distance, or the finding.
+std::string answer_text(const Verdict& v) {
+  if (!v.finding.empty()) return finding_text(v);
+  if (v.nearest.known == Known::kNot) return length_text(v.required_m) + " required";
+  if (is_yes(v.kind)) return distance_text(v, "stays ", " away or more");
+  return v.kind == VerdictKind::kNeverNear ? distance_text(v, "it stays ", " away or more")
+                                           : distance_text(v, "comes as near as ", "");
+}
+
+std::string head_of(const Verdict& v) {
+  if (v.kind == VerdictKind::kKeepsClearance && v.required_m == 0)
+    return "passes without a collision";
+  return to_text(v.kind);
+}
+
+// The first words of a sentence.
+constexpr const char* kWords[] = {"comes out",
+                                  "keeps the clearance",
+                                  "stays in contact",
+                                  "does not keep the clearance",
+                                  "collides",
+                                  "does not come out",
+                                  "too close to call",
+                                  "undecided",
+                                  "never near the scene",
+                                  "no path found"};
+static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
+
+}  // namespace
+
+bool is_yes(VerdictKind kind) {
+  return kind == VerdictKind::kComesOut || kind == VerdictKind::kKeepsClearance ||
+         kind == VerdictKind::kStaysInstalled;
+}
+
+const char* to_text(VerdictKind kind) { return kWords[static_cast<std::size_t>(kind)]; }
+
+VerdictKind verdict_kind(std::string_view words) {
+  for (const VerdictKind kind : kAllVerdictKinds) {
+    if (words == to_text(kind)) return kind;
+  }
+  return VerdictKind::kUndecided;
+}
+
+std::string length_text(double length_m) {
+  int decimals = kDecimals;
+  while (decimals < kDigits && std::abs(length_m) >= kSmallestM &&
+         cut_mm(length_m, decimals) == "0") {
+    ++decimals;
+  }
+  return cut_mm(length_m, decimals) + " mm";
+}
+
+std::string upper_length_text(double length_m, double than_m) {
+  for (int decimals = kDecimals; decimals <= kDigits; ++decimals) {
+    // Noise that a double adds to a decimal number does not round it up.
+    const double scale = std::pow(10, decimals);
+    const double mm = std::ceil(1e3 * length_m * scale * (1 - 1e-12)) / scale;
+    if ((mm < 1e3 * than_m) == (length_m < than_m)) return cut_mm(mm / 1e3, decimals) + " mm";
+  }
+  return all_digits(length_m);
+}
+
+std::pair<std::string, std::string> length_texts(double a_m, double b_m) {
+  std::string a = length_text(a_m), b = length_text(b_m);
+  for (int decimals = kDecimals; a_m != b_m && a == b; ++decimals) {
+    if (decimals > kDigits) return {all_digits(a_m), all_digits(b_m)};
+    a = cut_mm(a_m, decimals) + " mm";
+    b = cut_mm(b_m, decimals) + " mm";
+  }
+  return {a, b};
+}
+
+std::string heading(const Verdict& v) {
+  return capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion);
+}
+
+std::string explanation(const Verdict& v) {
+  std::string line = slides_text(v);
+  if (!line.empty()) line += is_yes(v.kind) ? ", otherwise " : ", but ";
+  line += answer_text(v);
+  if (!v.blocked_by.empty()) line += "; blocked by " + listed(v.blocked_by);
+  return line;
+}
+
+std::string sentence(const Verdict& v) { return heading(v) + ": " + explanation(v) + "."; }
+
+std::string gist(const Verdict& v) {
+  std::string line = head_of(v) + ": " + answer_text(v);
+  if (!v.blocked_by.empty()) line += "; blocked by " + listed(v.blocked_by);
+  return line;
+}
+
+std::string terminal_text(const Verdict& v) {
+  std::string lines = sentence(v) + "\n";
+  for (const std::string& note : v.notes) lines += "  " + note + "\n";
+  return lines;
+}
+
+const char* verdict_word(const Verdict& v) { return is_yes(v.kind) ? "clear" : "not clear"; }
+
+nlohmann::ordered_json verdict_json(const Verdict& v) {
+  nlohmann::ordered_json json;
+  json["verdict"] = verdict_word(v);
+  json["kind"] = to_text(v.kind);
+  json["sentence"] = sentence(v);
+  json["required_clearance_m"] = v.required_m;
+  const auto or_null = [](const std::string& words) {
+    return words.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(words);
+  };
+  json["direction"] = or_null(v.motion);
+  json["finding"] = or_null(v.finding);
+  json["blocked_by"] = v.blocked_by;
+  return json;
+}
+
+Status exit_of(const Verdict& v, const std::string& file) {
+  if (is_yes(v.kind)) return {};
+  return Error{ErrorCode::kAnswerIsNo, file, "", gist(v), v.advice};
+}
+
+}  // namespace forcelayer::command

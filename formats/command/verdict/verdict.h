@@ -1,0 +1,116 @@
+// The verdict of a command: one value, from which the terminal, every report and the exit status
+// are written, so that no two of them can say different things.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "formats/result.h"
+
+namespace forcelayer::command {
+
+enum class VerdictKind {
+  // The answer is yes.
+  kComesOut,        // it leaves the place where it is installed, and keeps the clearance from then
+  kKeepsClearance,  // along the whole path
+  kStaysInstalled,  // it collides with nothing, and touches its seat all along the path
+  // The answer is no, or not known.
+  kTooNear,         // a distance is less than what is required
+  kCollides,        // the surfaces meet, or one lies inside the other
+  kDoesNotComeOut,  // the same, of a part that is installed where its path begins
+  kTooCloseToCall,  // only deviations and rounding decide
+  kUndecided,       // the inputs do not decide
+  kNeverNear,       // nothing is near, and the caller asked that this is no success
+  kNoPathFound,
+};
+
+inline constexpr VerdictKind kAllVerdictKinds[] = {
+    VerdictKind::kComesOut,       VerdictKind::kKeepsClearance, VerdictKind::kStaysInstalled,
+    VerdictKind::kTooNear,        VerdictKind::kCollides,       VerdictKind::kDoesNotComeOut,
+    VerdictKind::kTooCloseToCall, VerdictKind::kUndecided,      VerdictKind::kNeverNear,
+    VerdictKind::kNoPathFound};
+
+// Whether the answer is yes; each other answer ends with status 6.
+bool is_yes(VerdictKind kind);
+
+// "comes out", "too close to call" ...: the key `kind` of --json, and the first words of a
+// sentence.
+const char* to_text(VerdictKind kind);
+
+// The kind that to_text() names; kUndecided for another word.
+VerdictKind verdict_kind(std::string_view words);
+
+// A distance between part and scene at one position of the path.
+struct VerdictDistance {
+  enum class Known {
+    kNot,       // nothing is known
+    kAtLeast,   // nothing was near enough to measure
+    kProven,    // a lower bound
+    kMeasured,  // between the meshes
+  };
+  Known known = Known::kNot;
+  double distance_m = 0;
+  std::string object;  // the nearest; empty: it has no name
+  double along_m = 0;  // of the path, from its beginning
+};
+
+// A stretch of the path in which the part touches what it is installed on.
+struct VerdictSlide {
+  double from_m = 0, to_m = 0;  // of the path
+  std::vector<std::string> objects;
+  VerdictDistance nearest;
+};
+
+struct Verdict {
+  VerdictKind kind = VerdictKind::kUndecided;
+  double required_m = 0;
+  std::string motion;  // "straight along +z"; empty: it does not move, or no path is known
+  double path_m = 0;   // how long the path is
+  std::vector<VerdictSlide> slides;
+  VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
+  std::string finding;      // what is wrong, or not decided, where a distance does not say it
+  std::vector<std::string> blocked_by;  // objects, the most important first
+  std::string advice;                   // what to do next
+  std::vector<std::string> more;        // further stretches in which the answer is no
+  std::vector<std::string> notes;       // lines for people behind the first
+  std::vector<std::string> remarks;     // to be shown as warnings: overlaps as installed
+};
+
+// "12.7 mm": rounded down to three decimals, or to as many as a small length needs.
+std::string length_text(double length_m);
+
+// The same of two lengths that are compared: where they differ, their texts differ too.
+std::pair<std::string, std::string> length_texts(double a_m, double b_m);
+
+// The same, rounded up; of a length that is less than another one, the text is too.
+std::string upper_length_text(double length_m, double than_m);
+
+// The words of the answer and the direction, without an end: the heading of a page or picture.
+std::string heading(const Verdict& verdict);
+// The rest of the sentence.
+std::string explanation(const Verdict& verdict);
+
+// The first sentence: comes out or not, in which direction, how far it slides on what, the least
+// distance to what and where along the path, and what was required. Escaped, one line.
+std::string sentence(const Verdict& verdict);
+
+// The same without what goes well: for the line of an error.
+std::string gist(const Verdict& verdict);
+
+// The sentence and, indented, the notes: each a line.
+std::string terminal_text(const Verdict& verdict);
+
+// The keys of a report that hold the verdict: `verdict`, `kind`, `sentence`,
+// `required_clearance_m`, `direction`, `finding`, `blocked_by`.
+nlohmann::ordered_json verdict_json(const Verdict& verdict);
+
+// "clear" or "not clear": the key `verdict`.
+const char* verdict_word(const Verdict& verdict);
+
+// An error where the answer is not yes. `file` is what the verdict is about. Errors: kAnswerIsNo.
+Status exit_of(const Verdict& verdict, const std::string& file);
+
+}  // namespace forcelayer::command

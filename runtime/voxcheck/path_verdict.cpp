@@ -1,0 +1,364 @@
+#include "runtime/voxcheck/path_verdict.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "formats/command/text.h"
+#include "formats/path/path_edit.h"
+#include "runtime/voxcheck/object_names.h"
+#include "runtime/voxcheck/words.h"
+
+namespace forcelayer::voxcheck {
+namespace {
+
+using clearance::CheckedMoment;
+using clearance::CheckResult;
+using clearance::Violation;
+using command::length_text;
+using command::text;
+using command::VerdictDistance;
+using command::VerdictKind;
+using Json = nlohmann::ordered_json;
+using Known = command::VerdictDistance::Known;
+
+const ExactSeat* exact_seat(const CheckedPath& checked, std::uint32_t object) {
+  if (checked.exact == nullptr) return nullptr;
+  for (const ExactSeat& seat : checked.exact->seat) {
+    if (seat.object == object) return &seat;
+  }
+  return nullptr;
+}
+
+std::string name_of(const CheckedPath& checked, std::uint32_t object) {
+  return object == 0 ? "the scene" : escaped(object_name(checked.scene, object));
+}
+
+VerdictKind kind_of(const CheckedPath& checked, const Violation& v) {
+  const ExactViolation* exact = exact_of(checked, v);
+  if (v.object_inside) return VerdictKind::kCollides;
+  if (v.pushed_into_seat) {
+    return exact != nullptr && exact->graze ? VerdictKind::kTooCloseToCall : VerdictKind::kCollides;
+  }
+  if (v.unsettled_seat || v.worst.beyond_side) return VerdictKind::kUndecided;
+  if (exact != nullptr) {
+    if (exact->inside || exact->meets()) return VerdictKind::kCollides;
+    return exact->graze ? VerdictKind::kTooCloseToCall : VerdictKind::kTooNear;
+  }
+  return v.worst.max_m < checked.required_m ? VerdictKind::kTooNear : VerdictKind::kUndecided;
+}
+
+int rank(VerdictKind kind) {
+  switch (kind) {
+    case VerdictKind::kCollides:
+      return 0;
+    case VerdictKind::kTooNear:
+      return 1;
+    case VerdictKind::kTooCloseToCall:
+      return 2;
+    default:
+      return 3;
+  }
+}
+
+// Depths that were found are rounded down: they are no more than the true ones.
+std::string pushed_text(const CheckedPath& checked, const Violation& v) {
+  const std::string object = name_of(checked, v.worst.object);
+  const ExactViolation* exact = exact_of(checked, v);
+  if (exact == nullptr) {
+    return "goes " + length_text(v.depth_m) + " deeper into " + object +
+           " than where it is installed";
+  }
+  const ExactSeat* seat = exact_seat(checked, v.worst.object);
+  if (exact->graze) {
+    return "goes between " + length_text(v.depth_m) + " and " +
+           command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep into " +
+           object + ", and " + length_text(seat->allowed_m) + " are allowed";
+  }
+  const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
+  return "goes " + depth + " deep into " + object + ", " + length_text(seat->installed_m) +
+         " as installed and " + allowed + " allowed";
+}
+
+std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
+  const std::string object = name_of(checked, v.worst.object);
+  if (checked.exact != nullptr) {
+    return "while it touches " + object +
+           ", overlap cannot be measured: both meshes are open and have no inside";
+  }
+  return text("in contact, features of %s narrower than %.2f mm are not seen", object.c_str(),
+              ceil_mm(2 * checked.part.header().covering_radius_m));
+}
+
+std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact) {
+  const std::string name = name_of(checked, exact.worst.object);
+  const std::string deep =
+      exact.depth_m > 0 ? ", at least " + length_text(exact.depth_m) + " deep" : "";
+  if (exact.inside) {
+    return "all of the part is inside" + (exact.worst.object == 0 ? "" : " of " + name) + deep;
+  }
+  return "meets " + name + deep;
+}
+
+// The finding of a violation, without its position.
+std::string finding_text(const CheckedPath& checked, const Violation& v) {
+  if (v.pushed_into_seat) return pushed_text(checked, v);
+  if (v.unsettled_seat) return unsettled_text(checked, v);
+  const std::string object = name_of(checked, v.worst.object);
+  if (v.object_inside) return object + " lies inside the part";
+  if (v.worst.beyond_side) {
+    return "comes to " + command::length_texts(v.clearance_m, checked.required_m).first +
+           " of a cropped side of the scene, beyond which nothing is known";
+  }
+  if (const ExactViolation* exact = exact_of(checked, v)) {
+    if (exact->meets()) return meeting_text(checked, *exact);
+    const std::string near = "comes as near as " +
+                             command::length_texts(exact->worst.exact_m, checked.required_m).first +
+                             " to " + object;
+    if (!exact->graze) return near;
+    // More digits than the distance is off what is required.
+    const double off_m = std::abs(exact->worst.exact_m - checked.required_m);
+    return near + ", which deviations and rounding of " +
+           command::length_texts(checked.exact->margin_m, off_m).first + " leave open";
+  }
+  if (v.worst.max_m < checked.required_m) {
+    return "comes within " + command::upper_length_text(v.worst.max_m, checked.required_m) +
+           " of " + object;
+  }
+  const std::string proven = command::length_texts(v.clearance_m, checked.required_m).first;
+  if (!std::isfinite(v.worst.max_m)) return "only " + proven + " to " + object + " are proven";
+  return "is between " + proven + " and " +
+         command::upper_length_text(v.worst.max_m, checked.required_m) + " away from " + object +
+         ", and the baked files tell no more";
+}
+
+VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& moment,
+                            const ExactMoment* exact, double proven_m) {
+  VerdictDistance distance;
+  const bool measured = exact != nullptr && exact->exact_m < kNothingM;
+  distance.known = measured ? Known::kMeasured : Known::kProven;
+  distance.distance_m = measured ? exact->exact_m : proven_m;
+  distance.object = object_name(checked.scene, moment.object);
+  distance.along_m = along_m(checked, moment.time_s);
+  return distance;
+}
+
+VerdictDistance smallest_of(const CheckedPath& checked) {
+  const CheckResult& r = checked.result;
+  VerdictDistance distance =
+      distance_of(checked, r.smallest,
+                  checked.exact != nullptr ? &checked.exact->smallest : nullptr, r.clearance_m);
+  if (r.at_least && distance.known == Known::kProven) distance.known = Known::kAtLeast;
+  return distance;
+}
+
+std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
+  std::vector<command::VerdictSlide> slides;
+  for (std::size_t n = 0; n < checked.result.seated.size(); ++n) {
+    const auto& stretch = checked.result.seated[n];
+    command::VerdictSlide slide;
+    slide.from_m = along_m(checked, stretch.from_s);
+    slide.to_m = along_m(checked, stretch.to_s);
+    for (const std::uint32_t object : checked.result.seat_objects) {
+      slide.objects.push_back(object_name(checked.scene, object));
+    }
+    slide.nearest =
+        distance_of(checked, stretch.nearest, exact_in_seat(checked, n), stretch.clearance_m);
+    slides.push_back(std::move(slide));
+  }
+  return slides;
+}
+
+// Whether the part is installed where its path begins, and whether it is where that ends.
+bool is_installed_at_begin(const CheckedPath& checked) {
+  const auto& seated = checked.result.seated;
+  return !seated.empty() && seated.front().from_s <= checked.rows.front().time_s;
+}
+bool is_installed_at_end(const CheckedPath& checked) {
+  const auto& seated = checked.result.seated;
+  return !seated.empty() && seated.back().to_s >= checked.rows.back().time_s;
+}
+
+VerdictKind yes_of(const CheckedPath& checked) {
+  const bool begins = is_installed_at_begin(checked), ends = is_installed_at_end(checked);
+  if (begins && ends && checked.result.seated.size() == 1) return VerdictKind::kStaysInstalled;
+  return begins && !ends ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
+}
+
+// "103.2 to 159.5 mm along the path (1.720 to 2.658 s)"
+std::string stretch_text(const CheckedPath& checked, double from_s, double to_s) {
+  return text("%.1f to %.1f mm along the path (%.3f to %.3f s)", 1e3 * along_m(checked, from_s),
+              1e3 * along_m(checked, to_s), from_s, to_s);
+}
+
+// "after 51.6 mm, at x 94.64, y 39.86, z 51.52 mm"
+std::string where_text(const CheckedPath& checked, const CheckedMoment& moment) {
+  return text("after %.1f mm, ", 1e3 * along_m(checked, moment.time_s)) +
+         place_text(moment.point_m);
+}
+
+// "1.2 mm measured", or the bounds.
+std::string bounds_text(const CheckedMoment& moment, const ExactMoment* exact, double proven_m) {
+  if (exact != nullptr && exact->exact_m < kNothingM)
+    return length_text(exact->exact_m) + " measured";
+  std::string line = "at least " + length_text(proven_m);
+  if (std::isfinite(moment.max_m)) {
+    line += " and at most " + command::upper_length_text(moment.max_m, INFINITY);
+  }
+  return line;
+}
+
+}  // namespace
+
+double along_m(const CheckedPath& checked, double time_s) {
+  return checked.path.travel_m(checked.path.at(time_s));
+}
+
+const ExactViolation* exact_of(const CheckedPath& checked, const Violation& v) {
+  if (checked.exact == nullptr) return nullptr;
+  const auto number = static_cast<std::size_t>(&v - checked.result.violations.data());
+  return number < checked.exact->violations.size() ? &checked.exact->violations[number] : nullptr;
+}
+
+const ExactMoment* exact_in_seat(const CheckedPath& checked, std::size_t stretch) {
+  if (checked.exact == nullptr || stretch >= checked.exact->seated.size()) return nullptr;
+  const ExactMoment& nearest = checked.exact->seated[stretch].nearest;
+  return nearest.exact_m < kNothingM ? &nearest : nullptr;
+}
+
+const Violation& worst_of(const CheckedPath& checked) {
+  const auto& violations = checked.result.violations;
+  const auto order = [&](const Violation& v) {
+    return std::tuple(rank(kind_of(checked, v)), v.worst.clearance_m, -v.depth_m);
+  };
+  return *std::min_element(
+      violations.begin(), violations.end(),
+      [&](const Violation& a, const Violation& b) { return order(a) < order(b); });
+}
+
+std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
+  constexpr double kStraight = 1.001, kTurnRad = 0.02, kAlong = 0.9999, kToward = 0.9;
+  constexpr double kStandsM = 1e-6;
+  const auto& c = part.header().center_m;
+  const PathFacts facts = path_facts(rows, c);
+  const auto centroid = [&](const PathRow& row) {
+    return (clearance::pose_of(row) * Pose{{c[0], c[1], c[2]}, {1, 0, 0, 0}}).position_m;
+  };
+  const glm::dvec3 chord_m = centroid(rows.back()) - centroid(rows.front());
+  const double chord = glm::length(chord_m);
+  if (facts.way_m < kStandsM) return facts.turn_rad > kTurnRad ? "turning in place" : "";
+  if (chord < kStandsM) return "along a path that ends where it begins";
+  const bool is_straight = facts.way_m <= kStraight * chord;
+  std::string along;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cosine = chord_m[axis] / chord;
+    if (std::abs(cosine) < (is_straight ? kAlong : kToward)) continue;
+    along = text("%c%c", cosine > 0 ? '+' : '-', "xyz"[axis]);
+  }
+  if (along.empty()) {
+    const auto digit = [&](int axis) {
+      return std::round(1e2 * chord_m[axis] / chord) / 1e2 + 0.0;
+    };
+    along = text("(%.4g, %.4g, %.4g)", digit(0), digit(1), digit(2));
+  }
+  if (!is_straight) return "along a curved path toward " + along;
+  return "straight along " + along + (facts.turn_rad > kTurnRad ? " and turning" : "");
+}
+
+std::string place_text(const glm::dvec3& point_m) {
+  // A coordinate that would be printed as -0 is printed as 0.
+  const auto mm = [](double m) { return std::round(1e5 * m) / 1e2 + 0.0; };
+  return text("at x %.2f, y %.2f, z %.2f mm", mm(point_m.x), mm(point_m.y), mm(point_m.z));
+}
+
+std::string violation_text(const CheckedPath& checked, const Violation& v) {
+  std::string line = stretch_text(checked, v.from_s, v.to_s) + ": " + finding_text(checked, v);
+  return v.unsettled_seat ? line : line + ", " + where_text(checked, v.worst);
+}
+
+command::Verdict verdict_of(const CheckedPath& checked) {
+  const CheckResult& r = checked.result;
+  command::Verdict verdict;
+  verdict.required_m = checked.required_m;
+  verdict.motion = motion_text(checked.rows, checked.part);
+  verdict.path_m = along_m(checked, checked.rows.back().time_s);
+  verdict.slides = slides_of(checked);
+  verdict.nearest = smallest_of(checked);
+  verdict.kind = yes_of(checked);
+  if (r.clear()) return verdict;
+  const Violation& worst = worst_of(checked);
+  verdict.kind = kind_of(checked, worst);
+  if (verdict.kind == VerdictKind::kCollides && is_installed_at_begin(checked)) {
+    verdict.kind = VerdictKind::kDoesNotComeOut;
+  }
+  const ExactViolation* exact = exact_of(checked, worst);
+  verdict.nearest = distance_of(checked, worst.worst, exact != nullptr ? &exact->worst : nullptr,
+                                worst.clearance_m);
+  if (worst.unsettled_seat) verdict.nearest.known = Known::kNot;
+  if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {
+    verdict.finding = finding_text(checked, worst);
+  }
+  for (const Violation& v : r.violations) {
+    if (&v != &worst) verdict.more.push_back(violation_text(checked, v));
+  }
+  return verdict;
+}
+
+std::vector<std::string> bounds_texts(const CheckedPath& checked) {
+  const CheckResult& r = checked.result;
+  std::vector<std::string> lines;
+  const auto to = [&](std::uint32_t object) { return " to " + name_of(checked, object); };
+  for (std::size_t n = 0; n < r.seated.size(); ++n) {
+    const auto& stretch = r.seated[n];
+    lines.push_back("in contact from " + stretch_text(checked, stretch.from_s, stretch.to_s) +
+                    ": " +
+                    bounds_text(stretch.nearest, exact_in_seat(checked, n), stretch.clearance_m) +
+                    to(stretch.nearest.object) + ", " + where_text(checked, stretch.nearest));
+  }
+  if (r.clear() && smallest_of(checked).known != Known::kAtLeast) {
+    lines.push_back(std::string("nearest") + (r.seated.empty() ? "" : " otherwise") + ": " +
+                    bounds_text(r.smallest,
+                                checked.exact != nullptr ? &checked.exact->smallest : nullptr,
+                                r.clearance_m) +
+                    to(r.smallest.object) + ", " + where_text(checked, r.smallest) +
+                    text(" (%.3f s)", r.smallest.time_s));
+  }
+  return lines;
+}
+
+Json moment_json(const CheckedPath& checked, const CheckedMoment& moment, double clearance_m) {
+  const auto finite = [](double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+  };
+  Json json;
+  json["clearance_m"] = clearance_m;
+  json["t_s"] = moment.time_s;
+  json["along_path_m"] = along_m(checked, moment.time_s);
+  json["object"] =
+      moment.object == 0 ? Json(nullptr) : Json(object_name(checked.scene, moment.object));
+  json["point_m"] = {moment.point_m.x, moment.point_m.y, moment.point_m.z};
+  json["at_most_m"] = finite(moment.max_m);
+  json["slack_m"] = finite(std::max(0.0, moment.max_m - clearance_m));
+  return json;
+}
+
+Json stretch_json(const CheckedPath& checked, double from_s, double to_s) {
+  Json json;
+  json["from_s"] = from_s;
+  json["to_s"] = to_s;
+  json["from_m"] = along_m(checked, from_s);
+  json["to_m"] = along_m(checked, to_s);
+  return json;
+}
+
+Json seated_json(const CheckedPath& checked, const clearance::SeatedStretch& stretch) {
+  Json json = stretch_json(checked, stretch.from_s, stretch.to_s);
+  json["way_m"] = stretch.way_m;
+  json.update(moment_json(checked, stretch.nearest, stretch.clearance_m));
+  return json;
+}
+
+}  // namespace forcelayer::voxcheck

@@ -1,0 +1,214 @@
+// A verdict says the same on the terminal, in JSON, JUnit, GitHub, GitLab and as exit status.
+#include "formats/command/verdict/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+#include <string>
+
+#include "formats/command/verdict/hosts.h"
+
+namespace forcelayer::command {
+namespace {
+
+using Known = VerdictDistance::Known;
+
+std::size_t count(const std::string& text, const std::string& words) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+    ++n;
+  return n;
+}
+
+// Words with which a first sentence says no, written here a second time.
+bool begins_with_a_no(const std::string& line) {
+  for (const char* words :
+       {"Does not keep the clearance", "Collides", "Does not come out", "Too close to call",
+        "Undecided", "Never near the scene", "No path found"}) {
+    if (line.starts_with(words)) return true;
+  }
+  return false;
+}
+bool begins_with_a_yes(const std::string& line) {
+  for (const char* words :
+       {"Comes out", "Keeps the clearance", "Passes without a collision", "Stays in contact"}) {
+    if (line.starts_with(words)) return true;
+  }
+  return false;
+}
+
+// All kinds, each with every kind of distance and several numbers of slides, blockers and
+// stretches.
+std::vector<Verdict> many_verdicts() {
+  std::mt19937 random(1);
+  const auto up_to = [&](int n) { return std::uniform_int_distribution<int>(0, n)(random); };
+  const auto length_m = [&] { return std::exp2(std::uniform_real_distribution(-20., 1.)(random)); };
+  std::vector<Verdict> all;
+  for (const VerdictKind kind : kAllVerdictKinds) {
+    for (const Known known : {Known::kNot, Known::kAtLeast, Known::kProven, Known::kMeasured}) {
+      for (int repeat = 0; repeat < 3; ++repeat) {
+        Verdict v;
+        v.kind = kind;
+        v.required_m = repeat == 0 ? 0 : length_m();
+        v.motion = repeat == 1 ? "" : "straight along +z";
+        v.path_m = length_m();
+        v.nearest = {known, length_m(), repeat == 1 ? "" : "a\nb<c>&\"", length_m()};
+        for (int n = up_to(2); n > 0; --n) {
+          v.slides.push_back({0, v.path_m * n / 3, {"Bolt", "Bolt[2]"}, v.nearest});
+        }
+        for (int n = up_to(7); n > 0; --n)
+          v.blocked_by.push_back("Bolt[" + std::to_string(n) + "]");
+        if (up_to(1) == 1) v.finding = "meets Bolt[2], 50% deep";
+        v.advice = up_to(1) == 1 ? "give --seat 0,0,0m" : "";
+        if (!is_yes(kind))
+          v.more.resize(static_cast<std::size_t>(up_to(2)), "3 to 4 mm: meets a wall");
+        v.notes.resize(static_cast<std::size_t>(up_to(2)), "a note");
+        v.remarks.resize(static_cast<std::size_t>(up_to(2)), "it overlaps Bolt");
+        all.push_back(v);
+      }
+    }
+  }
+  return all;
+}
+
+TEST(Verdict, AllReportsSayTheSame) {
+  const Subject subject{"voxcheck", "part.pshell", "path.csv"};
+  const auto all = many_verdicts();
+  ASSERT_GE(all.size(), 50u);
+  for (const Verdict& v : all) {
+    const std::string first = sentence(v);
+    SCOPED_TRACE(first);
+    const bool yes = begins_with_a_yes(first);
+    ASSERT_NE(yes, begins_with_a_no(first));
+    EXPECT_EQ(first.find('\n'), std::string::npos);
+    EXPECT_TRUE(first.ends_with("."));
+
+    const Status status = exit_of(v, "path.csv");
+    EXPECT_EQ(yes, status.ok());
+    if (!yes) {
+      EXPECT_EQ(exit_status(status.error().code), 6);
+      EXPECT_EQ(status.error().what, gist(v));
+      EXPECT_EQ(status.error().mend, v.advice);
+      // The line of an error and the sentence have the same words.
+      std::string head = to_text(v.kind);
+      EXPECT_TRUE(gist(v).starts_with(head)) << gist(v);
+      EXPECT_NE(first.find(gist(v).substr(head.size() + 2)), std::string::npos) << gist(v);
+    }
+
+    EXPECT_TRUE(terminal_text(v).starts_with(first + "\n"));
+    EXPECT_EQ(heading(v) + ": " + explanation(v) + ".", first);
+    EXPECT_NE(begins_with_a_yes(heading(v)), begins_with_a_no(heading(v)));
+    EXPECT_EQ(begins_with_a_yes(heading(v)), yes);
+
+    const auto json = verdict_json(v);
+    EXPECT_EQ(json["verdict"], yes ? "clear" : "not clear");
+    EXPECT_EQ(json["sentence"], first);
+    EXPECT_EQ(json["required_clearance_m"], v.required_m);
+    EXPECT_EQ(verdict_kind(json["kind"].get<std::string>()), v.kind);
+
+    const std::string junit = junit_text(subject, v, 1.5);
+    EXPECT_EQ(count(junit, yes ? "failures=\"0\"" : "failures=\"1\""), 1u);
+    EXPECT_EQ(count(junit, "errors=\"0\""), 1u);
+    EXPECT_EQ(count(junit, "<failure"), yes ? 0u : 1u);
+    EXPECT_EQ(count(junit, "<system-out"), yes ? 1u : 0u);
+    const std::string plain = heading(v);
+    EXPECT_EQ(count(junit, plain), yes ? 1u : 2u);  // beside the message in the text too
+
+    const std::string lines = annotations(subject, v);
+    EXPECT_EQ(count(lines, "::error "), yes ? 0 : 1 + v.more.size());
+    EXPECT_EQ(count(lines, "::warning "), v.remarks.size());
+    EXPECT_EQ(count(lines, "::" + plain), yes ? 0u : 1u);
+
+    std::size_t major = 0, minor = 0;
+    bool is_said = false;
+    for (const auto& issue : issues(subject, v)) {
+      major += issue["severity"] == "major";
+      minor += issue["severity"] == "minor";
+      is_said |= issue["description"] == first;
+    }
+    EXPECT_EQ(major, yes ? 0 : 1 + v.more.size());
+    EXPECT_EQ(minor, v.remarks.size());
+    EXPECT_EQ(is_said, !yes);
+  }
+}
+
+TEST(Verdict, EachKindHasWordsOfItsOwn) {
+  std::set<std::string> words;
+  for (const VerdictKind kind : kAllVerdictKinds) {
+    words.insert(to_text(kind));
+    EXPECT_EQ(verdict_kind(to_text(kind)), kind);
+  }
+  EXPECT_EQ(words.size(), std::size(kAllVerdictKinds));
+  EXPECT_EQ(verdict_kind("clear"), VerdictKind::kUndecided);  // a word of no kind is no yes
+}
+
+TEST(Verdict, SaysWhatWasFoundInOneSentence) {
+  Verdict v;
+  v.kind = VerdictKind::kComesOut;
+  v.required_m = 0.001;
+  v.motion = "straight along +z";
+  v.path_m = 0.06;
+  v.slides = {{0, 0.0516, {"A", "B"}, {Known::kMeasured, 96e-6, "A", 0.01}}};
+  v.nearest = {Known::kMeasured, 0.001523, "Clip/Half", 0.0516};
+  EXPECT_EQ(sentence(v),
+            "Comes out, straight along +z: slides along A and B for the first 51.6 mm (0.096 mm of "
+            "play), otherwise stays 1.523 mm away or more (measured to Clip/Half, after 51.6 of 60 "
+            "mm; 1 mm required).");
+  v.slides.clear();
+  v.kind = VerdictKind::kTooNear;
+  v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};
+  EXPECT_EQ(sentence(v),
+            "Does not keep the clearance, straight along +z: comes as near as 0.9 mm (measured to "
+            "Clip/Half, after 51.6 of 60 mm; 1 mm required).");
+  v.kind = VerdictKind::kDoesNotComeOut;
+  v.slides = {{0, 0.0424, {"Floor"}, {}}};
+  v.finding = "meets Wall, at least 0.2 mm deep";
+  EXPECT_EQ(sentence(v),
+            "Does not come out, straight along +z: comes free of Floor after 42.4 mm, but meets "
+            "Wall, at least 0.2 mm deep (after 51.6 of 60 mm; 1 mm required).");
+  v.slides[0].to_m = 0.06;
+  v.kind = VerdictKind::kStaysInstalled;
+  v.finding.clear();
+  v.nearest = {Known::kAtLeast, 0.005, "", 0};
+  EXPECT_EQ(sentence(v),
+            "Stays in contact, straight along +z: slides along Floor for the whole path of 60 mm, "
+            "otherwise stays 5 mm away or more (nothing is nearer; 1 mm required).");
+}
+
+// A sentence never says that one figure equals another that it does not equal, nor turns them
+// round.
+TEST(Verdict, UnequalLengthsHaveUnequalTexts) {
+  std::mt19937 random(2);
+  const auto mm_of = [](const std::string& text) { return std::stold(text); };
+  const auto hold = [&](double a_m, double b_m) {
+    const auto [a, b] = length_texts(a_m, b_m);
+    SCOPED_TRACE(a + " and " + b);
+    EXPECT_EQ(a == b, a_m == b_m);
+    EXPECT_EQ(mm_of(a) < mm_of(b), a_m < b_m);
+  };
+  for (int repeat = 0; repeat < 2000; ++repeat) {
+    const double a_m = std::exp2(std::uniform_real_distribution(-25., 6.)(random));
+    hold(a_m, a_m);
+    for (const double by : {1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.1}) {
+      hold(a_m, a_m * (1 + by));
+      hold(a_m * (1 + by), a_m);
+    }
+    hold(a_m, std::nextafter(a_m, 1e9));
+    const double than_m = a_m * 1.0001;
+    EXPECT_LT(mm_of(upper_length_text(a_m, than_m)), 1e3 * than_m);
+    EXPECT_GE(mm_of(upper_length_text(a_m, than_m)), 1e3 * a_m * (1 - 1e-9));
+  }
+  EXPECT_EQ(length_texts(7.5e-6, 7.6e-6),
+            (std::pair<std::string, std::string>("0.0075 mm", "0.0076 mm")));
+  EXPECT_EQ(length_text(0.0127), "12.7 mm");
+  EXPECT_EQ(length_text(0.06), "60 mm");
+  EXPECT_EQ(length_text(0.0012349), "1.234 mm");  // no larger than it is
+  EXPECT_EQ(length_text(0), "0 mm");
+  EXPECT_EQ(length_text(4e-8), "0.00004 mm");
+}
+
+}  // namespace
+}  // namespace forcelayer::command
