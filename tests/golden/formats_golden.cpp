@@ -3,6 +3,7 @@
 // not exist yet.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <sstream>
 
@@ -183,12 +184,16 @@ TEST(Golden, TheDumpInTheSpecificationIsTrue) {
 TEST(Golden, ChecksumsHaveTheKnownAnswers) {
   EXPECT_EQ(checksum(std::as_bytes(std::span("Forcelayer", 10))), 0x41bf75e4abdea3e4u);
   EXPECT_EQ(checksum({}), 0x2d06800538d394c2u);
+  std::array<unsigned char, 2000> bytes;
+  for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<unsigned char>(n % 251);
+  EXPECT_EQ(checksum(std::as_bytes(std::span(bytes))), 0x8d38fc31dc9d9fabu);
   int told = 0;
   for (const std::string& line : lines_of_specification()) {
     told += line.find("0x41bf75e4abdea3e4") != std::string::npos;
     told += line.find("0x2d06800538d394c2") != std::string::npos;
+    told += line.find("0x8d38fc31dc9d9fab") != std::string::npos;
   }
-  EXPECT_EQ(told, 2);
+  EXPECT_EQ(told, 3);
 }
 
 TEST(Golden, PshellValues) {
