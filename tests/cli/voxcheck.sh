@@ -325,8 +325,8 @@ PYTHON
 
   # Bolt heads that are too narrow to be felt at these voxels: the cover goes through them. The meshes tell.
   if [ -z "${FORCELAYER_SANITIZED:-}" ]; then  # the same code as above, for minutes
-    "$bin/voxelize" "$data/gearbox.glb" --without Cover --without 'Bolt???' --voxel-size 2mm -o held.vox --quiet
-    "$bin/pointshell" "$data/gearbox.glb#Cover" --voxel-size 2mm -o coarse.pshell --quiet
+    "$bin/voxelize" "$data/gearbox.glb" --without Cover --without 'Bolt???' --voxel-size 3mm -o held.vox --quiet
+    "$bin/pointshell" "$data/gearbox.glb#Cover" --voxel-size 3mm -o coarse.pshell --quiet
     held=(held.vox coarse.pshell out.csv --clearance 1mm --seat 0,0,0m)
     meshes=(--exact "$data/gearbox.glb" --without Cover --without 'Bolt???' --part "$data/gearbox.glb#Cover")
     check 6 "${held[@]}"

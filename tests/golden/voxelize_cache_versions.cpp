@@ -40,6 +40,7 @@ constexpr Golden kGolden[] = {
     {"distance", 1, "dced7f28bc28ea459de843b666334c3c"},
     {"distance", 2, "dced7f28bc28ea459de843b666334c3c"},
     {"distance", 3, "05236e93d71372c5975629dec3ad961d"},
+    {"distance", 4, "3db16d9acd3feaa4eebf20d8381ea597"},
     {"near voxels", 2, "90bd1485eae1eddd72590f4c2a8fca18"},
     {"near voxels", 3, "90bd1485eae1eddd72590f4c2a8fca18"},
 };

@@ -194,9 +194,10 @@ TEST(ObjectBake, IsRightForPointsInContact) {
 void shuffle_triangles(MeshScene& scene, Random& random) {
   for (mesh::Mesh& mesh : scene.meshes) {
     std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
+    const bool turned = random() % 2 != 0;  // as a whole: closed surfaces are wound one way
     for (mesh::Triangle& triangle : mesh.triangles) {
       std::rotate(triangle.begin(), triangle.begin() + whole(random, 0, 2), triangle.end());
-      if (random() % 2) std::swap(triangle[0], triangle[1]);
+      if (turned) std::swap(triangle[0], triangle[1]);
     }
   }
 }

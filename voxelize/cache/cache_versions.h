@@ -32,7 +32,8 @@ inline constexpr std::uint32_t kGrowthCacheVersion = 3;
 // ... measured distances, their sides or the nearest objects come out differently.
 // 2: a piece of a large triangle without area is a line.
 // 3: near an edge the side is that of the voxels that a center sees.
-inline constexpr std::uint32_t kDistanceCacheVersion = 3;
+// 4: closed walls are negative inside, however thin.
+inline constexpr std::uint32_t kDistanceCacheVersion = 4;
 
 // ... offset, bricks or clearance come out differently for the same voxels.
 inline constexpr std::uint64_t kNodeCacheVersion = 1;

@@ -9,6 +9,7 @@
 
 #include "formats/lattice/brick_bits.h"
 #include "formats/voxmap_format.h"
+#include "voxelize/distance/inside_test.h"
 #include "voxelize/distance/lines_of_sight.h"
 
 namespace forcelayer::distance {
@@ -34,6 +35,7 @@ class NodeMeasurement {
     growth_ = growth;
     if (growth != nullptr) node_.grown = {};
     tells_objects_ = !numbers.empty();
+    scene_ = &triangles;
     interior_ = &interior;
     geometry_ = &geometry;
     origin_ = origin;
@@ -108,11 +110,12 @@ class NodeMeasurement {
   bool encode(const std::array<int, 3>& low, std::uint64_t solid, TriangleList list,
               TriangleList around) {
     std::uint64_t negative = solid;
+    listed_ = kNotListed;
     for (std::uint64_t left = masks::cell_bits(surface_, low) & ~solid; left != 0;
          left &= left - 1) {
       const int n = std::countr_zero(left);
       const PreparedTriangle& nearest = *list[nearest_.which(static_cast<std::size_t>(n))];
-      negative |= std::uint64_t{lies_inside(nearest, low, n, around)} << n;
+      negative |= std::uint64_t{lies_inside(nearest, low, n, list, around)} << n;
     }
     std::array<std::uint8_t, kCubePoints> codes;
     codes_of_distances(nearest_.smallest(), negative, *scale_, codes.data());
@@ -142,9 +145,10 @@ class NodeMeasurement {
   // Whether voxel n of a cell, through which the surface passes, has its center inside. The vector
   // from the surface's nearest point to the center leads to the center's side. 1.25 voxels further
   // along it lies a voxel that this piece of surface does not pass through: inside or outside. At
-  // an edge it may lie in another piece; then the voxels decide that the center sees.
+  // an edge it may lie in another piece; then the voxels decide that the center sees. A wall may be
+  // so thin that it has no voxel inside. There a closed surface itself decides.
   bool lies_inside(const PreparedTriangle& nearest, const std::array<int, 3>& low, int n,
-                   TriangleList around) {
+                   TriangleList list, TriangleList around) {
     constexpr double kOnwards = 1.25;
     const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
     std::array<double, 3> center;
@@ -159,8 +163,28 @@ class NodeMeasurement {
       onwards[d] = voxel[d] + (away[d] >= half) - (away[d] < -half);
     }
     const Side side = side_of(onwards);
-    if (side != Side::kSurface) return side == Side::kInside;
+    if (side == Side::kInside) return true;
+    if (is_behind(*scene_, index_, center, away, nearest, near_voxel(n, list))) return true;
+    if (side == Side::kOutside) return false;
     return has_inside_around(voxel) && sees_inside(voxel, low, around);
+  }
+
+  // The triangles of a cell that may be the nearest to its voxel n. All of the cell's where they
+  // are of one component, which alone can hold the voxel's center then.
+  NearTriangles near_voxel(int n, TriangleList list) {
+    if (listed_ == kNotListed) listed_ = are_mixed(list) ? 0 : kNotMixed;
+    if (listed_ == kNotMixed) return {list, false};
+    const auto number = static_cast<unsigned>((n >> 5) * 4 + (n >> 3 & 1) * 2 + (n >> 1 & 1));
+    std::vector<const PreparedTriangle*>& near = in_eighths_[number];
+    if ((listed_ >> number & 1) == 0) {
+      listed_ |= 1u << number;
+      near.clear();
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if ((nearest_.measured_in(i) >> number & 1) != 0) near.push_back(list[i]);
+      }
+      mixed_ = are_mixed(near) ? mixed_ | 1u << number : mixed_ & ~(1u << number);
+    }
+    return {near, (mixed_ >> number & 1) != 0};
   }
 
   // Whether one of the voxels that sees_inside() looks at lies inside.
@@ -253,6 +277,7 @@ class NodeMeasurement {
   }
 
   const CodeScale* scale_ = nullptr;
+  const SceneTriangles* scene_ = nullptr;
   const masks::MaskTree *interior_ = nullptr, *geometry_ = nullptr;
   const CenterGrowth* growth_ = nullptr;
   masks::Coord origin_;
@@ -263,6 +288,11 @@ class NodeMeasurement {
   LinesOfSight sight_;
   CellSearch search_;
   NearestTriangles nearest_;
+  // For near_voxel(): lists for the cell's eighths. As bits, the eighths whose list is made, and
+  // those whose list has more than one component.
+  std::array<std::vector<const PreparedTriangle*>, kEighths> in_eighths_;
+  static constexpr unsigned kNotListed = 1u << kEighths, kNotMixed = kNotListed << 1;
+  unsigned listed_ = kNotListed, mixed_ = 0;
   bool tells_objects_ = false;
   ObjectChoice choice_;
 };
@@ -290,7 +320,7 @@ DistanceCodes::DistanceCodes(std::vector<const scan::SnappedObject*> objects,
       interior_(interior),
       scale_(scale),
       kept_(kept),
-      triangles_(std::move(objects), reach(scale), spill),
+      triangles_(std::move(objects), reach(scale), spill, true),
       numbers_(std::move(numbers)),
       scratch_(std::make_unique<Scratch>()) {
   if (growth_units > 0) growth_.emplace(triangles_, growth_units);

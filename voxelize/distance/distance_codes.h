@@ -35,7 +35,7 @@ struct NodeDistances {
 
 // The trees and objects must outlive this; codes() may run on many threads. Distances are from the
 // surfaces of `objects`. They are negative in voxels of `interior`, and in voxels of `geometry`
-// whose center lies on the interior's side of the surface.
+// whose center is inside of a closed surface or on the interior's side of an open one.
 class DistanceCodes {
  public:
   // Voxels outside `kept` have the highest code. The surface grows by `growth_units`

@@ -199,6 +199,9 @@ HWY_EXPORT(prepare);
 static_assert(TriangleBatch::kNumbers == 28 && std::is_trivially_copyable_v<PreparedTriangle>);
 
 void TriangleBatch::flush() {
+  // Above the sine of an angle that is 0 but for rounding, and below that between edges of up to
+  // 200 voxels, or of a piece that flatten_if_thin() leaves.
+  constexpr float kNoArea = 1e-13f;
   if (count_ == 0) return;
   Rows rows;
   HWY_DYNAMIC_DISPATCH(prepare)(corners_, rows);
@@ -206,9 +209,10 @@ void TriangleBatch::flush() {
     std::array<float, kNumbers> numbers;
     for (std::size_t row = 0; row < kNumbers; ++row) numbers[row] = rows[row][i];
     PreparedTriangle& triangle = list_->emplace_back();
-    std::memcpy(&triangle, numbers.data(), sizeof numbers);
+    std::memcpy(static_cast<void*>(&triangle), numbers.data(), sizeof numbers);
     triangle.source = sources_[i];
     triangle.object = objects_[i];
+    if (triangle.direction_2[1] > kNoArea) triangle.side = sides_[i];
   }
   count_ = 0;
 }

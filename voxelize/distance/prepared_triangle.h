@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "voxelize/distance/surface_sides.h"
+
 namespace forcelayer::distance {
 
 // In lattice units, from an origin that lies a whole number of voxels from the world's. Only
@@ -24,6 +26,7 @@ struct PreparedTriangle {
   float length_2, length_3;
   std::uint32_t source;  // the triangle's number in its object
   std::uint32_t object;  // its object's number in SceneTriangles, from 0 on
+  TriangleSide side;     // reversed: `normal` points inside; open where there is no area
 };
 
 // An order of triangles that a shift of the whole scene by whole voxels does not change.
@@ -43,9 +46,13 @@ class TriangleBatch {
  public:
   explicit TriangleBatch(std::vector<PreparedTriangle>& list) : list_(&list) {}
 
-  // Corners, counted from the origin of PreparedTriangle. Their order does not matter.
+  // Corners, counted from the origin of PreparedTriangle. Their order matters to the side alone,
+  // which is that of the triangle as it is wound.
   void add(const std::array<std::array<double, 3>, 3>& corners, std::uint32_t source,
-           std::uint32_t object) {
+           std::uint32_t object, TriangleSide side = {}) {
+    const auto& [a, b, c] = corners;
+    const bool is_turned = is_before(b, a) ^ is_before(c, b) ^ is_before(c, a);
+    sides_[count_] = is_turned ? side.turned() : side;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t d = 0; d < 3; ++d) corners_[k][d][count_] = corners[k][d];
     }
@@ -63,10 +70,16 @@ class TriangleBatch {
   using Rows = std::array<std::array<float, kSize>, kNumbers>;
 
  private:
+  static bool is_before(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    if (a[0] != b[0]) return a[0] < b[0];
+    return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
+  }
+
   std::vector<PreparedTriangle>* list_;
   std::size_t count_ = 0;
   Vectors corners_{};
   std::array<std::uint32_t, kSize> sources_{}, objects_{};
+  std::array<TriangleSide, kSize> sides_{};
 };
 
 }  // namespace forcelayer::distance

@@ -55,7 +55,7 @@ double squared_length(const Point& a, const Point& b) {
 }
 
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,
-             std::uint32_t object, TriangleBatch& near) {
+             std::uint32_t object, TriangleSide side, TriangleBatch& near) {
   std::vector<Point> polygon(corners.begin(), corners.end());
   const double margin = static_cast<double>(reach + 1) * static_cast<double>(lattice::kSnapUnits);
   for (std::size_t d = 0; d < 3; ++d) {
@@ -65,7 +65,7 @@ void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t sourc
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     std::array<Point, 3> piece{polygon[0], polygon[i - 1], polygon[i]};
     flatten_if_thin(piece);
-    near.add(piece, source, object);
+    near.add(piece, source, object, side);
   }
 }
 
@@ -90,15 +90,17 @@ void flatten_if_thin(std::array<Point, 3>& piece) {
 }
 
 SceneTriangles::SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach,
-                               scan::SpillFile* spill)
+                               scan::SpillFile* spill, bool finds_sides)
     : objects_(std::move(objects)), reach_(reach), spill_(spill) {
   struct Place {
     scan::NodeIndex node;
     Bin bin;
   };
   bins_.resize(objects_.size());
+  if (finds_sides) sides_.resize(objects_.size());
   tbb::parallel_for(std::size_t{0}, objects_.size(), [&](std::size_t i) {
     bins_[i] = scan::bin_triangles(*objects_[i], reach, spill);
+    if (finds_sides) sides_[i] = SurfaceSides(*objects_[i], spill);
   });
   std::vector<Place> places;
   for (std::uint32_t i = 0; i < bins_.size(); ++i) {
@@ -154,9 +156,9 @@ void SceneTriangles::gather(const scan::NodeIndex& node,
       const lattice::LatticeTriangle triangle = objects_[object]->triangle(number);
       const std::array<Point, 3> corners = relative(triangle, node);
       if (is_large(triangle)) {
-        add_cut(corners, reach_, number, object, batch);
+        add_cut(corners, reach_, number, object, side_of(object, number), batch);
       } else {
-        batch.add(corners, number, object);
+        batch.add(corners, number, object, side_of(object, number));
       }
     }
   }

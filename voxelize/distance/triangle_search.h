@@ -23,9 +23,10 @@ void flatten_if_thin(std::array<std::array<double, 3>, 3>& piece);
 class SceneTriangles {
  public:
   // A triangle is near a node when it comes nearer than `reach` voxels (1..64). The objects must
-  // outlive this, and so must the file that the lists wait in, if there is one.
+  // outlive this, and so must the file that the lists wait in, if there is one. The triangles'
+  // sides are found on request: without that, all are open.
   SceneTriangles(std::vector<const scan::SnappedObject*> objects, int reach,
-                 scan::SpillFile* spill = nullptr);
+                 scan::SpillFile* spill = nullptr, bool finds_sides = false);
 
   // The nodes that have triangles near, ascending.
   const std::vector<scan::NodeIndex>& nodes() const { return nodes_; }
@@ -42,6 +43,10 @@ class SceneTriangles {
   lattice::LatticeTriangle original(const PreparedTriangle& near) const {
     return objects_[near.object]->triangle(near.source);
   }
+  // The side of a whole triangle as it is wound.
+  TriangleSide side_of(std::uint32_t object, std::uint32_t triangle) const {
+    return sides_.empty() ? TriangleSide() : sides_[object][triangle];
+  }
 
  private:
   struct Bin {
@@ -55,6 +60,7 @@ class SceneTriangles {
   int reach_;
   scan::SpillFile* spill_;
   std::vector<scan::NodeBins> bins_;    // [objects]
+  std::vector<SurfaceSides> sides_;     // [objects], or empty
   std::vector<scan::NodeIndex> nodes_;  // [n]
   std::vector<std::size_t> first_;      // [n + 1] offsets into of_node_
   std::vector<Bin> of_node_;
