@@ -440,7 +440,9 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "frames", s.frames);
   put(json, "force_layer_frames", s.force_layer_frames);
   put(json, "penetration_frames", s.penetration_frames);
-  put(json, "verdict", verdict_word(scenes, facts.outcome, s));
+  const command::Verdict verdict = verdict_of(scenes, facts.outcome, s);
+  put(json, "verdict", run_word(verdict));
+  put(json, "sentence", command::sentence(verdict));
   put(json, "pull", pull_json(scenes, facts, s));
   put(json, "motion", motion_json(scenes, facts));
   put(json, "penetration_ratio", number(penetration_ratio(s)));

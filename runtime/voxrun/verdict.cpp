@@ -10,6 +10,7 @@ namespace forcelayer::voxrun {
 namespace {
 
 using command::text;
+using command::VerdictKind;
 
 using loop::FirstFrame;
 using loop::LoopStatistics;
@@ -167,6 +168,44 @@ bool is_held(const Outcome& outcome) {
   return !outcome.pull && outcome.motion && !outcome.motion->all_the_way();
 }
 
+// The names of what the part pushed against in a frame.
+std::vector<std::string> names_of(const Scenes& scenes, const loop::TouchedInFrame& in_frame) {
+  std::vector<std::string> names;
+  for (const TouchedObject& touched : in_frame) {
+    if (touched.object != 0) names.push_back(scenes.object_text(touched.object));
+  }
+  return names;
+}
+
+// The premises that failed.
+std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
+  if (s.frames == 0) return "no frame was run";
+  std::string line;
+  const auto add = [&](const std::string& doubt) { line += (line.empty() ? "" : "; ") + doubt; };
+  if (outcome.scene_missed) add("a scene of --scene-next did not come");
+  if (is_unfinished(scenes, outcome.pull, s)) {
+    add(pull_part(outcome.pull) + ", and nothing holds it");
+  }
+  if (s.first_outside_map) {
+    add(text("from %.3f s on it was beyond a cropped side of the scene, where nothing is known",
+             s.first_outside_map->time_s));
+  }
+  if (s.barred_frames > 0) add("it was nearer than the guard allows");
+  if (is_too_fast(scenes, s)) add("it moved more than half a voxel in a frame");
+  return line;
+}
+
+// "stays 3.1 mm away or more (proven to B, at 2.204 s)"
+std::string stays_text(const Scenes& scenes, const LoopStatistics& s) {
+  const auto& smallest = s.min_clearance;
+  if (smallest.kind == ClearanceKind::kNone) return "no distance is known";
+  const std::string stays =
+      "stays " + command::length_text(smallest.clearance_m) + " away or more (";
+  if (smallest.kind == ClearanceKind::kAtLeast) return stays + "nothing is nearer)";
+  return stays + "proven to " + printed(scenes, smallest.object) +
+         text(", at %.3f s)", smallest.time_s);
+}
+
 }  // namespace
 
 bool Pull::short_of_end() const { return went_m < kFollowed * led_m; }
@@ -185,19 +224,68 @@ std::string seat_text(const Scenes& scenes, double min_overlap_m) {
   return line;
 }
 
-const char* verdict_word(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
-  if (s.penetration_frames > 0) return "penetrated";
-  if (outcome.scene_missed || is_doubtful(scenes, s) || is_unfinished(scenes, outcome.pull, s)) {
-    return "unknown";
+command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
+  command::Verdict verdict;
+  verdict.is_asked = false;
+  const std::optional<Pull>& pull = outcome.pull;
+  const bool open = seat_open(scenes, s);
+  if (s.penetration_frames > 0) {
+    verdict.kind = VerdictKind::kPenetrates;
+    verdict.finding = text("in %llu of %llu frames a point is inside the scene",
+                           printable(s.penetration_frames), printable(s.frames));
+    if (s.first_penetration) {
+      verdict.finding += text(", the first time at %.3f s", s.first_penetration->time_s) +
+                         against(scenes, s.first_penetration->touched, true);
+    }
+  } else if (outcome.scene_missed || is_doubtful(scenes, s) || is_unfinished(scenes, pull, s)) {
+    verdict.kind = VerdictKind::kUndecided;
+    verdict.finding = doubt_text(scenes, outcome, s);
+  } else if (open) {
+    verdict.kind = VerdictKind::kDoesNotComeOut;
+    verdict.finding = is_short(pull)
+                          ? pull_part(pull)
+                          : "it is still where it is installed, on " + seat_text(scenes, INFINITY);
+    if (is_stopped(pull, s)) verdict.blocked_by = names_of(scenes, s.touched_last);
+    if (!is_stopped(pull, s)) verdict.finding += ", and nothing holds it";
+  } else if (is_held(outcome)) {
+    verdict.kind = VerdictKind::kHeld;
+    const bool is_pulled = is_short(pull);
+    verdict.finding = is_pulled ? pull_part(pull)
+                                : text("it is up to %.3g mm off its motion, at %.3f s",
+                                       1e3 * outcome.motion->off_m, outcome.motion->time_s);
+    verdict.blocked_by = names_of(scenes, is_pulled ? s.touched_last : outcome.motion->touched);
+  } else {
+    const bool leaves = !scenes.seat().empty();
+    verdict.kind = leaves ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
+    verdict.finding = (leaves ? text("it leaves %s after %.3f s, and from then on ",
+                                     seat_text(scenes, INFINITY).c_str(), *s.guarantee_from_s)
+                              : std::string()) +
+                      stays_text(scenes, s);
   }
-  if (seat_open(scenes, s)) return "seated";
-  return is_held(outcome) ? "held" : "proven";
+  return verdict;
+}
+
+const char* run_word(const command::Verdict& verdict) {
+  switch (verdict.kind) {
+    case VerdictKind::kComesOut:
+    case VerdictKind::kKeepsClearance:
+      return "proven";
+    case VerdictKind::kPenetrates:
+      return "penetrated";
+    case VerdictKind::kDoesNotComeOut:
+      return "seated";
+    case VerdictKind::kHeld:
+      return "held";
+    default:
+      return "unknown";
+  }
 }
 
 std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
-  if (s.frames == 0) return "no frame was run\n";
+  const std::string first = command::sentence(verdict_of(scenes, outcome, s)) + "\n";
+  if (s.frames == 0) return first;
   const std::optional<Pull>& pull = outcome.pull;
-  std::string line = seat_part(scenes, pull, s);
+  std::string line = first + seat_part(scenes, pull, s);
   const bool loose = is_unfinished(scenes, pull, s);
   if (s.penetration_frames > 0) {
     line += "PENETRATED: ";

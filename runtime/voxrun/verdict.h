@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "formats/command/verdict/verdict.h"
 #include "runtime/loop/loop_statistics.h"
 #include "runtime/voxrun/motion_watch.h"
 #include "runtime/voxrun/options.h"
@@ -29,13 +30,17 @@ struct Outcome {
 // of more than `min_overlap_m` is said.
 std::string seat_text(const Scenes& scenes, double min_overlap_m);
 
+// The verdict of a run, which checks no clearance that was asked for. --fail-on says which answers
+// end with status 6.
+command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome,
+                            const loop::LoopStatistics& statistics);
+
 // `proven`, `penetrated` (a penetration frame), `seated` (the seat was not left), `held` (off its
 // motion, or short of the end of its pull), or `unknown` (a premise failed, a scene was missed, a
 // pull was not followed although nothing holds the part, or no frame was run).
-const char* verdict_word(const Scenes& scenes, const Outcome& outcome,
-                         const loop::LoopStatistics& statistics);
+const char* run_word(const command::Verdict& verdict);
 
-// The same with figures, times and names: one line, escaped, with its end.
+// Its sentence, and the same with figures, times and names: two lines, escaped.
 std::string verdict_text(const Scenes& scenes, const Outcome& outcome,
                          const loop::LoopStatistics& statistics);
 

@@ -60,12 +60,14 @@ answer() {  # answer PART: the end of its run, straight up
   voxelize sample_data/gearbox.glb --without "$1" --voxel-size 1mm -o rest.vox --quiet &&
     pointshell "sample_data/gearbox.glb#$1" --voxel-size 1mm -o part.pshell --quiet --method fast &&
     voxrun rest.vox part.pshell --pull 0,0,60mm --as-fast-as-possible --json run.json >out 2>err || fail "$1: $(cat err)"
-  tail -2 out
+  tail -3 out
 }
 answer Pin >pin
 grep -q "^touched nothing$" pin || grep -q "^touched Gearbox/" pin || fail "what the pin touched: $(cat pin)"
 answer Cover >cover
 grep -q "^touched Gearbox/.*Gearbox/Lid/Bolt" cover || fail "the bolts do not hold the cover: $(cat cover)"
+grep -qE "^Does not come out: pulled 60 mm, it went 0\.[0-9]+ mm; blocked by Gearbox/Lid/Bolt" cover || fail "the sentence of the cover: $(cat cover)"
+grep -q "^Comes out: it leaves Gearbox/Housing, " pin || fail "the sentence of the pin: $(cat pin)"
 grep -q "to the end: it has not left its seat" cover || fail "the cover came out through its bolts: $(cat cover)"
 python3 -c '
 import json

@@ -83,7 +83,7 @@ voxelize:               formats formats/command formats/mesh formats/mesh/sandbo
 runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
-runtime/voxrun:         formats formats/command formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
+runtime/voxrun:         formats formats/command formats/command/verdict formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/command/spelling formats/command/verdict formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query

@@ -18,6 +18,7 @@ run() {
   [ "$wanted" -eq 0 ] || [ "$(grep -vc "warning: " err.txt)" -eq 1 ] || { cat err.txt; fail "not one line on stderr: $*"; }
 }
 says() { tail -n 1 out.txt | grep -qE -e "$1" || { cat out.txt; fail "the verdict is not '$1'"; }; }
+first() { tail -n 2 out.txt | head -n 1 | grep -qE -e "$1" || { cat out.txt; fail "the sentence is not '$1'"; }; }
 errs() { grep -qE -e "$1" err.txt || { cat err.txt; fail "no '$1' on stderr"; }; }
 
 # The cover's way: straight up; up and pressed down again; and pushed to the side where it lies.
@@ -45,6 +46,7 @@ run 0 opened.vox cover.pshell --motion out.csv --json run.json --trace run.csv -
 grep -q '^the part is seated on Gearbox/Housing$' out.txt || { cat out.txt; fail "no seat at the start"; }
 grep -q '^guaranteed separation, once the part has left its seat: [0-9.]* mm' out.txt || fail "no guarantee"
 says '^seated on Gearbox/Housing until 0\.[0-9]{3} s; then least proven clearance [0-9.]+ mm to Gearbox/Housing at 0\.[0-9]{3} s, .*; 0 penetration frames; followed$'
+first '^Comes out: it leaves Gearbox/Housing after 0\.[0-9]{3} s, and from then on stays [0-9.]+ mm away or more \(proven to Gearbox/Housing, at 0\.[0-9]{3} s\)\.$'
 python3 - <<'PYTHON'
 import csv, json
 run, rows = json.load(open("run.json")), list(csv.DictReader(open("run.csv")))
@@ -69,6 +71,7 @@ PYTHON
 run 0 bolted.vox cover.pshell --motion out.csv --json run.json
 says '^seated on Gearbox/Housing, Gearbox/Lid/Bolt, .* and 1 more to the end: it has not left its seat, and no separation is guaranteed; .*0 penetration frames; did not follow: held off by up to 24 mm at 0\.999 s by Gearbox/Lid/Bolt, .*'
 says ' no separation is guaranteed; held, against Gearbox/Lid/Bolt.*; no clearance is known; '
+first '^Does not come out: it is still where it is installed, on Gearbox/Housing, .*; blocked by Gearbox/Lid/Bolt.*\.$'
 grep -q '^touched Gearbox/.*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { cat out.txt; fail "nothing touched"; }
 python3 - <<'PYTHON'
 import json
@@ -160,6 +163,7 @@ done
 run 6 opened.vox cover.pshell --motion rest.csv --model paper --json run.json
 errs 'cover.pshell: at 0\.[0-9]{3} s: the part penetrated the scene'
 grep -q '^guaranteed separation, where no point penetrates' out.txt || fail "a guarantee that does not hold"
+first '^Penetrates: in [0-9]+ of [0-9]+ frames a point is inside the scene, the first time at 0\.[0-9]{3} s'
 says '^PENETRATED: [0-9]+ penetration frames?, the first at 0\.[0-9]{3} s'
 python3 - <<'PYTHON'
 import json
@@ -173,6 +177,7 @@ errs 'cover.pshell: at 0\.[0-9]{3} s: the part penetrated the scene'
 # Beyond a cropped side nothing is known.
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --roi=-1m,-1m,-1m,1m,1m,45mm -o cropped.vox --quiet
 run 0 cropped.vox cover.pshell --motion out.csv --json run.json
+first '^Undecided: from 0\.[0-9]{3} s on it was beyond a cropped side of the scene, where nothing is known'
 says 'not proven: [0-9]+ frames? beyond a cropped side of the scene, the first at 0\.[0-9]{3} s; '
 grep -q '"verdict": "unknown"' run.json || fail "a verdict on what is not known"
 run 6 cropped.vox cover.pshell --motion out.csv --fail-on outside
@@ -278,6 +283,7 @@ run 2 roofed.vox block.pshell --duration 1s --fail-on penetration,held
 errs '--fail-on: held needs a motion that the part should follow; give --motion or --pull, or leave held out'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --hand firm --json firm.json
 says 'then held: pulled 100 mm, it went 3[0-9.]* mm, against roof'
+first '^Is held: pulled 100 mm, it went 3[0-9.]* mm; blocked by roof\.$'
 run 0 roofed.vox block.pshell --pull 0,0,100mm --duration 0.5s --fail-on held --json early.json  # not to its end
 errs 'warning: --duration: the run ends before --pull does'
 run 0 open.vox block.pshell --pull 0,0,100mm --fail-on held --hand firm --json open.json
@@ -294,6 +300,7 @@ PYTHON
 
 # Nothing holds a part that a loose hand leaves a little behind: friction stops the hand before its way ends.
 run 0 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --json loose.json
+first '^Undecided: pulled 20 mm, it went 19[0-9.]* mm, and nothing holds it\.$'
 says '^not proven: pulled 20 mm, it went 19[0-9.]* mm, nothing holds it; clearance at least '
 run 6 open.vox block.pshell --start 0,0,50mm --pull 0,0,20mm --hand loose --fail-on held
 errs 'at the end: the part stopped short: pulled 20 mm, it went 19[0-9.]* mm; '
@@ -331,6 +338,7 @@ printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,20\n1,0,0,80\n1.2,0,0,80\n' >into.
 for hand in "" "--hand firm"; do
   run 0 roofed.vox block.pshell --motion into.csv $hand --json into.json
   says '^least proven clearance [0-9.]* mm to roof at [0-9.]* s, at x [0-9.-]*, y [0-9.-]*, z [0-9.-]* mm.*; 0 penetration frames; did not follow: held off by up to [0-9.]* mm.* at [01]\.[0-9]{3} s by roof$'
+  first '^Is held: it is up to [0-9.]* mm off its motion, at [01]\.[0-9]{3} s; blocked by roof\.$'
   python3 - <<'PYTHON'
 import json
 run = json.load(open("into.json"))
@@ -347,4 +355,17 @@ run 0 roofed.vox block.pshell --motion up.csv --hand loose --fail-on held --json
 says '; followed$'
 run 0 roofed.vox block.pshell --motion into.csv --duration 0.4s
 errs 'warning: --duration: the run ends before --motion does'
+# In every report the word and the sentence say the same.
+python3 - <<'PYTHON' || fail "a word and a sentence that differ"
+import glob, json
+heads = {"proven": ("Comes out: ", "Passes without a collision: "), "penetrated": ("Penetrates: ",), "seated": ("Does not come out: ",),
+         "held": ("Is held: ",), "unknown": ("Undecided: ",)}
+seen = set()
+for name in glob.glob("*.json"):
+    run = json.load(open(name))
+    if "outcome_hash" not in run: continue
+    seen.add(run["verdict"])
+    assert run["sentence"].startswith(heads[run["verdict"]]) and run["sentence"].endswith("."), (name, run["verdict"], run["sentence"])
+assert seen >= {"proven", "seated", "held", "unknown"}, seen
+PYTHON
 echo "all passed"

@@ -115,6 +115,7 @@ std::string distance_text(const Verdict& v, const char* before, const char* behi
 
 // The same of a finding in words.
 std::string finding_text(const Verdict& v) {
+  if (!v.is_asked) return v.finding;
   std::string line = v.finding;
   line += " (";
   if (v.nearest.known != Known::kNot) line += position_text(v, v.nearest.along_m) + "; ";
@@ -146,7 +147,9 @@ constexpr const char* kWords[] = {"comes out",
                                   "too close to call",
                                   "undecided",
                                   "never near the scene",
-                                  "no path found"};
+                                  "no path found",
+                                  "is held",
+                                  "penetrates"};
 static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
 
 }  // namespace

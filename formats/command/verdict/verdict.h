@@ -25,13 +25,15 @@ enum class VerdictKind {
   kUndecided,       // the inputs do not decide
   kNeverNear,       // nothing is near, and the caller asked that this is no success
   kNoPathFound,
+  kHeld,        // something holds a moved part off its motion
+  kPenetrates,  // a moved part was inside another one in at least one frame
 };
 
 inline constexpr VerdictKind kAllVerdictKinds[] = {
     VerdictKind::kComesOut,       VerdictKind::kKeepsClearance, VerdictKind::kStaysInstalled,
     VerdictKind::kTooNear,        VerdictKind::kCollides,       VerdictKind::kDoesNotComeOut,
     VerdictKind::kTooCloseToCall, VerdictKind::kUndecided,      VerdictKind::kNeverNear,
-    VerdictKind::kNoPathFound};
+    VerdictKind::kNoPathFound,    VerdictKind::kHeld,           VerdictKind::kPenetrates};
 
 // Whether the answer is yes; each other answer ends with status 6.
 bool is_yes(VerdictKind kind);
@@ -66,6 +68,7 @@ struct VerdictSlide {
 
 struct Verdict {
   VerdictKind kind = VerdictKind::kUndecided;
+  bool is_asked = true;  // whether a clearance was asked for and checked: not in a run
   double required_m = 0;
   std::string motion;  // "straight along +z"; empty: it does not move, or no path is known
   double path_m = 0;   // how long the path is
