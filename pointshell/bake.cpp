@@ -116,6 +116,9 @@ constexpr double kBytesPerPoint = 400;
 // denser; from 1 on none would do.
 constexpr double kMaxMargin = 0.25;
 
+// In covering radii: pieces of surface that another body's surface crosses are weighed by it.
+constexpr double kWeighedPiece = 0.5;
+
 double physical_memory_bytes() {
   return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
@@ -368,7 +371,11 @@ Result<BakedShell> bake(part::Part part, const ShellOptions& options, const Bake
   const normals::ShellNormals normals =
       normals::shell_normals(cells, ordered, radius, shell.orientation.of_sheet);
   stages.begin("weights");
-  const std::vector<double> weights = sample::area_weights(cells, ordered);
+  // Portions know only what hides within themselves.
+  std::optional<certificate::HiddenSurface> of_all;
+  if (!groups.empty()) of_all.emplace(centered);
+  const std::vector<double> weights = sample::area_weights(
+      cells, ordered, of_all ? *of_all : *portions.front().hidden, kWeighedPiece * radius);
   shell.covered_area_m2 = std::accumulate(weights.begin(), weights.end(), 0.0);
   fill_points(ordered, normals, weights, shell);
   if (std::all_of(shell.weight_m2.begin(), shell.weight_m2.end(), [](float w) { return w == 0; })) {

@@ -37,8 +37,12 @@ bool is_closed_body(const part::Part& part, const std::vector<std::uint32_t>& tr
 
 }  // namespace
 
-HiddenSurface::Solid::Solid(const part::Part& part, std::vector<std::uint32_t> triangles)
-    : box(part::box_of(part, triangles)), tree(part, std::move(triangles)), winding(tree) {}
+HiddenSurface::Solid::Solid(const part::Part& part, std::uint32_t number,
+                            std::vector<std::uint32_t> triangles)
+    : body(number),
+      box(part::box_of(part, triangles)),
+      tree(part, std::move(triangles)),
+      winding(tree) {}
 
 // A ray takes some dozens of boxes where the winding number takes thousands, and decides almost
 // always.
@@ -50,9 +54,11 @@ bool HiddenSurface::Solid::winds_around(const part::Vec3& place) const {
 HiddenSurface::HiddenSurface(const part::Part& part, double slack)
     : error_(std::ldexp(part.largest_coordinate, -40) + 2 * slack) {
   if (part.body_names.size() < 2) return;
-  for (std::vector<std::uint32_t>& triangles : part::triangles_by_body(part)) {
+  auto of_body = part::triangles_by_body(part);
+  for (std::uint32_t body = 0; body < of_body.size(); ++body) {
+    std::vector<std::uint32_t>& triangles = of_body[body];
     if (triangles.empty() || !is_closed_body(part, triangles)) continue;
-    solids_.push_back(std::make_unique<Solid>(part, std::move(triangles)));
+    solids_.push_back(std::make_unique<Solid>(part, body, std::move(triangles)));
     const part::TriangleTree::Node& box = solids_.back()->tree.nodes()[0];
     const auto corner = static_cast<std::uint32_t>(boxes_.vertices.size());
     boxes_.vertices.push_back({box.low[0], box.low[1], box.low[2]});
@@ -68,6 +74,22 @@ bool HiddenSurface::holds_ball(const part::Vec3& center, double radius) const {
   box_tree_->visit_near(
       center, 0, [&](std::uint32_t n) { held = held || holds_ball(*solids_[n], center, radius); });
   return held;
+}
+
+HiddenSurface::Side HiddenSurface::side_of(std::uint32_t body, const part::Vec3& center,
+                                           double radius) const {
+  Side side = Side::kOuter;
+  if (!possible()) return side;
+  box_tree_->visit_near(center, radius + error_, [&](std::uint32_t n) {
+    const Solid& solid = *solids_[n];
+    if (solid.body == body || side == Side::kHidden) return;
+    if (solid.tree.is_within(center, radius + error_)) {
+      side = Side::kBoth;
+    } else if (reaches_into({center, center}, 0, solid.box) && solid.winds_around(center)) {
+      side = Side::kHidden;
+    }
+  });
+  return side;
 }
 
 bool HiddenSurface::may_hold(const part::Box& box, double depth) const {

@@ -29,14 +29,20 @@ class HiddenSurface {
   // matter. Surface in such a ball belongs to other bodies, and this body hides it.
   bool holds_ball(const part::Vec3& center, double radius) const;
 
+  // Where the surface of `body` in a ball lies: outside of all other closed bodies, inside one, or
+  // partly both, as far as is known. `body` counts as in part::Part::body.
+  enum class Side { kOuter, kHidden, kBoth };
+  Side side_of(std::uint32_t body, const part::Vec3& center, double radius) const;
+
   // Whether a place of `box` is at least so deep inside the box around a closed body. Where none
   // is, no ball of this radius about one of them lies inside a body.
   bool may_hold(const part::Box& box, double depth) const;
 
  private:
   struct Solid {
-    Solid(const part::Part& part, std::vector<std::uint32_t> triangles);
+    Solid(const part::Part& part, std::uint32_t body, std::vector<std::uint32_t> triangles);
     bool winds_around(const part::Vec3& place) const;  // which is not on its surface
+    std::uint32_t body;
     part::Box box;
     part::TriangleTree tree;
     WindingNumber winding;

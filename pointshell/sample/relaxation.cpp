@@ -89,7 +89,7 @@ Relaxation::Move Relaxation::find_move(std::size_t n, CellCenter center, double 
   Centroid centroid;
   std::vector<part::Vec3> corners;
   double farthest_squared = 0;
-  cells_.visit_cell(n, positions_, [&](const certificate::ConvexPolygon& polygon) {
+  cells_.visit_cell(n, positions_, [&](const certificate::ConvexPolygon& polygon, std::uint32_t) {
     for (const part::Vec3& corner : polygon.corners()) {
       const double squared = part::length_squared(corner - place);
       if (squared > farthest_squared) farthest_squared = squared, move.farthest = corner;

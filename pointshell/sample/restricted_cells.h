@@ -32,8 +32,8 @@ class RestrictedCells {
                   std::span<const std::uint32_t> chosen, double slack);
   void find_lists(std::span<const part::Vec3> positions);
 
-  // Calls visit(polygon) for each piece of the cell of point chosen[n], where `positions` are those
-  // of find_lists, moved by no more than the slack.
+  // Calls visit(polygon, triangle) for each piece of the cell of point chosen[n], where `positions`
+  // are those of find_lists, moved by no more than the slack.
   template <typename Visit>
   void visit_cell(std::size_t n, std::span<const part::Vec3> positions, const Visit& visit) const {
     const Lists& lists = chunks_[n / kChunk];
@@ -43,7 +43,7 @@ class RestrictedCells {
       const auto [a, b, c] = part::triangle_piece(tree_.part(), t);
       cutter.polygon.assign(a, b, c);
       cutter.cut();
-      if (!cutter.polygon.empty()) visit(cutter.polygon);
+      if (!cutter.polygon.empty()) visit(cutter.polygon, t);
     }
   }
 
