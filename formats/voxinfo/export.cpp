@@ -1,6 +1,7 @@
 #include "formats/voxinfo/export.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "formats/voxinfo/occupied_boxes.h"
@@ -60,10 +61,15 @@ Status export_baked_file(const BakedFile& file, const std::string& out) {
 }
 
 Status export_voxmap_csv(const Voxmap& map, const std::string& out) {
+  const auto occupied = occupied_boxes(map);
+  const double steps = occupied.steps([](std::uint32_t value, std::uint32_t edge) {
+    return value == static_cast<std::uint32_t>(VoxelValue::kFree) ? 0 : std::pow(edge, 3);
+  });
+  if (Status s = check_walk(steps, out); !s) return s;
   auto csv = BufferedOutput::create(out);
   if (!csv) return csv.error();
   csv->append("i,j,k,value\n");
-  for_each_region_where(map.view(), occupied_boxes(map), [&](const VoxmapRegion& region) {
+  for_each_region_where(map.view(), occupied, [&](const VoxmapRegion& region) {
     if (!region.is_brick) {
       const VoxelValue value = static_cast<VoxelValue>(uniform_value(region.entry));
       if (value != VoxelValue::kFree) append_uniform_box(*csv, region, value);

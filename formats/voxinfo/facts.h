@@ -23,7 +23,8 @@ struct ObjectFacts {
   std::uint64_t voxels = 0;
 };
 
-// The objects in the order of their numbers; none where the map stores none.
-std::vector<ObjectFacts> objects_of(const Voxmap& map);
+// The objects in the order of their numbers; none where the map stores none. An error where the
+// tree repeats nodes so often that they cannot be counted. `path` is for that error.
+Result<std::vector<ObjectFacts>> objects_of(const Voxmap& map, const std::string& path);
 
 }  // namespace forcelayer::voxinfo

@@ -39,7 +39,9 @@ Status show_facts(const FactsRequest& request) {
       return Error{ErrorCode::kUsage, request.path, "--objects", "a part has no objects",
                    "give a .vox file"};
     }
-    objects = objects_of(*map);
+    auto counted = objects_of(*map, request.path);
+    if (!counted) return counted.error();
+    objects = std::move(*counted);
   }
   if (!request.json_path.empty()) {
     nlohmann::ordered_json report = report_of(*file);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/voxmap.h"
+#include "formats/voxmap_walk.h"
 
 namespace forcelayer {
 
@@ -17,7 +18,7 @@ template <std::uint32_t kBits>
 class OccupiedBoxes {
  public:
   OccupiedBoxes(const TreeView<kBits>& view, const TreeCounts& counts, std::uint32_t background)
-      : view_(view), background_(background) {
+      : view_(view), counts_(counts), background_(background) {
     lower_ = occupied(view.lower_nodes, counts.lower_nodes, [&](std::uint32_t brick) {
       const auto elements = view_.brick_codes(brick);
       return std::any_of(elements.begin(), elements.end(),
@@ -25,6 +26,15 @@ class OccupiedBoxes {
     });
     upper_ = occupied(view.upper_nodes, counts.upper_nodes,
                       [&](std::uint32_t lower) -> bool { return lower_[lower]; });
+  }
+
+  // How many entries and voxels a walk over these boxes looks at: walk_steps().
+  template <typename InUniform>
+  double steps(InUniform in_uniform) const {
+    const auto enters = [this](std::uint32_t edge, std::uint32_t node) -> bool {
+      return edge == kLowerNodeEdge ? lower_[node] : upper_[node];
+    };
+    return walk_steps(view_, counts_, enters, in_uniform);
   }
 
   // For the box of a directory cell, or of an entry below it. True too for a brick that is empty.
@@ -66,6 +76,7 @@ class OccupiedBoxes {
   }
 
   const TreeView<kBits>& view_;
+  TreeCounts counts_;
   std::uint32_t background_;
   std::vector<bool> lower_, upper_;  // [node]
 };

@@ -2,6 +2,7 @@
 // vertices and faces of different bricks do not, so that only one brick at a time is in memory.
 #include <array>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
@@ -78,8 +79,8 @@ class BrickFaces {
 
 // Calls use(const BrickFaces&) for every 8^3 box that holds force-layer voxels.
 template <typename Use>
-void for_each_surface_brick(const Voxmap& map, Use use) {
-  for_each_region_where(map.view(), occupied_boxes(map), [&](const VoxmapRegion& region) {
+void for_each_surface_brick(const Voxmap& map, const OccupiedBoxes<kValueBits>& occupied, Use use) {
+  for_each_region_where(map.view(), occupied, [&](const VoxmapRegion& region) {
     if (region.is_brick) {
       use(BrickFaces(map, region));
       return;
@@ -115,8 +116,13 @@ std::string header_text(const char* comment, std::uint64_t vertices, const char*
 
 Status export_voxmap_ply(const Voxmap& map, const std::string& out) {
   constexpr std::uint64_t kMaxIndex = 0x7fffffff;  // PLY's int
+  const auto occupied = occupied_boxes(map);
+  const double steps = occupied.steps([](std::uint32_t value, std::uint32_t edge) {
+    return value == static_cast<std::uint32_t>(VoxelValue::kSurface) ? std::pow(edge, 3) : 0;
+  });
+  if (Status s = check_walk(steps, out); !s) return s;
   std::uint64_t vertices = 0, faces = 0;
-  for_each_surface_brick(map, [&](const BrickFaces& brick) {
+  for_each_surface_brick(map, occupied, [&](const BrickFaces& brick) {
     vertices += brick.vertices().size();
     faces += brick.quads().size();
   });
@@ -129,7 +135,7 @@ Status export_voxmap_ply(const Voxmap& map, const std::string& out) {
   if (!ply) return ply.error();
   ply->append(header_text("voxel faces of the force layer, meters", vertices, "", faces));
   const double s = map.voxel_size_m();
-  for_each_surface_brick(map, [&](const BrickFaces& brick) {
+  for_each_surface_brick(map, occupied, [&](const BrickFaces& brick) {
     for (const auto& at : brick.vertices()) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         ply->append_number(static_cast<double>(brick.low()[axis] + at[axis]) * s);
@@ -137,7 +143,7 @@ Status export_voxmap_ply(const Voxmap& map, const std::string& out) {
     }
   });
   std::int32_t first = 0;
-  for_each_surface_brick(map, [&](const BrickFaces& brick) {
+  for_each_surface_brick(map, occupied, [&](const BrickFaces& brick) {
     for (const auto& quad : brick.quads()) {
       ply->append_number(std::uint8_t{4});
       for (const std::int32_t corner : quad) ply->append_number(first + corner);

@@ -1,7 +1,9 @@
 // The one file of formats/ that includes OpenVDB; no_vdb.cpp replaces it in a build without.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <unistd.h>
 
+#include <cstdio>
 #include <ostream>
 #include <streambuf>
 
@@ -82,6 +84,30 @@ typename Grid::Ptr make_grid(const char* name, double voxel_size_m, const TreeVi
   return grid;
 }
 
+OccupiedBoxes<kDistanceBits> measured_boxes(const Voxmap& map) {
+  return {*map.distances(), map.distance_counts(), kMaxDistanceCode};
+}
+OccupiedBoxes<kObjectBits> named_boxes(const Voxmap& map) {
+  return {*map.objects(), map.object_counts(), 0};
+}
+
+// Refuses grids that this machine cannot hold: each voxel of a brick is a number of its own there.
+Status check_memory(const Voxmap& map, const std::string& out) {
+  const auto in_tile = [](std::uint32_t, std::uint32_t) { return 0; };
+  double voxels = occupied_boxes(map).steps(in_tile);
+  if (map.distances() != nullptr) voxels += measured_boxes(map).steps(in_tile);
+  if (map.objects() != nullptr) voxels += named_boxes(map).steps(in_tile);
+  const double bytes = sizeof(float) * voxels;
+  const double physical_bytes =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (bytes <= physical_bytes) return check_walk(voxels, out);
+  char what[120];
+  std::snprintf(what, sizeof what,
+                "the grids take up to %.2g GB of memory; this machine has %.2g GB", bytes / 1e9,
+                physical_bytes / 1e9);
+  return Error{ErrorCode::kUsage, out, "", what, "export a .csv, or bake a smaller region (--roi)"};
+}
+
 openvdb::GridPtrVec make_grids(const Voxmap& map) {
   const auto itself = [](std::uint32_t element) { return element; };
   const double s = map.voxel_size_m();
@@ -90,17 +116,15 @@ openvdb::GridPtrVec make_grids(const Voxmap& map) {
   if (map.distances() != nullptr) {
     const VoxmapHeader& h = map.header();
     grids.push_back(make_grid<openvdb::FloatGrid>(
-        "distance_m", s, *map.distances(),
-        OccupiedBoxes(*map.distances(), map.distance_counts(), kMaxDistanceCode), kMaxDistanceCode,
+        "distance_m", s, *map.distances(), measured_boxes(map), kMaxDistanceCode,
         [&](std::uint32_t code) {
           // Code 0 has no lower bound: here it stands for the step that it ends.
           return (static_cast<double>(code) - h.distance_zero_code) * h.distance_quantum_m;
         }));
   }
   if (map.objects() != nullptr) {
-    grids.push_back(make_grid<openvdb::Int32Grid>(
-        "object", s, *map.objects(), OccupiedBoxes(*map.objects(), map.object_counts(), 0), 0,
-        itself));
+    grids.push_back(
+        make_grid<openvdb::Int32Grid>("object", s, *map.objects(), named_boxes(map), 0, itself));
   }
   return grids;
 }
@@ -112,6 +136,7 @@ Status export_voxmap_vdb(const Voxmap& map, const std::string& out) {
     return Error{ErrorCode::kUsage, out, "", "the scene's voxel indices do not fit a .vdb",
                  "export a .csv or bake nearer to the origin"};
   }
+  if (Status s = check_memory(map, out); !s) return s;
   openvdb::initialize();
   auto vdb = BufferedOutput::create(out);
   if (!vdb) return vdb.error();

@@ -352,9 +352,9 @@ using NoObjects = std::span<const guard::SeatObject>;
 
 // An object that lies wholly inside the part as the path begins is no distance away. Unless the
 // surfaces meet there, it stays inside until they do.
-void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
-                       const CheckRequest& request, std::span<const guard::SeatObject> seat,
-                       CheckResult& result) {
+Status add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPath& path,
+                         const CheckRequest& request, std::span<const guard::SeatObject> seat,
+                         CheckResult& result) {
   std::vector<std::uint32_t> felt;
   for (const guard::SeatObject& object : seat) felt.push_back(object.object);
   for (std::uint32_t object = 1; object < request.allowed.size(); ++object) {
@@ -362,11 +362,13 @@ void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPa
   }
   const double begin_s = path.time_s({0, 0}), end_s = path.time_s({path.poses() - 1, 0});
   for (const Violation& v : result.violations) {
-    if (v.from_s <= begin_s && v.clearance_m == 0 && v.of_distance()) return;
+    if (v.from_s <= begin_s && v.clearance_m == 0 && v.of_distance()) return {};
   }
-  const auto inside =
+  const auto found =
       query::find_enclosed_object(voxmap, shell, path.world_from_center({0, 0}), felt);
-  if (!inside) return;
+  if (!found) return found.error();
+  const std::optional<query::EnclosedObject>& inside = *found;
+  if (!inside) return {};
   Violation violation;
   violation.from_s = violation.worst.time_s = begin_s;
   violation.to_s = end_s;
@@ -375,6 +377,7 @@ void add_object_inside(const Voxmap& voxmap, const Pshell& shell, const CenterPa
   violation.worst.point_m = inside->world_m;
   violation.object_inside = true;
   result.violations.push_back(violation);
+  return {};
 }
 
 }  // namespace
@@ -405,7 +408,11 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   result.poses = path.poses();
   result.way_m = path.travel_m({path.poses() - 1, 0});
   parts.add_to(result, seat ? &*seat : nullptr);
-  add_object_inside(voxmap, shell, path, request, seat ? seat->objects() : NoObjects{}, result);
+  if (Status s = add_object_inside(voxmap, shell, path, request,
+                                   seat ? seat->objects() : NoObjects{}, result);
+      !s) {
+    return s.error();
+  }
   return result;
 }
 

@@ -113,9 +113,10 @@ using Index = std::array<std::int64_t, 3>;
 class EnclosedSearch {
  public:
   EnclosedSearch(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center,
-                 std::span<const std::uint32_t> felt)
+                 std::span<const std::uint32_t> felt, std::uint64_t max_bricks)
       : voxmap_(voxmap),
         felt_(felt),
+        bricks_left_(max_bricks),
         surface_(shell.view()),
         center_from_world_(inverse(world_from_center)),
         size_m_(voxmap.voxel_size_m()),
@@ -131,12 +132,18 @@ class EnclosedSearch {
     low_ = low_m / size_m_, high_ = high_m / size_m_;
   }
 
-  std::optional<EnclosedObject> run() {
+  Result<std::optional<EnclosedObject>> run() {
     for_each_region_where(
         voxmap_.view(),
-        [this](const Index& low, std::int64_t edge) { return !found_ && meets(low, edge); },
+        [this](const Index& low, std::int64_t edge) {
+          return !found_ && !too_many_bricks_ && meets(low, edge);
+        },
         [this](const VoxmapRegion& region) { look_at(region); });
-    return found_;
+    if (!too_many_bricks_) return found_;
+    return Error{ErrorCode::kUsage, "", "",
+                 "the scene has too many mixed blocks in the part's box to look for objects inside "
+                 "the part",
+                 "bake it with larger voxels"};
   }
 
  private:
@@ -158,6 +165,11 @@ class EnclosedSearch {
       keep_if_enclosed(middle, mesh_within_m(middle));
       return;
     }
+    if (bricks_left_ == 0) {
+      too_many_bricks_ = true;
+      return;
+    }
+    --bricks_left_;
     const double half_m = 0.5 * kBrickEdge * size_m_;
     const glm::dvec3 middle_m =
         size_m_ * glm::dvec3(region.low[0], region.low[1], region.low[2]) + half_m;
@@ -209,6 +221,8 @@ class EnclosedSearch {
 
   const Voxmap& voxmap_;
   std::span<const std::uint32_t> felt_;
+  std::uint64_t bricks_left_;
+  bool too_many_bricks_ = false;
   ShellSurface surface_;
   Pose center_from_world_;
   double size_m_, covering_m_;
@@ -218,11 +232,15 @@ class EnclosedSearch {
 
 }  // namespace
 
-std::optional<EnclosedObject> find_enclosed_object(const Voxmap& voxmap, const Pshell& shell,
-                                                   const Pose& world_from_center,
-                                                   std::span<const std::uint32_t> felt) {
-  if (shell.header().mass_source != static_cast<std::uint32_t>(MassSource::kVolume)) return {};
-  return EnclosedSearch(voxmap, shell, world_from_center, felt).run();
+Result<std::optional<EnclosedObject>> find_enclosed_object(const Voxmap& voxmap,
+                                                           const Pshell& shell,
+                                                           const Pose& world_from_center,
+                                                           std::span<const std::uint32_t> felt,
+                                                           std::uint64_t max_bricks) {
+  if (shell.header().mass_source != static_cast<std::uint32_t>(MassSource::kVolume)) {
+    return std::optional<EnclosedObject>{};
+  }
+  return EnclosedSearch(voxmap, shell, world_from_center, felt, max_bricks).run();
 }
 
 }  // namespace forcelayer::query

@@ -17,13 +17,18 @@ struct EnclosedObject {
   glm::dvec3 world_m{0};     // the center of an interior voxel of it
 };
 
+// So many bricks take some minutes.
+inline constexpr std::uint64_t kMaxSearchedBricks = std::uint64_t{1} << 26;
+
 // The first such object in the order of the map, with the part's centroid frame at
 // `world_from_center`. Objects in `felt` (numbers above 0) do not count: shell points touch them.
 // Nothing where the part's mesh is not closed, because it then has no inside. A place counts as
 // inside where the shell's winding number is above 1/2. An object that stays within a voxel and the
-// covering radius of the shell is not found. Set-up only: looks at every brick in the part's box.
-std::optional<EnclosedObject> find_enclosed_object(const Voxmap& voxmap, const Pshell& shell,
-                                                   const Pose& world_from_center,
-                                                   std::span<const std::uint32_t> felt = {});
+// covering radius of the shell is not found. Set-up only: looks at every brick in the part's box, a
+// microsecond or more each. An error where they are more than `max_bricks`: equal bricks are stored
+// once, so a small file can have more of them than anyone can look at.
+Result<std::optional<EnclosedObject>> find_enclosed_object(
+    const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center,
+    std::span<const std::uint32_t> felt = {}, std::uint64_t max_bricks = kMaxSearchedBricks);
 
 }  // namespace forcelayer::query

@@ -16,9 +16,10 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
   for (const guard::SeatObject& object : simulation.seat()) felt.push_back(object.object);
   const auto enclosed =
       query::find_enclosed_object(voxmap, simulation.shell(), world_from_center, felt);
-  if (!enclosed) return {};
-  const std::string_view name = voxmap.object_name(enclosed->object);
-  const glm::dvec3& p = enclosed->world_m;
+  if (!enclosed) return enclosed.error();
+  if (!*enclosed) return {};
+  const std::string_view name = voxmap.object_name((*enclosed)->object);
+  const glm::dvec3& p = (*enclosed)->world_m;
   char at[120];
   std::snprintf(
       at, sizeof at,

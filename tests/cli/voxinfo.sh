@@ -268,6 +268,17 @@ expect_equal "old file" "$(cat old.csv)" i,j,k,value
 expect_equal "old file" "$(cat old.csv)" i,j,k,value
 expect_equal "temporaries" "$(find . -name '*.tmp')" ""
 
+# A file of 3 MB whose nodes repeat one brick 29 billion times: whoever would visit them all refuses.
+"$FORCELAYER_BIN_DIR/make_runtime_files" .
+for call in "export repeated.vox r.csv" "export repeated.vox r.ply" "repeated.vox --objects" "verify repeated.vox"; do
+  expected="2 repeats nodes so often"
+  [ "$call" = "verify repeated.vox" ] && expected="4 surface_voxels"
+  expect_refused "${expected%% *}" "${expected#* }" "$voxinfo" $call
+done
+"$voxinfo" export repeated.vox r.vdb >out 2>err && fail "grids of 15 trillion voxels"
+grep -qE "GB of memory|repeats nodes so often|no OpenVDB" err || fail "r.vdb: $(cat err)"
+compgen -G 'r.*' && fail "a refused export left a file"
+
 # A signal in the middle of an export.
 mkfifo pipe.csv
 "$voxinfo" export "$golden/v2.vox" pipe.csv &

@@ -182,6 +182,48 @@ TEST(VoxmapTree, OccupiedBoxesHaveAllThatIsNotBackground) {
   }
 }
 
+// How much a walk looks at is known before it begins: counted here one region at a time.
+TEST(VoxmapTree, StepsOfAWalkAreKnownBeforeItBegins) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    const RandomMap tree(random);
+    const AlignedBytes bytes = tree.bytes();
+    const auto map = Voxmap::from_bytes(bytes.bytes(), "random tree");
+    ASSERT_TRUE(map) << to_line(map.error());
+    const auto in_uniform = [](std::uint32_t value, std::uint32_t edge) { return value * edge; };
+    const auto count = [&](auto wanted) {
+      double steps = 2 * 1 * 3;  // cells
+      std::set<std::pair<std::array<std::int64_t, 3>, std::int64_t>> nodes;
+      for_each_region_where(map->view(), wanted, [&](const VoxmapRegion& region) {
+        steps += region.is_brick ? kNodeEntries
+                                 : in_uniform(TreeView<kValueBits>::uniform(region.entry, 1).code,
+                                              region.edge_voxels);
+        for (std::int64_t edge : {64, 512}) {  // of the nodes around it
+          if (region.edge_voxels >= edge) continue;
+          std::array<std::int64_t, 3> low = region.low;
+          for (std::int64_t& at : low) at &= -edge;
+          nodes.insert({low, edge});
+        }
+      });
+      return steps + kNodeEntries * static_cast<double>(nodes.size());
+    };
+    const TreeCounts counts{map->upper_node_count(), map->lower_node_count(), 0, 0};
+    const auto every = [](const auto&...) { return true; };
+    EXPECT_EQ(walk_steps(map->view(), counts, every, in_uniform), count(every));
+    const auto occupied = occupied_boxes(*map);
+    EXPECT_EQ(occupied.steps(in_uniform), count(occupied));
+  }
+}
+
+TEST(VoxmapTree, AWalkOfTooManyStepsIsRefused) {
+  EXPECT_TRUE(check_walk(kMaxWalkSteps, "a.vox"));
+  const Status refused = check_walk(std::nextafter(kMaxWalkSteps, 1e300), "a.vox");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().file, "a.vox");
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+}
+
 // A file of 0.8 MB that describes 200,000 cells of stored nodes and bricks, all of them free but
 // one: visiting all would take hours.
 TEST(VoxmapTree, OccupiedBoxesLeaveOutNodesThatAreAllFree) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "formats/voxmap_walk.h"
 #include "tests/support/distance_scene.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/shape_scene.h"
@@ -41,7 +42,7 @@ TEST(EnclosedObject, IsFoundWhereAndOnlyWhereItIsInside) {
     const glm::dvec3 part_m = random_direction(random) * uniform(random, 0, 0.03);
     const Voxmap voxmap = make_voxmap(ball(center_m, radius_m, lean));
     const auto found =
-        query::find_enclosed_object(voxmap, shell, {part_m, random_orientation(random)});
+        *query::find_enclosed_object(voxmap, shell, {part_m, random_orientation(random)});
     const double apart_m = glm::length(center_m - part_m);
     // In a lean scene the object is known to two voxels' diagonals.
     const double room_m = lean ? std::sqrt(3.0) * 2 * kS : kS;
@@ -69,8 +70,31 @@ TEST(EnclosedObject, IsFoundInUniformEntries) {
         return std::max({out.x, out.y, out.z});
       },
       2, DistanceDefinition(2)));
-  EXPECT_TRUE(query::find_enclosed_object(voxmap, shell, {}));
-  EXPECT_FALSE(query::find_enclosed_object(voxmap, shell, {{0.5, 0, 0}, {1, 0, 0, 0}}));
+  EXPECT_TRUE(*query::find_enclosed_object(voxmap, shell, {}));
+  EXPECT_FALSE(*query::find_enclosed_object(voxmap, shell, {{0.5, 0, 0}, {1, 0, 0, 0}}));
+}
+
+// A small file can have more bricks than a search can look at: equal ones are stored once. The
+// search ends with an error where there are more than it may look at, and only there.
+TEST(EnclosedObject, IsNotSearchedForInMoreBricksThanAllowed) {
+  const Pshell shell = make_pshell(sphere());
+  const Voxmap voxmap = make_voxmap(ball({0.05, 0.05, 0.05}, 0.01, false));  // beside the part
+  std::uint64_t bricks = 0;
+  for_each_region(voxmap.view(), [&](const VoxmapRegion& region) {
+    bool in_box = region.is_brick;  // of the part's points
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double low_m = kS * static_cast<double>(region.low[axis]);
+      in_box = in_box && low_m <= kRadiusM && low_m + 8 * kS >= -kRadiusM;
+    }
+    bricks += in_box;
+  });
+  ASSERT_GT(bricks, 3u);
+  const auto found = query::find_enclosed_object(voxmap, shell, {}, {}, bricks);
+  ASSERT_TRUE(found) << to_line(found.error());
+  EXPECT_FALSE(*found);
+  const auto refused = query::find_enclosed_object(voxmap, shell, {}, {}, bricks - 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "formats/mesh/sandbox/sandbox.h"
 #include "formats/mesh/scene.h"
 #include "formats/mesh/up_axis.h"
+#include "formats/voxmap_walk.h"
 
 namespace forcelayer::viewer {
 namespace {
@@ -53,11 +54,25 @@ Error twice(const std::string& path, const char* kind) {
           "give one, or --compare to set two beside each other"};
 }
 
+// A scene whose layers can be drawn in some minutes: surfaces visit every node of its tree.
+Result<Voxmap> open_scene(const std::string& path) {
+  auto map = Voxmap::open(path);
+  if (!map) return map;
+  const double steps = walk_steps(
+      map->view(), {map->upper_node_count(), map->lower_node_count(), 0, 0},
+      [](std::uint32_t, std::uint32_t) { return true; },
+      [](std::uint32_t value, std::uint32_t edge) {
+        return value == static_cast<std::uint32_t>(VoxelValue::kFree) ? 0 : 6.0 * edge * edge;
+      });
+  if (Status s = check_walk(steps, path); !s) return s.error();
+  return map;
+}
+
 Status load_baked(const std::string& path, ViewScene& scene) {
   const std::string name = std::filesystem::path(path).filename().string();
   if (extension_of(path) == ".vox") {
     if (scene.voxmap) return twice(path, "voxmap");
-    auto voxmap = Voxmap::open(path);
+    auto voxmap = open_scene(path);
     if (!voxmap) return voxmap.error();
     scene.voxmap = std::move(*voxmap);
     scene.voxmap_name = name;
@@ -79,7 +94,7 @@ Status load_before(const std::string& path, ViewScene& scene) {
     return Error{ErrorCode::kUsage, path, "", "nothing to compare it with",
                  "give the later .vox too, as in --compare before.vox after.vox"};
   }
-  auto before = Voxmap::open(path);
+  auto before = open_scene(path);
   if (!before) return before.error();
   scene.before = std::move(*before);
   scene.before_name = std::filesystem::path(path).filename().string();
