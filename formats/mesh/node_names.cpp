@@ -273,6 +273,16 @@ bool is_ambiguous(const std::string& name, const std::vector<std::size_t>& found
 
 }  // namespace
 
+std::string NodeTreeLimit::add(const AssemblyNode& node) {
+  if (node.depth > kDeepestNode) {
+    return "is nested deeper than " + std::to_string(kDeepestNode) + " levels";
+  }
+  const std::uint64_t bytes = kOfNode + node.path.size();
+  if (bytes > left_) return kTooMuch;
+  left_ -= bytes;
+  return "";
+}
+
 AssemblyNode name_node(const std::string& name, const AssemblyNode* parent, UsedLabels& used) {
   std::string label = name;
   // All numbers up to the highest are taken: labels are never given back.

@@ -19,8 +19,32 @@
 
 namespace forcelayer::mesh {
 
-// A deeper tree is damage; the memory of its paths would grow with the square of the depth.
-inline constexpr std::size_t kDeepestNode = 1000;
+// Bounds the tree of a file's nodes. A small file can hold an assembly many times in one that it
+// holds many times, and a long name in the paths of all nodes below it.
+class NodeTreeLimit {
+ public:
+  static constexpr std::size_t kDeepestNode = 1000;
+  // Bytes that a tree may take: always, and for each byte of its files; and those of a node without
+  // its path.
+  static constexpr std::uint64_t kAlways = 64'000'000, kPerByte = 32, kOfNode = 200;
+
+  static constexpr const char* kTooMuch =
+      "has more nodes, or longer paths, than the size of the file justifies: assemblies hold each "
+      "other too many times, or names are too long";
+
+  // Whether so many nodes can be in a file of this size.
+  static bool takes(double nodes, std::uint64_t file_bytes) {
+    return kOfNode * nodes <= static_cast<double>(kAlways + kPerByte * file_bytes);
+  }
+
+  void allow_for(std::uint64_t file_bytes) { left_ += kPerByte * file_bytes; }
+
+  // Takes a node in. What is wrong with the tree with it; empty where nothing is.
+  std::string add(const AssemblyNode& node);
+
+ private:
+  std::uint64_t left_ = kAlways;
+};
 
 // The labels of siblings. With each the highest number that a node called so has, for its label.
 using UsedLabels = std::map<std::string, std::uint64_t>;

@@ -162,6 +162,31 @@ TEST(DamagedGltf, SaysWhichNodesThereAre) {
                "several nodes of this name; use one of: root/a, root/b/a");
 }
 
+// The paths of many nodes below many long names are the product of both: 300 MB for a file of 1 MB.
+TEST(DamagedGltf, IsRefusedWhereItsPathsGrowBeyondIt) {
+  const std::string name(1000, 'n');
+  std::string nodes = "[", leaves;
+  for (int i = 1; i < 900; ++i) {
+    nodes += R"({"name":")" + name + R"(","children":[)" + std::to_string(i) + "]},";
+  }
+  nodes += R"({"children":[900)";
+  for (int i = 901; i < 1200; ++i) nodes += "," + std::to_string(i);
+  nodes += "]}";
+  for (int i = 900; i < 1200; ++i) nodes += R"(,{"mesh":0})";
+  const auto assembly = read_nodes(nodes + "]");
+  ASSERT_FALSE(assembly);
+  EXPECT_EQ(assembly.error().code, kUnsupported);
+  EXPECT_NE(assembly.error().what.find("the size of the file"), std::string::npos);
+}
+
+// 600,000 elements of one array, to whose parent a parser must not go back for each of them: with
+// the square of them this would take minutes.
+TEST(DamagedGltf, LongArraysAreReadInTheirOwnTime) {
+  std::string nodes = R"([{"mesh":0})";
+  for (int i = 1; i < 600'000; ++i) nodes += ",{}";
+  EXPECT_TRUE(read_nodes(nodes + "]"));
+}
+
 // A parser keeps one of two values, and drops the faces of the other.
 TEST(DamagedGltf, SaysWhichKeyStandsTwice) {
   expect_error(read_changed(R"("nodes":)", R"("nodes":[{"mesh":0}],"nodes":)"), kUnreadable, "JSON",

@@ -321,6 +321,26 @@ TEST(NodeNames, GiveEachNodeTheInstancesBelowIt) {
   }
 }
 
+TEST(NodeTreeLimit, TakesWhatTheSizeOfTheFilesJustifies) {
+  mesh::NodeTreeLimit limit;
+  limit.allow_for(10);
+  const std::uint64_t allowed = mesh::NodeTreeLimit::kAlways + 10 * mesh::NodeTreeLimit::kPerByte;
+  const auto of_bytes = [](std::uint64_t bytes) {
+    return mesh::AssemblyNode{"n", std::string(bytes - mesh::NodeTreeLimit::kOfNode, 'n'), 1};
+  };
+  EXPECT_EQ(limit.add(of_bytes(allowed - 1000)), "");
+  EXPECT_NE(limit.add(of_bytes(1001)), "");
+  EXPECT_EQ(limit.add(of_bytes(1000)), "");
+  EXPECT_NE(limit.add(of_bytes(500)), "");
+}
+
+TEST(NodeTreeLimit, EndsAThousandLevelsDown) {
+  mesh::NodeTreeLimit limit;
+  EXPECT_EQ(limit.add({"n", "n", mesh::NodeTreeLimit::kDeepestNode}), "");
+  EXPECT_EQ(limit.add({"n", "n", mesh::NodeTreeLimit::kDeepestNode + 1}),
+            "is nested deeper than 1000 levels");
+}
+
 TEST(GroupedWarnings, AreOneLineForAllThatSayTheSame) {
   mesh::GroupedWarnings warnings("files");
   for (int n = 0; n < 66; ++n) warnings.add("part" + std::to_string(n) + ".stl", "is coarse");

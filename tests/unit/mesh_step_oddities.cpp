@@ -63,6 +63,48 @@ TEST(StepOddities, NamesThatAreNotUtf8AreReadAsLatin1) {
   }
 }
 
+// The box in assemblies, of which each holds the one before it twice.
+std::string doubled(int levels) {
+  const auto number = [](int n) { return std::to_string(n); };
+  std::string text, product = "#5", shape = "#10";
+  for (int level = 0; level < levels; ++level) {
+    const int first = 10000 + 100 * level;
+    const auto id = [&](int n) { return "#" + number(first + n); };
+    const std::string name = "'A" + number(level) + "'";
+    text += id(0) + "=PRODUCT(" + name + "," + name + ",'',(#8));";
+    text += id(1) + "=PRODUCT_DEFINITION_FORMATION('',''," + id(0) + ");";
+    text += id(2) + "=PRODUCT_DEFINITION('',''," + id(1) + ",#9);";
+    text += id(3) + "=PRODUCT_DEFINITION_SHAPE('',''," + id(2) + ");";
+    text += id(4) + "=SHAPE_REPRESENTATION(" + name + ",(#11),#345);";
+    text += id(5) + "=SHAPE_DEFINITION_REPRESENTATION(" + id(3) + "," + id(4) + ");";
+    for (const int at : {10, 20}) {
+      text += id(at) + "=NEXT_ASSEMBLY_USAGE_OCCURRENCE('" + number(at) + "','',''," + id(2) + "," +
+              product + ",$);";
+      text += id(at + 1) + "=PRODUCT_DEFINITION_SHAPE('',''," + id(at) + ");";
+      text += id(at + 2) + "=ITEM_DEFINED_TRANSFORMATION('','',#11,#11);";
+      text += id(at + 3) + "=(REPRESENTATION_RELATIONSHIP('',''," + shape + "," + id(4) +
+              ")REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(" + id(at + 2) +
+              ")SHAPE_REPRESENTATION_RELATIONSHIP());";
+      text += id(at + 4) + "=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(" + id(at + 3) + "," +
+              id(at + 1) + ");";
+    }
+    product = id(2), shape = id(4);
+  }
+  return with_entities(step_box(), text);
+}
+
+// 2^40 boxes in a file of 50 kB would take a reader more than any memory.
+TEST(StepOddities, AssembliesThatHoldEachOtherTooOftenAreRefused) {
+  const auto taken = read_text_as(".step", doubled(5));
+  ASSERT_TRUE(taken) << to_line(taken.error());
+  EXPECT_EQ(taken->instances.size(), 32u);
+  const auto refused = read_text_as(".step", doubled(40));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kMeshUnsupported);
+  EXPECT_NE(refused.error().what.find("hold each other too many times"), std::string::npos)
+      << to_line(refused.error());
+}
+
 TEST(StepOddities, ASolidOfNoProductIsNamedAsOne) {
   const std::string alone =
       replaced(step_box(), R"(#3 = SHAPE_DEFINITION_REPRESENTATION\([^;]*;)", "");

@@ -16,10 +16,12 @@
 #include <cstdio>
 
 #include "formats/file/file_bytes.h"
+#include "formats/mesh/node_names.h"
 #include "formats/mesh/step/entities/faces.h"
 #include "formats/mesh/step/entities/hidden.h"
 #include "formats/mesh/step/entities/losses.h"
 #include "formats/mesh/step/entities/names.h"
+#include "formats/mesh/step/entities/nesting.h"
 #include "formats/mesh/step/entities/step_units.h"
 #include "formats/mesh/step/iges/iges_losses.h"
 #include "formats/mesh/step/occt_messages.h"
@@ -110,6 +112,14 @@ void check_solids(const SourceFile& file, const Handle(XSControl_WorkSession) & 
   }
 }
 
+// Before OpenCASCADE places each of them.
+void check_placings(const SourceFile& file, std::string_view text,
+                    const Handle(Interface_InterfaceModel) & model) {
+  if (NodeTreeLimit::takes(count_placings(model), text.size())) return;
+  fail_read(file, ErrorCode::kMeshUnsupported, "", NodeTreeLimit::kTooMuch,
+            "export the file again");
+}
+
 std::string hidden_text(const std::string& what) {
   return "the file hides " + what + ", read all the same";
 }
@@ -135,6 +145,7 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
     fail_losses(file, damage, "export the file again");
   }
   const std::vector<StepReference> references = take_references(session);
+  check_placings(file, text, session->Model());
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   keep_losses(find_step_losses(session, document.document), reader, document);
@@ -182,6 +193,7 @@ void read_iges_file(const SourceFile& file, std::string_view text, StepDocument&
   if (const std::string damage = find_iges_damage(reader.WS(), text); !damage.empty()) {
     fail_losses(file, damage, "export the file again, or as STEP");
   }
+  check_placings(file, text, reader.Model());
   const OcctMessages messages;
   const bool has_shapes = reader.Transfer(document.document);
   check_iges_units(reader.Model(), document);

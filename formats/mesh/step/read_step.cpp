@@ -309,8 +309,10 @@ class StepReader {
     if (product.file->content.is_iges) name = without_bytes_as_letters(name);
     if (name.empty()) name = "node" + std::to_string(names_.size());
     const AssemblyNode node = name_node(name, parent, used);
-    if (node.depth > kDeepestNode)
-      fail_read(file_, ErrorCode::kMeshUnsupported, "", "nested too deep", "export the file again");
+    if (const std::string wrong = limit_.add(node); !wrong.empty()) {
+      fail_read(file_, ErrorCode::kMeshUnsupported, node.path.substr(0, 200), wrong,
+                "export the file again");
+    }
     // A referring label carries the placing; a product that stands alone has it in its shape.
     Affine placing =
         refers ? compose(assembly_from_parent, affine_of(XCAFDoc_ShapeTool::GetLocation(label)))
@@ -392,6 +394,8 @@ class StepReader {
     if (file) return *file;
     try {
       file = std::make_unique<OpenFile>(OpenFile{source, read_step_document(source)});
+      const std::uintmax_t bytes = std::filesystem::file_size(source.path, ignored);
+      if (!ignored) limit_.allow_for(bytes);
       for (const std::string& warning : file->content.warnings) {
         assembly_.warnings.push_back((node.empty() ? "" : node + ": ") + warning);
       }
@@ -453,6 +457,7 @@ class StepReader {
   const SourceFile& file_;
   StepTessellator tessellator_;
   std::map<std::filesystem::path, std::unique_ptr<OpenFile>> files_;
+  NodeTreeLimit limit_;
   std::vector<const OpenFile*> chain_;  // from the top file to that of the node in hand
   std::set<std::string> warned_of_;     // files and products
   std::vector<MissingPiece> missing_;

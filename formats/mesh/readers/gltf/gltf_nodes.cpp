@@ -95,6 +95,7 @@ Affine parent_from_node(const GltfDocument& document, std::uint64_t index) {
 }  // namespace
 
 GltfNodes::GltfNodes(const GltfDocument& document) : document_(document) {
+  limit_.allow_for(document_.file().bytes.size());
   walk();
   choose();
 }
@@ -157,7 +158,7 @@ std::string GltfNodes::name_of(std::uint64_t index) const {
 
 // The nodes of one level, under labels of their own. `parent` is null for the roots.
 std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t>& indices,
-                                                 const Node* parent) const {
+                                                 const Node* parent) {
   std::vector<Node> level;
   UsedLabels used;
   for (const std::uint64_t index : indices) {
@@ -167,6 +168,9 @@ std::vector<GltfNodes::Node> GltfNodes::siblings(const std::vector<std::uint64_t
          parent == nullptr
              ? from_node
              : checked(document_, index, compose(parent->assembly_from_node, from_node))});
+    if (const std::string wrong = limit_.add(level.back().name); !wrong.empty()) {
+      document_.fail(ErrorCode::kMeshUnsupported, in_nodes(index), wrong);
+    }
   }
   return level;
 }
@@ -178,10 +182,6 @@ void GltfNodes::walk() {
     nodes_.push_back(std::move(stack.back()));
     stack.pop_back();
     const Node& node = nodes_.back();
-    if (node.name.depth > kDeepestNode) {
-      document_.fail(ErrorCode::kMeshUnsupported, in_nodes(node.index),
-                     "is nested deeper than " + std::to_string(kDeepestNode) + " levels");
-    }
     std::vector<Node> children =
         siblings(indices(document_.element("nodes", node.index), "children"), &node);
     for (auto child = children.rbegin(); child != children.rend(); ++child) {

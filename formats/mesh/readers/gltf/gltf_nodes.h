@@ -43,7 +43,7 @@ class GltfNodes {
   std::vector<std::uint64_t> roots() const;
   std::vector<std::uint64_t> indices(const nlohmann::json& object, const char* key) const;
   void walk();
-  std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent) const;
+  std::vector<Node> siblings(const std::vector<std::uint64_t>& indices, const Node* parent);
   std::string name_of(std::uint64_t index) const;
   void choose();
   std::uint64_t count_hidden() const;
@@ -53,6 +53,7 @@ class GltfNodes {
                          const std::map<std::uint64_t, std::size_t>& node_of) const;
 
   const GltfDocument& document_;
+  NodeTreeLimit limit_;
   std::vector<Node> nodes_;    // each before its children
   std::vector<bool> is_read_;  // [nodes]
   std::vector<std::string> left_out_;
