@@ -51,6 +51,25 @@ poses() {
 }
 in_time error.txt poses || fail "the receiver: $(cat error.txt poses.txt)"
 [ "$(grep -c 'part   0.1000   0.1000   0.2000 m' poses.txt)" -ge 10 ] || fail "$(cat poses.txt)"
+# Whoever made a scene chose the names of its objects: the receiver shows an escape sequence, and does not send it.
+python3 - "$bin/example_pose_receiver" "$port" <<'PYTHON' || fail "a name with an escape sequence"
+import select, socket, struct, subprocess, sys
+receiver = subprocess.Popen(sys.argv[1:3] + ["30"], stdout=subprocess.PIPE)
+pose = struct.pack("<7d", 0, 0, 0, 1, 0, 0, 0)
+datagram = (struct.pack("<IHHQQQd", 0x53504C46, 2, 384, 1, 1, 0, 0) + pose + pose + bytes(72) + pose +
+            struct.pack("<dII3d", 0.001, 2, 1, 0, 0, 0) + "wall\x1b[2J\u202e".encode().ljust(64, b"\0"))
+assert len(datagram) == 384
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+line, sequence = b"", 0
+while not line:
+    sequence += 1
+    sender.sendto(datagram[:16] + struct.pack("<Q", sequence) + datagram[24:], ("127.0.0.1", int(sys.argv[2])))
+    if select.select([receiver.stdout], [], [], 0.05)[0]:
+        line = receiver.stdout.readline()
+        assert line, "the receiver ended"
+receiver.kill()
+assert line.endswith(b" to wall\\x1b[2J\\xe2\\x80\\xae\n"), line
+PYTHON
 
 # A plugin needs one header and a C compiler.
 cc -std=c11 -shared -fPIC -I "$FORCELAYER_SOURCE_DIR/runtime" \
