@@ -63,9 +63,11 @@ void fill(Nest& nest, Random& random, const mesh::Vec3d& low, const mesh::Vec3d&
 void expect_sides(const Nest& nest, const mesh::Mesh& mesh) {
   const auto object = scan::snap_object(mesh, mesh::Affine{}, 1, "nest");
   ASSERT_TRUE(object);
-  const SurfaceSides sides(*object);
+  scan::SpillFile spill;
+  const SurfaceSides sides(*object), on_disk(*object, &spill);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     ASSERT_TRUE(sides[t].is_closed()) << t;
+    ASSERT_EQ(sides[t], on_disk[t]) << t;
     ASSERT_EQ(sides[t].is_reversed(), nest.is_reversed[t]) << t;
   }
 }
