@@ -1,5 +1,7 @@
 #include "runtime/clearance/seat_stretch.h"
 
+#include <string_view>
+
 #include "runtime/clearance/part_distance.h"
 #include "runtime/guard/pose_guard.h"
 
@@ -47,9 +49,10 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
   if (Status found = stretch.parts_->probe->find_seat(world_from_center); !found) {
     Error error = found.error();
     error.where = "--seat";
-    error.mend =
-        "check --seat and the units of both files; bake the scene with --free-seed where the "
-        "inside of an object is air, or with a larger --range";
+    constexpr std::string_view kStart = "--start";
+    if (const std::size_t at = error.mend.find(kStart); at != std::string::npos) {
+      error.mend.replace(at, kStart.size(), error.where);
+    }
     return error;
   }
   stretch.parts_->probe->open_seat(true);

@@ -16,6 +16,22 @@ constexpr float kSameNormal = 0.9f, kOneFace = 0.74f, kInFace = 0.12f;
 // bore of a few voxels. A fall counts from there on, and in full from kSteepFall on.
 constexpr float kFlatFall = 0.2f, kSteepFall = 0.4f;
 
+// The distance from the static mesh at a place, interpolated between the centers of voxels; each
+// has the least distance that its code allows.
+double stored_distance_at_m(const Voxmap& map, const glm::dvec3& world_m) {
+  const double s = map.voxel_size_m();
+  const glm::dvec3 at = world_m / s - 0.5, low = glm::floor(at), between = at - low;
+  double distance_m = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 step(corner & 1, corner >> 1 & 1, corner >> 2);
+    const glm::dvec3 weight = step * between + (1.0 - step) * (1.0 - between);
+    const glm::i64vec3 voxel(low + step);
+    const double stored_m = map.min_distance_m(voxel.x, voxel.y, voxel.z);
+    distance_m += weight.x * weight.y * weight.z * std::max(stored_m, -2 * s);
+  }
+  return distance_m;
+}
+
 // By how much the distance falls along a path, as far as that counts.
 float counted_fall_m(float fall_m, float path_m) {
   const float fraction = (fall_m - kFlatFall * path_m) / ((kSteepFall - kFlatFall) * path_m);
@@ -103,7 +119,42 @@ bool BetweenPoints::bars_any(const Seat& seat, std::span<const std::uint8_t> lef
   return barred;
 }
 
-void BetweenPoints::find(Seat& seat) {
+// Whether the object between two points of one flat face goes on into the part, behind the face,
+// for three voxels or more: as a sheet that runs through it, and not as an edge that lies against
+// it. Where it goes on, the distance is small along its plane and grows to both sides. The part
+// itself must be there: in a groove that the object stands in, shell points are near.
+bool BetweenPoints::runs_through(const Pose& world_from_center, std::uint32_t a, std::uint32_t b,
+                                 const Edge& edge) const {
+  constexpr double kDeepVoxels = 3, kBesideVoxels = 2, kOnVoxels = 0.75, kGrowsVoxels = 0.75;
+  if (glm::dot(probe_.normal(a), probe_.normal(b)) < kSameNormal) return false;
+  const Voxmap& map = probe_.voxmap();
+  const double s = map.voxel_size_m();
+  const glm::dvec3 arm_a(probe_.arm_m(a)), arm_b(probe_.arm_m(b));
+  const glm::dvec3 inward = glm::normalize(glm::dvec3(probe_.normal(a) + probe_.normal(b)));
+  const glm::dvec3 across = glm::normalize(arm_b - arm_a);
+  const glm::dvec3 on_face = glm::mix(arm_b, arm_a, double{edge.weight});
+  for (const double deep : {0.5 * kDeepVoxels, kDeepVoxels}) {
+    const glm::dvec3 at = world_from_center.position_m + on_face + deep * s * inward;
+    const double here_m = stored_distance_at_m(map, at);
+    if (!(here_m < kOnVoxels * s)) return false;
+    for (const double side : {-1.0, 1.0}) {
+      const double beside_m = stored_distance_at_m(map, at + side * kBesideVoxels * s * across);
+      if (!(beside_m > here_m + kGrowsVoxels * s)) return false;
+    }
+  }
+  const glm::dvec3 deepest =
+      glm::conjugate(world_from_center.orientation) * (on_face + kDeepVoxels * s * inward);
+  // The walls of a groove that holds the object are a voxel from its middle, or nearer.
+  const double covering_m = probe_.query().shell().header().covering_radius_m + s;
+  const PshellView& shell = probe_.query().shell().view();
+  for (std::uint64_t i = 0; i < shell.point_count; ++i) {
+    const glm::dvec3 point(shell.x[i], shell.y[i], shell.z[i]);
+    if (glm::length(point - deepest) < covering_m) return false;
+  }
+  return true;
+}
+
+void BetweenPoints::find(const Pose& world_from_center, Seat& seat) {
   if (!neighbors_) {
     const Pshell& shell = probe_.query().shell();
     neighbor_m_ = static_cast<float>(2 * shell.header().covering_radius_m);
@@ -112,10 +163,12 @@ void BetweenPoints::find(Seat& seat) {
     tilted_.reserve(shell.view().point_count);
   }
   for_each_edge([](float, float) { return true; },
-                [&](std::uint32_t, std::uint32_t, const Edge& edge) {
+                [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
                   for (SeatObject& object : seat.entries()) {
                     if (object.object != edge.object) continue;
                     object.between_m = std::min(object.between_m, edge.distance_m);
+                    object.runs_through =
+                        object.runs_through || runs_through(world_from_center, a, b, edge);
                   }
                 });
 }

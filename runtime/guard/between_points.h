@@ -27,8 +27,9 @@ class BetweenPoints {
  public:
   explicit BetweenPoints(const field::FieldProbe& probe) : probe_(probe) {}
 
-  // Finds how deep each object of a seat lies between points, SeatObject::between_m. Set-up only.
-  void find(Seat& seat);
+  // Finds how deep each object of a seat lies between points, SeatObject::between_m, and whether it
+  // runs through the part. Set-up only.
+  void find(const Pose& world_from_center, Seat& seat);
   // Presses and bars the points beside an edge that is deeper than in the seat.
   void press(const Seat& seat, field::ContactSet& out) noexcept;
   // Whether press() bars a point, objects with a mark in `left_out` apart.
@@ -42,6 +43,8 @@ class BetweenPoints {
   };
 
   std::optional<Edge> edge_between(std::uint32_t a, std::uint32_t b) const noexcept;
+  bool runs_through(const Pose& world_from_center, std::uint32_t a, std::uint32_t b,
+                    const Edge& edge) const;
   template <typename MayCount, typename Take>
   void for_each_edge(const MayCount& may_count, const Take& take) noexcept;
   void press_pair(std::uint32_t a, std::uint32_t b, const Edge& edge, const Seat& seat,

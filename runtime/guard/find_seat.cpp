@@ -109,9 +109,16 @@ Status SeatRule::find(const Pose& world_from_center) {
     in_seat_steepness_[probe_.point(i)] = steepness;
     ++corner_points_;
   }
-  between_.find(seat);
+  between_.find(world_from_center, seat);
   const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
+    if (object.runs_through) {
+      return Error{
+          ErrorCode::kUsage, "", "start",
+          name_of(object.object) + " runs through the part where it starts",
+          "check --start and the units of both files; leave the object out of the scene if "
+          "it may be there"};
+    }
     object.overlap_m = -double{object.corner_floor_m};
     const auto floor_m = [&](float min_m) {
       return std::min(min_m - kMinGiveVoxels * voxel_size_m, -kSeatGiveVoxels * voxel_size_m) -

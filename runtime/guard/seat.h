@@ -19,8 +19,9 @@ struct SeatObject {
   // The same of what lies between two shell points, where that is felt.
   float between_m = 0, between_floor_m = 0;
   bool feels_between = true;
-  std::uint32_t points = 0;  // how many shell points touch it in the seat
-  double overlap_m = 0;      // depth of the deepest shell point in the seat, 0 or more
+  bool runs_through = false;  // as a sheet or plate through the part, from one side to the other
+  std::uint32_t points = 0;   // how many shell points touch it in the seat
+  double overlap_m = 0;       // depth of the deepest shell point in the seat, 0 or more
 };
 
 // How many shell points touch an object of a seat.

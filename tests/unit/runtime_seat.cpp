@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
+#include "runtime/coupling/coupling.h"
 #include "runtime/guard/pose_guard.h"
 #include "runtime/query/shell_neighbors.h"
 #include "runtime/run/baked_files.h"
@@ -165,6 +167,62 @@ TEST(Seat, WhatCannotBeToldIsRefused) {
   ASSERT_TRUE(clear.begun);
   EXPECT_TRUE(clear.simulation->seat().empty());
   EXPECT_EQ(clear.state.seat, kSeatClosed);
+}
+
+// A sheet or plate through the part is refused. One that ends at its surface, or in a groove of it,
+// is a seat.
+TEST(Seat, APlateThroughThePartIsRefused) {
+  constexpr double kCube = 0.03;
+  const PointPart cube = box_part(glm::dvec3(kCube), 0.8 * kS, kS);
+  PointPart grooved;
+  grooved.voxel_size_m = cube.voxel_size_m;
+  grooved.covering_radius_m = cube.covering_radius_m;
+  for (const double side : {-1.0, 1.0}) {  // half of the cube each, 0.2 voxels apart
+    const PointPart half = box_part({kCube, kCube, 0.5 * kCube - 0.05 * kS}, 0.8 * kS, kS);
+    for (std::size_t i = 0; i < half.points.size(); ++i) {
+      const auto& [x, y, z] = half.points[i];
+      const auto& [nx, ny, nz] = half.normals[i];
+      grooved.add({x, y, z + side * (0.5 * kCube + 0.05 * kS)}, {nx, ny, nz});
+    }
+  }
+  const auto begins = [](const PointPart& part, const std::function<double(glm::dvec3)>& distance_m,
+                         const glm::dquat& turn) {
+    const glm::dvec3 off(0.0011, -0.0007, 0.0004);
+    const VoxelScene scene = distance_scene(
+        kS, {-12, -12, -12}, {24, 24, 24},
+        [&](const glm::dvec3& p) { return distance_m(glm::conjugate(turn) * (p - off)); }, 2,
+        DistanceDefinition(2));
+    const Pose at{off, turn};
+    MotionBench bench(scene, part, at);
+    PartStart start;
+    start.world_from_part = at;
+    const auto begun = bench.simulation->begin(start, at);
+    if (begun) return true;
+    EXPECT_NE(begun.error().what.find("runs through the part"), std::string::npos)
+        << to_line(begun.error());
+    return false;
+  };
+  for (const glm::dquat& turn : {glm::dquat(1, 0, 0, 0), coupling::rotation_by({0.3, -0.5, 0.2}),
+                                 coupling::rotation_by({-0.9, 0.4, 1.1})}) {
+    for (const double half_voxels : {0.0, 0.1, 0.3, 0.45}) {
+      SCOPED_TRACE(half_voxels);
+      const double half_m = half_voxels * kS;
+      const auto plate = [&](const glm::dvec3& p) { return std::abs(p.z) - half_m; };
+      const auto tilted = [&](const glm::dvec3& p) {
+        return std::abs(0.8 * p.z + 0.6 * p.x) - half_m;
+      };
+      const auto ends_at_face = [&](const glm::dvec3& p) {
+        const double x = p.x + kCube, z = std::abs(p.z) - half_m;
+        return x < 0 ? std::max(x, z) : std::hypot(x, std::max(0.0, z));
+      };
+      EXPECT_FALSE(begins(cube, plate, turn));
+      EXPECT_FALSE(begins(cube, tilted, turn));
+      EXPECT_TRUE(begins(cube, ends_at_face, turn));
+      if (half_voxels <= 0.1) {
+        EXPECT_TRUE(begins(grooved, plate, turn));
+      }
+    }
+  }
 }
 
 // A part that is installed elsewhere may start anywhere but in the scene.
