@@ -4,8 +4,8 @@ namespace forcelayer::field {
 
 void ContactSet::reserve(std::uint64_t points) {
   const std::size_t room = points + kPadding;
-  for (auto* values :
-       {&rx, &ry, &rz, &ux, &uy, &uz, &depth_m, &ax, &ay, &az, &gx, &gy, &gz, &sx, &sy, &sz})
+  for (auto* values : {&rx, &ry, &rz, &ux, &uy, &uz, &depth_m, &ax, &ay, &az, &gx, &gy, &gz, &sx,
+                       &sy, &sz, &from_surface_m})
     values->resize(room);
   weight.resize(room, 1);
   point.resize(room);

@@ -55,15 +55,17 @@ struct ContactSet {
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> value;      // VoxelValue: 1, 2 or 3
   std::vector<std::uint8_t> is_barred;  // 0: not; kCrossed: it went through a surface, and depth_m
-                                        // is how far it went against its side
+                                        // is about how far it went beyond the middle
   static constexpr std::uint8_t kCrossed = 2;
   // Only while the seat is open: whether the nearest object is of the seat; the arm of the shell
   // point itself, where arm_m is that of a position beside it; the field's slope, per voxel; the
-  // unit direction away from the surface, to the side on which the point is.
+  // unit direction away from the surface, to the side on which the point is; its interpolated
+  // distance from the surface.
   std::vector<std::uint8_t> of_seat;
   std::vector<float> ax, ay, az;
   std::vector<float> gx, gy, gz;
   std::vector<float> sx, sy, sz;
+  std::vector<float> from_surface_m;
 
   void reserve(std::uint64_t points);  // set-up only
   Contact operator[](std::uint32_t i) const noexcept {

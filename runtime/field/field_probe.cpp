@@ -94,17 +94,18 @@ std::uint32_t FieldProbe::object_near(const glm::dvec3& world_m) const noexcept 
   return voxmap().objects()->lookup((*voxel)[0], (*voxel)[1], (*voxel)[2]).code;
 }
 
-bool FieldProbe::lies_beside_solid(std::uint32_t i) const noexcept {
+bool FieldProbe::lies_beside_solid(std::uint32_t i, float depth_m) const noexcept {
   const DistanceView& distances = *voxmap().distances();
-  const std::int32_t zero_code = voxmap().header().distance_zero_code;
+  const VoxmapHeader& header = voxmap().header();
+  // A center on the surface has the code below that of zero.
+  const double limit_code = header.distance_zero_code - 1 - depth_m / header.distance_quantum_m;
   const std::array<std::int32_t, 3> low{points_.vx[i] - (points_.fx[i] < 0.5f ? 1 : 0),
                                         points_.vy[i] - (points_.fy[i] < 0.5f ? 1 : 0),
                                         points_.vz[i] - (points_.fz[i] < 0.5f ? 1 : 0)};
   for (int n = 0; n < 8; ++n) {
     const std::int32_t x = low[0] + (n >> 2), y = low[1] + (n >> 1 & 1), z = low[2] + (n & 1);
     if (!distances.contains(x, y, z)) continue;
-    // A center on the surface has the code below that of zero.
-    if (static_cast<std::int32_t>(unpacked_->code(x, y, z)) < zero_code - 1) return true;
+    if (unpacked_->code(x, y, z) < limit_code) return true;
   }
   return false;
 }

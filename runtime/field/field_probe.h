@@ -57,8 +57,8 @@ class FieldProbe {
     const std::uint8_t* const two_sided = query_.shell().view().two_sided;
     return two_sided != nullptr && two_sided[points_.index[i]] != 0;
   }
-  // Whether one of the stored distances around the point is negative.
-  bool lies_beside_solid(std::uint32_t i) const noexcept;
+  // Whether one of the stored distances around the point lies deeper inside a solid than this.
+  bool lies_beside_solid(std::uint32_t i, float depth_m) const noexcept;
   // The object nearest to the point; 0 where the map names none.
   std::uint32_t object_of(std::uint32_t i) const noexcept;
 

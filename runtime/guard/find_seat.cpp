@@ -71,7 +71,7 @@ std::string SeatRule::name_of(std::uint32_t object) const {
 // An error where collected point i does not tell on which side of the scene's surface it lies.
 Status SeatRule::check_side(std::uint32_t i) const {
   if (!probe_.is_two_sided(i) || glm::length(probe_.slope(i)) >= field::kSideSlope ||
-      probe_.lies_beside_solid(i)) {
+      probe_.lies_beside_solid(i, half_sheet_m())) {
     return {};
   }
   return Error{ErrorCode::kUsage, "", "start",

@@ -22,6 +22,13 @@ SeatRule::SeatRule(field::FieldProbe& probe, const PointRule& rule)
       between_(probe),
       corner_m_(static_cast<float>(0.25 * probe.voxmap().voxel_size_m())) {}
 
+// A sheet midway between voxel centers has this distance in the middle: half a diagonal. A wall of
+// less than twice that may have no deeper distance, and points in it none that is deep enough to be
+// barred: like a sheet, it is known by the side that they came from.
+float SeatRule::half_sheet_m() const noexcept {
+  return static_cast<float>(0.87 * probe_.voxmap().voxel_size_m());
+}
+
 // Whether the i-th point touches where the field mixes two faces: in a corner of the scene, or at
 // an edge of it.
 bool SeatRule::touches_in_corner(std::uint32_t i) const noexcept {
@@ -83,6 +90,7 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
     const glm::vec3 side = steepness < field::kSideSlope ? n : direction;
     out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
     out.gx[i] = g.x, out.gy[i] = g.y, out.gz[i] = g.z;
+    out.from_surface_m[i] = distance_m;
   }
   if (out.seated > 0) {
     out.min_distance_m = 0;
@@ -94,8 +102,7 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
 void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
                               field::ContactSet& later) const noexcept {
   if (!earlier.seat_open || !later.seat_open) return;
-  // A sheet midway between voxel centers has this distance in the middle: half a diagonal.
-  const auto sheet_m = static_cast<float>(0.87 * probe_.voxmap().voxel_size_m());
+  const float sheet_m = half_sheet_m();
   std::uint32_t at = 0;
   for (std::uint32_t i = 0; i < later.count; ++i) {
     if (later.of_seat[i] == 0) continue;
@@ -117,11 +124,15 @@ void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3&
     // there.
     const bool forgets = probe_.is_two_sided(i) && later.sx[i] == 0 && later.sy[i] == 0 &&
                          later.sz[i] == 0 && probe_.stored_distance_m(i) < sheet_m;
-    if (!(into_m > 0 && (forgets || (rises && turned))) || probe_.lies_beside_solid(i)) continue;
+    if (!(into_m > 0 && (forgets || (rises && turned))) || probe_.lies_beside_solid(i, sheet_m)) {
+      continue;
+    }
     if (later.is_barred[i] == 0) ++later.barred;
     later.is_barred[i] = field::ContactSet::kCrossed;
     later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
-    later.depth_m[i] = into_m;
+    // The distance falls by as much as the point moves up to the middle, and then rises again.
+    const float rise_m = later.from_surface_m[i] - earlier.from_surface_m[at];
+    later.depth_m[i] = std::clamp(0.5f * (into_m + rise_m), 0.0f, into_m);
   }
 }
 

@@ -35,10 +35,10 @@ class SeatRule {
 
   // Bars the points of the seat that have gone through a surface between two poses.
   //
-  // A sheet, or a plate of less than some two voxels, has no inside that would show who has gone
-  // through: the motion does. A point has where it moved against the direction in which its side
-  // lay, to where the distance rises again, and no negative distance is near. It is to be pushed
-  // back to the side it came from.
+  // A sheet has no inside that would show who has gone through, and a plate of less than some two
+  // voxels hardly one: the motion does. A point has where it moved against the direction in which
+  // its side lay, to where the distance rises again, and no solid is near that is thicker than
+  // such a plate. It is to be pushed back to the side it came from.
   void mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
                       field::ContactSet& later) const noexcept;
 
@@ -46,6 +46,7 @@ class SeatRule {
   bool bars_any(std::span<const std::uint8_t> left_out) noexcept;
 
  private:
+  float half_sheet_m() const noexcept;
   bool touches_in_corner(std::uint32_t i) const noexcept;
   bool is_in_corner(std::uint32_t i) const noexcept;
   bool lies_in_corners() const noexcept;

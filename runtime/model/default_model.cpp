@@ -359,7 +359,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     ContactRow row;
     row.j = separation_row(c);
     row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
-    // A point that went through a sheet ends a little before where it was; others are led back into
+    // A point that went through a sheet ends a little before its middle; others are led back into
     // the force layer.
     const double back_m = there_.is_barred[i] == field::ContactSet::kCrossed
                               ? double{c.depth_m} + kSheetPushVoxels * s
