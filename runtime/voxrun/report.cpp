@@ -351,11 +351,11 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
   return text(
-      "%s%s\nwhile it is there, it may pass through features narrower than %.3g mm, and through "
-      "objects hidden behind those of the seat\n",
+      "%s%s\nwhile it is there, rods and ribs of %s narrower than %.3g mm may pass between its "
+      "points, and objects hidden behind are not felt\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
       seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(),
-      1000 * narrowest_felt_m(scenes));
+      scenes.seat().size() == 1 ? "it" : "them", 1000 * narrowest_felt_m(scenes));
 }
 
 // When the guarantee holds; where nothing is guarded, it is no fact about every frame.
