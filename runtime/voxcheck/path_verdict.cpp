@@ -78,6 +78,10 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep into " +
            object + ", and " + length_text(seat->allowed_m) + " are allowed";
   }
+  if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
+    return "goes " + length_text(v.depth_m) + " deep into " + object +
+           ", which it does not overlap as installed";
+  }
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
   return "goes " + depth + " deep into " + object + ", " + length_text(seat->installed_m) +
          " as installed and " + allowed + " allowed";

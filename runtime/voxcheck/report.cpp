@@ -142,10 +142,15 @@ std::string seat_depth_text(const Report& report) {
       seats.begin(), seats.end(),
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
+  const double allowed_m = deepest->allowed_m - deepest->installed_m;
+  const std::string object = escaped(object_name(report.checked.scene, deepest->object));
+  if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
+    return "in contact, the part goes nowhere deeper than installed";
+  }
   return "in contact, the part goes at most " + length_text(std::max(0.0, deeper(*deepest))) +
-         " deeper than installed, into " +
-         escaped(object_name(report.checked.scene, deepest->object)) + "; " +
-         length_text(deepest->allowed_m - deepest->installed_m) + " are allowed";
+         " deeper than installed, into " + object + "; " +
+         (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
+         " allowed";
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
