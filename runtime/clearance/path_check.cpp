@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "runtime/clearance/path_walk.h"
@@ -52,6 +53,9 @@ class Check {
     PartDistance part(voxmap_, shell_, left_out, cap_voxels());
     return checked(part, sample);
   }
+  std::optional<CheckedMoment> moment_inside(const PartDistance& part, const Moment& from,
+                                             const Moment& to) const;
+  bool lies_inside(const glm::dvec3& world_m) const;
   std::vector<Violation> violations(const LeftOut& left_out,
                                     const std::vector<Piece>& pieces) const;
 
@@ -145,12 +149,55 @@ CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
   return moment;
 }
 
+// Whether a position on the part's surface lies in the static solid for certain: by the largest
+// distance that the code of its voxel's center allows.
+bool Check::lies_inside(const glm::dvec3& world_m) const {
+  const double s = voxmap_.voxel_size_m();
+  const glm::dvec3 voxel = glm::floor(world_m / s);
+  const double center_m =
+      voxmap_.max_distance_m(static_cast<std::int64_t>(voxel.x), static_cast<std::int64_t>(voxel.y),
+                             static_cast<std::int64_t>(voxel.z));
+  return center_m + glm::length(world_m - (voxel + 0.5) * s) + required_.deviations_m() +
+             required_.point_off_surface_m() <
+         0;
+}
+
+// A moment between two at which a shell point lies inside the solid for certain. A search for what
+// is too near ends at the first such point, where the clearance may still be kept: whether the part
+// goes through the solid later, it does not say. Looks at some moments, and some points.
+std::optional<CheckedMoment> Check::moment_inside(const PartDistance& part, const Moment& from,
+                                                  const Moment& to) const {
+  constexpr std::size_t kMoments = 32, kPoints = 20'000;
+  const double begin = static_cast<double>(from.pose) + from.fraction;
+  const double end = static_cast<double>(to.pose) + to.fraction;
+  const std::uint64_t points = shell_.view().point_count, step = 1 + points / kPoints;
+  for (std::size_t n = 1; n <= kMoments; ++n) {
+    const std::size_t odd = n * 13 % kMoments;  // all of them, far from each other at first
+    const double at = begin + (end - begin) * static_cast<double>(odd) / kMoments;
+    const auto pose = std::min(static_cast<std::size_t>(at), to.pose);
+    const Moment moment{pose, at - static_cast<double>(pose)};
+    const Pose world_from_center = path_.world_from_center(moment);
+    for (std::uint64_t i = 0; i < points; i += step) {
+      const glm::dvec3 point_m = part.place_m(world_from_center, static_cast<std::uint32_t>(i));
+      if (!lies_inside(point_m)) continue;
+      CheckedMoment inside;
+      inside.time_s = path_.time_s(moment);
+      inside.point_m = point_m;
+      const glm::i64vec3 voxel(glm::floor(point_m / voxmap_.voxel_size_m()));
+      inside.object = voxmap_.nearest_object(voxel.x, voxel.y, voxel.z);
+      return inside;
+    }
+  }
+  return std::nullopt;
+}
+
 // Pieces that are too near, those that follow each other as one.
 std::vector<Violation> Check::violations(const LeftOut& left_out,
                                          const std::vector<Piece>& pieces) const {
   PartDistance part(voxmap_, shell_, left_out, cap_voxels());
   std::vector<Violation> found;
   const Piece* worst = nullptr;
+  std::size_t first = 0;  // piece of the stretch
   double min_voxels = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Piece& piece = pieces[i];
@@ -158,6 +205,7 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
     if (worst == nullptr) {
       found.push_back({path_.time_s(piece.from), 0, 0, {}, false});
       worst = &piece;
+      first = i;
       min_voxels = piece.min_voxels;
     }
     min_voxels = std::min(min_voxels, piece.min_voxels);
@@ -167,6 +215,13 @@ std::vector<Violation> Check::violations(const LeftOut& left_out,
     violation.to_s = path_.time_s(piece.to);
     violation.clearance_m = clearance_m(min_voxels);
     violation.worst = checked(part, worst->worst);
+    const bool all_count = std::find(left_out.begin(), left_out.end(), 1) == left_out.end();
+    if (all_count && !(violation.worst.clearance_m > 0)) {
+      if (auto inside = moment_inside(part, pieces[first].from, piece.to)) {
+        if (inside->object == 0) inside->object = violation.worst.object;
+        violation.worst = *inside;
+      }
+    }
     worst = nullptr;
   }
   return found;

@@ -48,6 +48,7 @@ VerdictKind kind_of(const CheckedPath& checked, const Violation& v) {
     if (exact->inside || exact->meets()) return VerdictKind::kCollides;
     return exact->graze ? VerdictKind::kTooCloseToCall : VerdictKind::kTooNear;
   }
+  if (v.worst.max_m <= 0) return VerdictKind::kCollides;
   return v.worst.max_m < checked.required_m ? VerdictKind::kTooNear : VerdictKind::kUndecided;
 }
 
@@ -128,6 +129,7 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
     return near + ", which deviations and rounding of " +
            command::length_texts(checked.exact->margin_m, off_m).first + " leave open";
   }
+  if (v.worst.max_m <= 0) return "goes into " + object;
   if (v.worst.max_m < checked.required_m) {
     return "comes within " + command::upper_length_text(v.worst.max_m, checked.required_m) +
            " of " + object;
