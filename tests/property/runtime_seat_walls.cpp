@@ -27,7 +27,7 @@ WallCase random_case(std::mt19937_64& random, int number) {
   if (number % 10 == 9) c.wall_m = 0;
   c.gap_m = (0.02 + 0.6 * unit(random)) * kS;
   c.leg_m = (0.3 + 2 * unit(random)) * kS;
-  c.at.position_m = kS * glm::dvec3(unit(random), unit(random), unit(random));
+  c.at.position_m = kS * glm::dvec3{unit(random), unit(random), unit(random)};
   if (number % 2 == 1) {
     c.at.orientation =
         coupling::rotation_by({unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5});
