@@ -153,12 +153,10 @@ CheckedMoment Check::checked(PartDistance& part, const Sample& sample) const {
 // distance that the code of its voxel's center allows.
 bool Check::lies_inside(const glm::dvec3& world_m) const {
   const double s = voxmap_.voxel_size_m();
-  const glm::dvec3 voxel = glm::floor(world_m / s);
-  const double center_m =
-      voxmap_.max_distance_m(static_cast<std::int64_t>(voxel.x), static_cast<std::int64_t>(voxel.y),
-                             static_cast<std::int64_t>(voxel.z));
-  return center_m + glm::length(world_m - (voxel + 0.5) * s) + required_.deviations_m() +
-             required_.point_off_surface_m() <
+  const glm::i64vec3 voxel(glm::floor(world_m / s));
+  const double center_m = voxmap_.max_distance_m(voxel.x, voxel.y, voxel.z);
+  return center_m + glm::length(world_m - (glm::dvec3(voxel) + 0.5) * s) +
+             required_.deviations_m() + required_.point_off_surface_m() <
          0;
 }
 
@@ -172,8 +170,8 @@ std::optional<CheckedMoment> Check::moment_inside(const PartDistance& part, cons
   const double end = static_cast<double>(to.pose) + to.fraction;
   const std::uint64_t points = shell_.view().point_count, step = 1 + points / kPoints;
   for (std::size_t n = 1; n <= kMoments; ++n) {
-    const std::size_t odd = n * 13 % kMoments;  // all of them, far from each other at first
-    const double at = begin + (end - begin) * static_cast<double>(odd) / kMoments;
+    const std::size_t look = n * 13 % kMoments;  // all of them, far from each other at first
+    const double at = begin + (end - begin) * static_cast<double>(look) / kMoments;
     const auto pose = std::min(static_cast<std::size_t>(at), to.pose);
     const Moment moment{pose, at - static_cast<double>(pose)};
     const Pose world_from_center = path_.world_from_center(moment);
