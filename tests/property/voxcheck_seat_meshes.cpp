@@ -126,7 +126,7 @@ TEST(SeatMeshes, KnowsTheDirectionOfASlot) {
   std::mt19937_64 random(6);
   const auto normal = [&] { return std::normal_distribution<double>()(random); };
   for (int n = 0; n < 50; ++n) {
-    const glm::dquat turn = glm::normalize(glm::dquat(normal(), normal(), normal(), normal()));
+    const glm::dquat turn = glm::normalize(glm::dquat{normal(), normal(), normal(), normal()});
     Surface scene, part;
     add_box(scene, {-0.02, 0.0101, -0.02}, {0.02, 0.015, 0.02}, kWall, turn);
     add_box(scene, {-0.02, -0.015, -0.02}, {0.02, -0.0101, 0.02}, kWall, turn);

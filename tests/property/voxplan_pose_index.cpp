@@ -68,9 +68,10 @@ Pose any(Random& random, double side_m) {
 }
 
 Pose beside(const Pose& pose, double length_m, Random& random) {
-  return {pose.position_m + length_m * random.fraction() * random.direction(),
-          glm::normalize(coupling::rotation_by(random.direction() * (length_m * random.normal())) *
-                         pose.orientation)};
+  const glm::dvec3 way = random.direction(), axis = random.direction();
+  const double way_m = length_m * random.fraction(), turn_rad = length_m * random.normal();
+  return {pose.position_m + way_m * way,
+          glm::normalize(coupling::rotation_by(turn_rad * axis) * pose.orientation)};
 }
 
 TEST_P(PoseIndexOfTarget, FindsWhatALinearSearchFinds) {

@@ -18,8 +18,9 @@ class Random {
   std::size_t below(std::size_t count) {
     return static_cast<std::size_t>(fraction() * static_cast<double>(count));
   }
-  double normal() {
-    return std::sqrt(-2 * std::log(1 - fraction())) * std::cos(2 * M_PI * fraction());
+  double normal() {  // each number drawn in a statement of its own: operands have no order
+    const double length = std::sqrt(-2 * std::log(1 - fraction()));
+    return length * std::cos(2 * M_PI * fraction());
   }
 
   glm::dvec3 direction() {

@@ -24,8 +24,10 @@ double length_m(const Problem& problem, const Way& way) {
 
 // A pose near another: its centroid shifted, and turned by as much at the part's radius.
 Pose shifted(const Pose& pose, double shift_m, double radius_m, Random& random) {
-  const glm::dvec3 turn_rad = random.direction() * (random.normal() * shift_m / radius_m);
-  return {pose.position_m + random.direction() * (random.normal() * shift_m),
+  const double turn_m = random.normal() * shift_m;
+  const glm::dvec3 turn_rad = random.direction() * (turn_m / radius_m);
+  const double way_m = random.normal() * shift_m;
+  return {pose.position_m + random.direction() * way_m,
           glm::normalize(coupling::rotation_by(turn_rad) * pose.orientation)};
 }
 
