@@ -217,8 +217,9 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   print_counted(shell.hidden_points, "point", "left out inside another body of the part");
   print_counted(shell.orientation.flipped_triangles, "triangle", "turned to face outwards");
   print_counted(part.duplicate_triangles, "triangle", "that others repeat counted once");
-  print_counted(shell.loose_triangles, "loose triangle",
-                "without a say in the volume: hidden, or smaller than the covering radius");
+  print_counted(
+      shell.loose_triangles, "loose triangle",
+      "left out of the volume: hidden, without area, or smaller than the covering radius");
 }
 
 double now_s() {

@@ -249,9 +249,11 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
 }
 
 Status write_curve(const Report& report) {
-  std::string table = "from_s,to_s,clearance_m\n";
+  std::string table = "from_s,to_s,clearance_m,from_m,to_m\n";
   for (const auto& piece : report.checked.result.curve) {
-    for (const double number : {piece.from_s, piece.to_s, piece.clearance_m}) {
+    const double from_m = along_m(report.checked, piece.from_s);
+    const double to_m = along_m(report.checked, piece.to_s);
+    for (const double number : {piece.from_s, piece.to_s, piece.clearance_m, from_m, to_m}) {
       char digits[32];  // the shortest text that reads back as the same number
       table.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
       table += ',';

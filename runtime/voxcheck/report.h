@@ -31,7 +31,8 @@ std::vector<std::string> picture_title(const command::Verdict& verdict);
 
 nlohmann::ordered_json report_json(const Report& report, const command::Verdict& verdict);
 
-// `from_s,to_s,clearance_m`: what is proven from one time to another.
+// `from_s,to_s,clearance_m,from_m,to_m`: what is proven from one time, and place on the path, to
+// another.
 Status write_curve(const Report& report);
 
 // The name and files of the check, for hosts.

@@ -70,6 +70,8 @@ def mm(length_m):  # rounded down, without zeros at the end
     return f"{int(1e6 * length_m + 1e-6) / 1e3:.3f}".rstrip("0").rstrip(".") + " mm"
 assert mm(verdict["min_clearance"]["exact_m"]) + " measured" in said
 [seated] = verdict["seated"]
+width = float(re.search(r'x="64.0" y="16" width="([0-9.]+)" [^>]*class="seat"', page)[1]) / (900 - 64 - 16)
+assert "position along the path, mm" in said and abs(width - seated["to_m"] / verdict["way_m"]) < 1e-3, width
 assert "least distance, contact aside" in said and "Comes out, straight along +z" in said
 assert f"0.0 mm to {1e3 * seated['to_m']:.1f} mm of a path of {1e3 * verdict['way_m']:.1f} mm; {mm(seated['exact_m'])} measured to " in said
 assert verdict["sentence"].startswith("Comes out, straight along +z: slides along "), verdict["sentence"]

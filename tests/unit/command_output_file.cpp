@@ -109,7 +109,7 @@ TEST_F(OutputFiles, OnlyAFileThatACommandWroteIsReplaced) {
       {FileKind::kReport, "[\n  {\n    \"description\": \"\""},
       {FileKind::kTable, "t_s,handle_x_m,handle_y_m\n"},
       {FileKind::kTable, "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n"},
-      {FileKind::kTable, "from_s,to_s,clearance_m\n"},
+      {FileKind::kTable, "from_s,to_s,clearance_m,from_m,to_m\n"},
       {FileKind::kExport, "i,j,k,value\n"},
       {FileKind::kExport, std::string(" BDV\0\0\0\0\xe0", 9)},
       {FileKind::kExport,

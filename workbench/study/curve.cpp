@@ -19,7 +19,7 @@ constexpr double kShown = 3;            // times what is required, or the least 
 constexpr std::size_t kColumns = 1500;  // of steps; more cannot be seen
 
 struct Step {
-  double from_s = 0, to_s = 0, clearance_m = 0;
+  double from_m = 0, to_m = 0, clearance_m = 0;  // positions along the path
 };
 
 Result<std::vector<Step>> read_curve(const std::string& path) {
@@ -29,7 +29,7 @@ Result<std::vector<Step>> read_curve(const std::string& path) {
   std::vector<Step> steps;
   while (std::getline(file, line)) {
     Step s;
-    if (std::sscanf(line.c_str(), "%lf,%lf,%lf", &s.from_s, &s.to_s, &s.clearance_m) == 3) {
+    if (std::sscanf(line.c_str(), "%*f,%*f,%lf,%lf,%lf", &s.clearance_m, &s.from_m, &s.to_m) == 3) {
       steps.push_back(s);
     }
   }
@@ -60,11 +60,11 @@ std::vector<double> ticks_of(double from, double span) {
 
 class Drawing {
  public:
-  Drawing(double from_s, double to_s, double top_m)
-      : from_s_(from_s), span_s_(std::max(to_s - from_s, 1e-9)), top_m_(std::max(top_m, 1e-9)) {}
+  Drawing(double length_m, double top_m)
+      : length_m_(std::max(length_m, 1e-9)), top_m_(std::max(top_m, 1e-9)) {}
 
-  double x(double t_s) const {
-    return kLeft + (kWidth - kLeft - kRight) * std::clamp((t_s - from_s_) / span_s_, 0.0, 1.0);
+  double x(double along_m) const {
+    return kLeft + (kWidth - kLeft - kRight) * std::clamp(along_m / length_m_, 0.0, 1.0);
   }
   double y(double m) const {
     return kHeight - kBottom - (kHeight - kTop - kBottom) * std::clamp(m / top_m_, 0.0, 1.0);
@@ -72,7 +72,7 @@ class Drawing {
 
   void band(const nlohmann::json& stretches, const char* style) {
     for (const auto& s : stretches) {
-      const double left = x(s["from_s"]), right = std::max(x(s["to_s"]), left + 1);
+      const double left = x(s["from_m"]), right = std::max(x(s["to_m"]), left + 1);
       svg_ += text("<rect x=\"%.1f\" y=\"%.0f\" width=\"%.1f\" height=\"%.1f\" class=\"%s\"/>\n",
                    left, kTop, right - left, kHeight - kTop - kBottom, style);
     }
@@ -86,16 +86,17 @@ class Drawing {
           "text-anchor=\"end\">%g</text>\n",
           kLeft, y(mm / 1e3), kWidth - kRight, kLeft - 6, y(mm / 1e3) + 4, mm);
     }
-    for (const double t : ticks_of(from_s_, span_s_)) {
+    for (const double mm : ticks_of(0, length_m_ * 1e3)) {
       svg_ += text(
           "<path d=\"M%.1f %.1fv4\" class=\"axis\"/><text x=\"%.1f\" y=\"%.1f\" "
           "text-anchor=\"middle\">%g</text>\n",
-          x(t), low, x(t), low + 18, std::abs(t) < 1e-9 ? 0.0 : t);
+          x(mm / 1e3), low, x(mm / 1e3), low + 18, mm);
     }
     svg_ += text("<path d=\"M%.0f %.0fV%.1fH%.0f\" class=\"axis\"/>\n", kLeft, kTop, low,
                  kWidth - kRight);
-    svg_ += text("<text x=\"%.0f\" y=\"%.1f\" text-anchor=\"middle\">time, s</text>\n",
-                 (kLeft + kWidth) / 2, kHeight - 8);
+    svg_ += text(
+        "<text x=\"%.0f\" y=\"%.1f\" text-anchor=\"middle\">position along the path, mm</text>\n",
+        (kLeft + kWidth) / 2, kHeight - 8);
     svg_ += text(
         "<text transform=\"translate(16 %.1f) rotate(-90)\" text-anchor=\"middle\">proven "
         "clearance, mm</text>\n",
@@ -108,11 +109,11 @@ class Drawing {
     const double column = (kWidth - kLeft - kRight) / kColumns;
     const char* to = "M";
     for (std::size_t i = 0; i < steps.size();) {
-      const double left = x(steps[i].from_s);
-      double smallest = steps[i].clearance_m, right = x(steps[i].to_s);
-      for (++i; i < steps.size() && x(steps[i].to_s) < left + column; ++i) {
+      const double left = x(steps[i].from_m);
+      double smallest = steps[i].clearance_m, right = x(steps[i].to_m);
+      for (++i; i < steps.size() && x(steps[i].to_m) < left + column; ++i) {
         smallest = std::min(smallest, steps[i].clearance_m);
-        right = x(steps[i].to_s);
+        right = x(steps[i].to_m);
       }
       svg_ += text("%s%.2f %.2fH%.2f", to, left, y(smallest), right);
       to = "L";
@@ -122,19 +123,19 @@ class Drawing {
 
   void required(double m) {
     svg_ += text(
-        "<path d=\"M%.0f %.1fH%.0f\" class=\"required\"/><text x=\"%.0f\" y=\"%.1f\" "
-        "text-anchor=\"end\">%.4g mm required</text>\n",
-        kLeft, y(m), kWidth - kRight, kWidth - kRight - 4, y(m) - 5, 1e3 * m);
+        "<path d=\"M%.0f %.1fH%.0f\" class=\"required\"/><text x=\"%.0f\" y=\"%.1f\">%.4g mm "
+        "required</text>\n",
+        kLeft, y(m), kWidth - kRight, kLeft + 4, y(m) - 5, 1e3 * m);
   }
 
-  void smallest(double t_s, double m) {
-    svg_ += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"least\"/>\n", x(t_s), y(m));
+  void smallest(double along_m, double m) {
+    svg_ += text("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"least\"/>\n", x(along_m), y(m));
   }
 
   std::string finish() const {
     return text(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
-               "height=\"%.0f\" role=\"img\" aria-label=\"proven clearance over time\">\n",
+               "height=\"%.0f\" role=\"img\" aria-label=\"proven clearance along the path\">\n",
                kWidth, kHeight, kWidth, kHeight) +
            "<style>text{font:12px "
            "sans-serif;fill:#222}.grid{stroke:#ddd}.axis{stroke:#222;fill:none}"
@@ -146,7 +147,7 @@ class Drawing {
   }
 
  private:
-  double from_s_, span_s_, top_m_;
+  double length_m_, top_m_;
   std::string svg_;
 };
 
@@ -160,7 +161,7 @@ Result<std::string> curve_svg(const std::string& curve, const nlohmann::json& ve
   double max_m = 0;
   for (const Step& s : *steps) max_m = std::max(max_m, s.clearance_m);
   const double named_m = std::max<double>(required_m, smallest["clearance_m"]);
-  Drawing drawing(steps->front().from_s, steps->back().to_s,
+  Drawing drawing(steps->back().to_m,
                   std::max(std::min(max_m, kShown * named_m), 1.1 * required_m));
   drawing.band(verdict["seated"], "seat");
   drawing.band(verdict["violations"], "violation");
@@ -168,7 +169,7 @@ Result<std::string> curve_svg(const std::string& curve, const nlohmann::json& ve
   drawing.required(required_m);
   drawing.steps(*steps);
   const bool exact = smallest.contains("exact_m") && smallest["exact_m"].is_number();
-  drawing.smallest(smallest["t_s"], smallest[exact ? "exact_m" : "clearance_m"]);
+  drawing.smallest(smallest["along_path_m"], smallest[exact ? "exact_m" : "clearance_m"]);
   return drawing.finish();
 }
 
