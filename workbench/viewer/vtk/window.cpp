@@ -348,7 +348,7 @@ class Window {
       const std::string label = escaped(row.label);
       line.words = !row.is_group ? label
                    : row.is_open ? label
-                                 : text_of("%s  (%zu)", label.c_str(), row.objects);
+                                 : text_of("%s  (%zu objects)", label.c_str(), row.objects);
       line.depth = row.depth;
       line.color = !row.is_group && plan_.color_objects && row.object < scene_.meshes.size()
                        ? color_of_mesh(row.object)
