@@ -323,6 +323,24 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
   EXPECT_GT(free, 1);
 }
 
+// A long pin is pushed through the wall of its bore: it is about as deep as its radius all the way,
+// and every moment takes long. A few are enough to say how deep it is.
+TEST(SeatWalk, LooksAtFewMomentsWhereEachTakesLong) {
+  const Surface pin = prism(160, 1, 20), bore = tube(160, 1.01, 20, 1);
+  const Bodies of_pin = bodies_of(pin, 1e-4), of_bore = bodies_of(bore, 1e-4);
+  const MeshPair distance(bore, pin);
+  const glm::dquat lean = glm::angleAxis(0.01, glm::normalize(glm::dvec3(1, 2, 0)));
+  const clearance::CenterPath path({{row_of(0, {{0, 0, 0}, lean}), row_of(1, {{9, 0.2, 0}, lean})}},
+                                   {0, 0, 0}, 21);
+  SeatWalk walk(path, of_pin, of_bore, distance, 1e-4);
+  const auto found = walk.deeper_than({0, 0}, {1, 0}, 0.02, 0.01);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].is_deeper);
+  EXPECT_NEAR(found[0].worst.found_m, 1, 1.0 / 64);  // half of the wall, the radius of the pin
+  EXPECT_LT(walk.measured(), 45u);                   // 50 if each moment were looked at
+  RecordProperty("measured", static_cast<int>(walk.measured()));
+}
+
 // The proof by a shift holds at places sampled densely, at every moment of a motion.
 TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
   std::mt19937 random(43);

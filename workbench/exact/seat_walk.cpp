@@ -105,21 +105,26 @@ bool SeatWalk::is_proven(const Moment& begin, const Moment& end, double allowed_
   return true;
 }
 
-// Looks at moments all over a stretch, its poses among them, for the deepest, and then closer and
-// closer about that.
+// Looks at moments all over a stretch, its poses first, for the deepest, and then closer and closer
+// about that. Where a part lies deep in an object along all of a long face, one moment takes
+// seconds; then a few moments do, for how deep it is decides nothing.
 void SeatWalk::find_worst(Stretch& stretch) {
   constexpr std::size_t kMoments = 12, kHalvings = 6;
+  constexpr std::uint64_t kMaxLooks = 50000;  // at nodes and pieces: a few seconds
+  std::uint64_t looks = 0;
   const double from_s = path_.time_s(stretch.from), to_s = path_.time_s(stretch.to);
   const auto look_at = [&](const Moment& moment) {
+    if (looks > kMaxLooks) return;
     const Depth& depth = at(moment, std::nullopt);
+    looks += depth.looked_at;
     if (depth.found_m > stretch.worst.found_m) stretch.worst_at = moment, stretch.worst = depth;
   };
   for (const Moment& moment : {stretch.from, stretch.to, stretch.worst_at}) look_at(moment);
-  double step_s = (to_s - from_s) / kMoments;
-  for (std::size_t n = 1; n < kMoments; ++n) look_at(path_.at(from_s + n * step_s));
   const auto poses = clearance::CenterPath::between(stretch.from, stretch.to);
   const std::size_t count = std::min(kMoments, poses.count());
   for (std::size_t n = 0; n < count; ++n) look_at({poses.first + n * poses.count() / count, 0});
+  double step_s = (to_s - from_s) / kMoments;
+  for (std::size_t n = 1; n < kMoments; ++n) look_at(path_.at(from_s + n * step_s));
   for (std::size_t n = 0; n < kHalvings; ++n) {
     step_s /= 2;
     const double worst_s = path_.time_s(stretch.worst_at);
