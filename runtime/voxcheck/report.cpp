@@ -147,9 +147,11 @@ std::string seat_depth_text(const Report& report) {
   if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
     return "in contact, the part goes nowhere deeper than installed";
   }
-  return "in contact, the part goes at most " + length_text(std::max(0.0, deeper(*deepest))) +
-         " deeper than installed, into " + object + "; " +
-         (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
+  // Beyond the allowed depth no more is known than the deepest place that was looked at.
+  const char* bound = deeper(*deepest) > allowed_m ? "at least " : "at most ";
+  return std::string("in contact, the part goes ") + bound +
+         length_text(std::max(0.0, deeper(*deepest))) + " deeper than installed, into " + object +
+         "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
          " allowed";
 }
 

@@ -338,7 +338,6 @@ TEST(SeatWalk, LooksAtFewMomentsWhereEachTakesLong) {
   EXPECT_TRUE(found[0].is_deeper);
   EXPECT_NEAR(found[0].worst.found_m, 1, 1.0 / 64);  // half of the wall, the radius of the pin
   EXPECT_LT(walk.measured(), 45u);                   // 50 if each moment were looked at
-  RecordProperty("measured", static_cast<int>(walk.measured()));
 }
 
 // The proof by a shift holds at places sampled densely, at every moment of a motion.

@@ -107,14 +107,15 @@ bool SeatWalk::is_proven(const Moment& begin, const Moment& end, double allowed_
 
 // Looks at moments all over a stretch, its poses first, for the deepest, and then closer and closer
 // about that. Where a part lies deep in an object along all of a long face, one moment takes
-// seconds; then a few moments do, for how deep it is decides nothing.
+// seconds. A stretch that is known to be too deep is then left after a few of them: no verdict
+// depends on how deep it is.
 void SeatWalk::find_worst(Stretch& stretch) {
   constexpr std::size_t kMoments = 12, kHalvings = 6;
   constexpr std::uint64_t kMaxLooks = 50000;  // at nodes and pieces: a few seconds
   std::uint64_t looks = 0;
   const double from_s = path_.time_s(stretch.from), to_s = path_.time_s(stretch.to);
   const auto look_at = [&](const Moment& moment) {
-    if (looks > kMaxLooks) return;
+    if (stretch.is_deeper && looks > kMaxLooks) return;
     const Depth& depth = at(moment, std::nullopt);
     looks += depth.looked_at;
     if (depth.found_m > stretch.worst.found_m) stretch.worst_at = moment, stretch.worst = depth;
