@@ -49,12 +49,13 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   const bool from_volume = h.mass_source == static_cast<std::uint32_t>(MassSource::kVolume);
   checks.require(std::isfinite(h.volume_m3) && (from_volume ? h.volume_m3 > 0 : h.volume_m3 == 0),
                  offsetof(PshellHeader, volume_m3), "volume_m3",
-                 "is not positive, or not zero where mass comes from the area");
+                 from_volume ? "is not a positive, finite volume"
+                             : "must be zero, because the mass comes from the area");
   for (std::size_t i = 0; i < h.inertia_m2.size(); ++i) {
     const double moment = h.inertia_m2[i];
     checks.require(i < 3 ? is_finite_not_negative(moment) : std::isfinite(moment),
                    offsetof(PshellHeader, inertia_m2) + 8 * i, "inertia_m2",
-                   "is not finite, or negative on the diagonal");
+                   "must be finite, and not negative on the diagonal");
   }
 }
 
@@ -70,7 +71,7 @@ Status check_header_fields(const PshellHeader& h, std::string_view name) {
   checks.require(is_finite_not_negative(h.bounding_radius_m) &&
                      h.bounding_radius_m <= kMaxRadiusVoxels * h.voxel_size_m,
                  offsetof(PshellHeader, bounding_radius_m), "bounding_radius_m",
-                 "is not a length, or above 2^20 voxels");
+                 "is not a finite length, or is above 2^20 voxels");
   checks.require(is_finite_not_negative(h.part_deviation_m),
                  offsetof(PshellHeader, part_deviation_m), "part_deviation_m",
                  "is not a finite length");
@@ -106,7 +107,7 @@ Status check_section_sizes(const PshellHeader& h, std::span<const std::span<cons
     if (actual == wanted) continue;
     return Error{
         ErrorCode::kSectionInvalid, name, rules[i].name,
-        std::to_string(actual) + " elements where the header asks for " + std::to_string(wanted),
+        std::to_string(actual) + " elements, but the header requires " + std::to_string(wanted),
         "bake or copy it again"};
   }
   return {};
@@ -122,11 +123,11 @@ Status check_spheres(const PshellView& v, std::span<const BoundingSphere> sphere
   const std::uint64_t stored = v.block_count * v.block_points;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     if (!is_finite_sphere(spheres[i])) {
-      return entry_error(name, section, i, "sphere is not finite or its radius is negative");
+      return entry_error(name, section, i, "the sphere is not finite, or its radius is negative");
     }
     const std::uint64_t begin = i * points_each;
     if (!holds_points(spheres[i], v, begin, std::min(stored, begin + points_each))) {
-      return entry_error(name, section, i, "sphere does not hold all of its points");
+      return entry_error(name, section, i, "the sphere does not contain all of its points");
     }
   }
   return {};
@@ -137,13 +138,13 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
   switch (checked.fault) {
     case PointFault::kPosition:
       return entry_error(name, "x, y, z", checked.bad,
-                         "point is not finite or beyond the bounding radius");
+                         "the point is not finite, or is beyond the bounding radius");
     case PointFault::kNormal:
-      return entry_error(name, "normals", checked.bad, "normal is not of unit length");
+      return entry_error(name, "normals", checked.bad, "the normal is not of unit length");
     case PointFault::kWeight:
-      return entry_error(name, "weight", checked.bad, "weight is not a finite area");
+      return entry_error(name, "weight", checked.bad, "the weight is not a finite area");
     case PointFault::kCone:
-      return entry_error(name, "normal cones", checked.bad, "cosine is not between -1 and 1");
+      return entry_error(name, "normal cones", checked.bad, "the cosine is not between -1 and 1");
     case PointFault::kSides:
       return entry_error(name, "two-sided points", checked.bad, "is neither 0 nor 1");
     case PointFault::kNone:
@@ -165,7 +166,7 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
     const bool same_sides = !v.two_sided || v.two_sided[i] == v.two_sided[last];
     if (!repeats || !same_sides || bits(v.weight_m2[i]) != 0) {
       return entry_error(name, "point sections", i,
-                         "padding does not repeat the last point with weight zero");
+                         "the padding must repeat the last point with weight zero");
     }
   }
   return {};
@@ -182,12 +183,15 @@ Status check_losses(std::span<const DistanceLoss> losses, std::string_view name)
   for (std::size_t i = 0; i < losses.size(); ++i) {
     const DistanceLoss& own = losses[i];
     if (!(std::isfinite(own.distance_m) && own.loss_m >= 0 && own.loss_m <= own.distance_m)) {
-      return entry_error(name, "losses", i, "loss is not between zero and a finite distance");
+      return entry_error(
+          name, "losses", i,
+          "the loss is not between zero and its distance, or the distance is not finite");
     }
     if (i > 0 &&
         !(own.distance_m > losses[i - 1].distance_m && own.loss_m <= losses[i - 1].loss_m)) {
       return entry_error(name, "losses", i,
-                         "distance does not ascend, or loss is above that of a smaller distance");
+                         "the distance is not above the previous distance, or the loss is above "
+                         "the previous loss");
     }
   }
   return {};

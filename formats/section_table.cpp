@@ -55,16 +55,16 @@ Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
               wants_voxmap ? "not a Forcelayer .vox file" : "not a Forcelayer .pshell file",
               wants_voxmap ? "make one with voxelize" : "make one with pointshell"};
   if (starts_with(bytes, kPshellMagic)) {
-    error.what = "this is a .pshell file (a moving part) where a .vox scene is wanted";
+    error.what = "this is a .pshell file (a moving part), but a .vox scene is needed";
     error.mend = "give the scene's .vox file here";
   } else if (starts_with(bytes, kVoxmapMagic)) {
-    error.what = "this is a .vox file (a scene) where a .pshell part is wanted";
+    error.what = "this is a .vox file (a scene), but a .pshell part is needed";
     error.mend = "give the part's .pshell file here";
   } else if (starts_with(bytes, "VOX ")) {
-    error.what = "this is a MagicaVoxel .vox file, not a Forcelayer one";
+    error.what = "this is a .vox file of MagicaVoxel, not of Forcelayer";
   } else if (bytes.size() >= 4 && std::memcmp(bytes.data() + 1, magic.data() + 1, 3) == 0) {
-    error.what += ": its first bytes were changed on the way, as a text-mode transfer does";
-    error.mend = "transfer it in binary mode";
+    error.what += ": its first bytes were changed, perhaps by a transfer in text mode";
+    error.mend = "transfer the file in binary mode";
   }
   return error;
 }
@@ -86,7 +86,7 @@ Status check_magic(std::span<const std::byte> bytes, std::string_view name,
 Status check_version(const FileHeader& header, std::string_view name, const HeaderRule& rule) {
   const std::string file(name);
   if (header.endian_tag == 0x04030201) {
-    return Error{ErrorCode::kWrongEndianness, file, "header byte 8", "big-endian file",
+    return Error{ErrorCode::kWrongEndianness, file, "header byte 8", "the file is big-endian",
                  "bake it on a little-endian machine"};
   }
   if (header.endian_tag != kEndianTag) {
@@ -97,9 +97,9 @@ Status check_version(const FileHeader& header, std::string_view name, const Head
   if (header.major != rule.major) {
     return Error{ErrorCode::kUnknownVersion, file, "header byte 12",
                  "format version " + std::to_string(header.major) + "." +
-                     std::to_string(header.minor) + "; this program reads version " +
+                     std::to_string(header.minor) + ", but this program reads version " +
                      std::to_string(rule.major),
-                 "bake it again or use the program that belongs to it"};
+                 "bake it again or use a program of that version"};
   }
   return {};
 }
@@ -113,7 +113,7 @@ Status check_header_checksum(std::span<const std::byte> bytes, std::string_view 
   if (!right_size || header.header_bytes > kMaxHeaderBytes ||
       header.header_bytes % kSectionAlignment != 0) {
     return Error{ErrorCode::kFieldInvalid, file, "header byte 16",
-                 "header of " + std::to_string(header.header_bytes) + " bytes instead of " +
+                 "the header has " + std::to_string(header.header_bytes) + " bytes instead of " +
                      std::to_string(rule.header_bytes),
                  "bake or copy it again"};
   }
@@ -135,7 +135,7 @@ Status check_header_checksum(std::span<const std::byte> bytes, std::string_view 
   if (checksum(front) != header.header_checksum) {
     return Error{ErrorCode::kChecksumMismatch, file, "header",
                  "header or section table is damaged: its checksum is " + hex(checksum(front)) +
-                     " and not " + hex(header.header_checksum),
+                     " instead of " + hex(header.header_checksum),
                  "bake or copy it again"};
   }
   return {};
@@ -148,10 +148,10 @@ Status check_size_and_features(std::span<const std::byte> bytes, std::string_vie
     const bool shorter = bytes.size() < header.file_bytes;
     return Error{shorter ? ErrorCode::kTruncated : ErrorCode::kTrailingBytes, file,
                  "byte " + std::to_string(std::min<std::uint64_t>(bytes.size(), header.file_bytes)),
-                 "the file has " + std::to_string(bytes.size()) + " bytes, its header says " +
+                 "the file has " + std::to_string(bytes.size()) + " bytes, but its header says " +
                      std::to_string(header.file_bytes),
-                 shorter ? "it was cut off: bake or copy it again"
-                         : "something was appended: bake or copy it again"};
+                 shorter ? "the file was cut off: bake or copy it again"
+                         : "bytes were appended: bake or copy the file again"};
   }
   const std::uint64_t unknown = header.required_features & ~kKnownRequiredFeatures;
   if (unknown != 0) {
@@ -197,8 +197,8 @@ Status check_identity(const PlacedEntry& placed, std::span<const SectionEntry> t
   const std::uint32_t wanted = placed.rule ? placed.rule->element_bytes : entry.element_bytes;
   if (entry.element_bytes != wanted || wanted == 0 || entry.bytes % wanted != 0) {
     return placed.error(name, std::to_string(entry.bytes) + " bytes in elements of " +
-                                  std::to_string(entry.element_bytes) + " where elements of " +
-                                  std::to_string(wanted) + " are wanted");
+                                  std::to_string(entry.element_bytes) + " bytes instead of " +
+                                  std::to_string(wanted));
   }
   return {};
 }
@@ -291,8 +291,8 @@ Result<std::vector<std::span<const std::byte>>> check_sections(std::span<const s
   if (Status s = check_required(table, rules, name); !s) return s.error();
   if (end == header.file_bytes) return sections;
   return Error{ErrorCode::kSectionInvalid, name, "section table",
-               "the last section ends at byte " + std::to_string(end) + " and the file at byte " +
-                   std::to_string(header.file_bytes),
+               "the last section ends at byte " + std::to_string(end) +
+                   ", but the file ends at byte " + std::to_string(header.file_bytes),
                "bake or copy it again"};
 }
 
@@ -304,7 +304,7 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
     const SectionRule* rule = find_rule(rules, entry.id, read_file_header(bytes).minor);
     return Error{ErrorCode::kChecksumMismatch, name,
                  rule ? rule->name : "section " + std::to_string(entry.id),
-                 "the section is damaged: its checksum is " + hex(actual) + " and not " +
+                 "the section is damaged: its checksum is " + hex(actual) + " instead of " +
                      hex(entry.checksum),
                  "bake or copy it again"};
   }

@@ -20,33 +20,35 @@ bool is_voxel_index(std::int64_t index) {
 // The metric, and the lengths that go with it.
 void check_encoding_fields(const VoxmapHeader& h, FieldChecks& checks) {
   checks.require(h.metric <= static_cast<std::uint32_t>(Metric::kEuclidean),
-                 offsetof(VoxmapHeader, metric), "metric", "is not a metric that this version has");
+                 offsetof(VoxmapHeader, metric), "metric",
+                 "is not a metric of this format version");
   if (!checks.status()) return;
   const bool euclidean = h.metric == static_cast<std::uint32_t>(Metric::kEuclidean);
   const auto length = [&](double value, std::size_t offset, const char* field) {
     checks.require(euclidean ? std::isfinite(value) && value > 0 : value == 0, offset, field,
-                   euclidean ? "is not a positive length" : "is not zero in the Chebyshev metric");
+                   euclidean ? "is not a positive length" : "must be zero in the Chebyshev metric");
   };
   length(h.zero_force_m, offsetof(VoxmapHeader, zero_force_m), "zero_force_m");
   length(h.force_depth_m, offsetof(VoxmapHeader, force_depth_m), "force_depth_m");
   checks.require(h.force_depth_m <= h.zero_force_m, offsetof(VoxmapHeader, force_depth_m),
                  "force_depth_m", "is more than zero_force_m");
   checks.require(!has_standoff(h) || has_distances(h), offsetof(VoxmapHeader, offset_layers),
-                 "offset_layers", "is zero in the Euclidean metric, without distances");
+                 "offset_layers", "must not be zero in the Euclidean metric without distances");
   checks.require(!has_standoff(h) ||
                      interior_radius_m(h) / h.voxel_size_m >= kMinInteriorVoxels - kRoundingVoxels,
                  offsetof(VoxmapHeader, zero_force_m), "zero_force_m",
-                 "is less than 888/1024 voxel more than force_depth_m");
+                 "must be at least force_depth_m + 888/1024 voxel");
   checks.require(h.distance_quantum_m == 0 ||
                      (euclidean && h.distance_quantum_m > 0 &&
                       h.distance_quantum_m * kMaxDistanceCode <= kMaxVoxelSizeM * kMaxDistanceCode),
                  offsetof(VoxmapHeader, distance_quantum_m), "distance_quantum_m",
-                 "is not zero, and not a step of Euclidean distances");
+                 "is neither zero nor a valid step of Euclidean distances");
   constexpr auto kHighest = static_cast<std::int32_t>(kMaxDistanceCode);
-  checks.require(has_distances(h) ? h.distance_zero_code > 0 && h.distance_zero_code < kHighest
-                                  : h.distance_zero_code == 0,
-                 offsetof(VoxmapHeader, distance_zero_code), "distance_zero_code",
-                 has_distances(h) ? "is not between 1 and 254" : "is not zero without distances");
+  checks.require(
+      has_distances(h) ? h.distance_zero_code > 0 && h.distance_zero_code < kHighest
+                       : h.distance_zero_code == 0,
+      offsetof(VoxmapHeader, distance_zero_code), "distance_zero_code",
+      has_distances(h) ? "is not between 1 and 254" : "must be zero without stored distances");
   checks.require(h.object_count <= kMaxObjects, offsetof(VoxmapHeader, object_count),
                  "object_count", "is above 65535");
 }
@@ -58,7 +60,7 @@ void check_directory_fields(const VoxmapHeader& h, FieldChecks& checks) {
     const std::int64_t origin = h.directory_origin[axis];
     checks.require(origin % kUpperNodeEdge == 0 && is_voxel_index(origin),
                    offsetof(VoxmapHeader, directory_origin) + 8 * axis, "directory_origin",
-                   "is not a multiple of 512 or beyond 2^52 voxels");
+                   "is not a multiple of 512, or is beyond 2^52 voxels");
     const std::uint32_t dim = h.directory_dims[axis];
     checks.require(dim <= kMaxDirectoryDim, offsetof(VoxmapHeader, directory_dims) + 4 * axis,
                    "directory_dims", "is above 2^21 cells");
@@ -82,7 +84,8 @@ void check_box_fields(const VoxmapHeader& h, FieldChecks& checks) {
     const std::size_t origin_at = offsetof(VoxmapHeader, origin_voxel) + 8 * axis;
     const std::size_t dims_at = offsetof(VoxmapHeader, dims_voxels) + 8 * axis;
     if (empty) {
-      checks.require(origin == 0, origin_at, "origin_voxel", "is not zero where all is free");
+      checks.require(origin == 0, origin_at, "origin_voxel",
+                     "must be zero where all voxels are free");
       continue;
     }
     const std::int64_t low = h.directory_origin[axis];
@@ -122,7 +125,7 @@ void check_valid_box_fields(const VoxmapHeader& h, FieldChecks& checks) {
 void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   std::uint64_t left = h.dims_voxels[0] * h.dims_voxels[1] * h.dims_voxels[2];
   const auto take = [&](std::uint64_t count, std::size_t offset, const char* field) {
-    checks.require(count <= left, offset, field, "is more than the box of non-free voxels holds");
+    checks.require(count <= left, offset, field, "is too large for the box of non-free voxels");
     if (checks.status()) left -= count;
   };
   take(h.interior_voxels, offsetof(VoxmapHeader, interior_voxels), "interior_voxels");
@@ -131,7 +134,7 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   const bool any = (h.interior_voxels | h.surface_voxels | h.proximity_voxels) != 0;
   checks.require(any == (h.dims_voxels[0] != 0), offsetof(VoxmapHeader, interior_voxels),
                  "interior_voxels, surface_voxels, proximity_voxels",
-                 "do not agree with dims_voxels on whether all is free");
+                 "must be zero if dims_voxels is zero, and only then");
 }
 
 Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
@@ -160,8 +163,8 @@ Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
 
 std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   if (!is_uniform(entry)) {
-    return "child index " + std::to_string(entry) + " of " + std::to_string(rule.child_count) +
-           " children";
+    return "child index " + std::to_string(entry) + " is too large for " +
+           std::to_string(rule.child_count) + " children";
   }
   const std::uint32_t value = entry & rule.value_mask;
   if (value > rule.max_value) {
@@ -201,7 +204,7 @@ Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
   if (directory.size() != wanted) {
     return Error{ErrorCode::kSectionInvalid, name, sections.directory,
-                 std::to_string(directory.size()) + " entries where the header says " +
+                 std::to_string(directory.size()) + " entries, but the header requires " +
                      std::to_string(wanted),
                  "bake or copy it again"};
   }
@@ -232,7 +235,7 @@ Status check_absent(const TreeSections& sections, const char* field, std::string
   for (const std::span<const std::byte> bytes : sections.bytes) {
     if (bytes.empty()) continue;
     return Error{ErrorCode::kSectionInvalid, name, sections.directory,
-                 std::string("the tree stands in a file whose ") + field + " is zero",
+                 std::string("the file must not have this tree because ") + field + " is zero",
                  "bake or copy it again"};
   }
   return {};
@@ -244,7 +247,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
   const auto wrong = [&](const char* what) {
     return Error{ErrorCode::kSectionInvalid, name, "compliance", what, "bake or copy it again"};
   };
-  if (!has_distances(h)) return wrong("stands in a file that stores no distances");
+  if (!has_distances(h)) return wrong("needs stored distances, but the file has none");
   const double deepest_m = h.zero_force_m + (h.distance_zero_code + 1.0) * h.distance_quantum_m;
   if (static_cast<double>(forces.size() - 1) * h.distance_quantum_m > deepest_m) {
     return wrong("is deeper than the distances");
@@ -332,10 +335,10 @@ Status Voxmap::read_names(std::span<const std::byte> names, std::string_view nam
   const auto wrong = [&](std::string_view what) {
     return Error{ErrorCode::kSectionInvalid, name, "object names", what, "bake or copy it again"};
   };
-  if (!text.empty() && text.back() != '\0') return wrong("the last name has no end");
+  if (!text.empty() && text.back() != '\0') return wrong("the last name does not end");
   const auto count = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\0'));
   if (count != header_->object_count) {
-    return wrong(std::to_string(count) + " names where the header says " +
+    return wrong(std::to_string(count) + " names, but the header requires " +
                  std::to_string(header_->object_count));
   }
   object_names_.reserve(count);

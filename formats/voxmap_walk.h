@@ -120,7 +120,7 @@ inline Status check_walk(double steps, std::string_view file) {
   char what[160];
   std::snprintf(what, sizeof what,
                 "the scene repeats nodes so often that more than %.2g voxels and entries must be "
-                "looked at",
+                "read",
                 kMaxWalkSteps);
   return Error{ErrorCode::kUsage, file, "", what,
                "bake a smaller region (--roi), or with larger voxels"};

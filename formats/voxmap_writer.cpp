@@ -96,7 +96,7 @@ Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
   for (const PackedTree* tree : {&packed.distances, &packed.objects}) {
     if (tree->bricks.bytes.size() <= kMaxBytes) continue;
     return Error{ErrorCode::kBakeTooLarge, path.string(), "", "its bricks take more than 32 GB",
-                 "choose a larger voxel size, or bake a region"};
+                 "use a larger voxel size, or bake a smaller region (--roi)"};
   }
   return write_layout(path, lay_out(content, packed), check);
 }

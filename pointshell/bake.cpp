@@ -129,8 +129,8 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
   if (!(certificate::proof_margin(part, radius) <= kMaxMargin * radius)) {
     char what[160];
     std::snprintf(what, sizeof what,
-                  "the part reaches %.3g m from its frame's origin: double precision cannot "
-                  "resolve its points to a quarter of the covering radius",
+                  "the part is up to %.3g m from its frame's origin: double precision is too "
+                  "coarse for points with this covering radius",
                   part.largest_coordinate);
     return Error{ErrorCode::kBakeTooLarge, "", "", what,
                  "move the mesh toward its origin, and check --units"};
@@ -156,8 +156,8 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
   }
   char what[160];
   std::snprintf(what, sizeof what,
-                "the shell would need about %.2g points, more than this machine's memory or the "
-                "format holds",
+                "the shell would need about %.2g points: too many for this machine's memory or the "
+                "file format",
                 expected);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
                "use a larger voxel size or covering radius, and check --units"};

@@ -38,6 +38,9 @@ constexpr double kSecondsPerPatchTriangle = 60e-6, kMaxPatchTriangles = 128;
 // and bounds many as a whole.
 constexpr double kFewLines = 4, kSecondsPerWideLine = 55e-6;
 constexpr double kNarrow = 0.1, kMaxNarrowLines = 32, kSecondsPerNarrowLine = 20e-6;
+// Surface that fills space, as of a bundle: from so many times a cell's own face on, in more than
+// so many triangles, its points cover a volume.
+constexpr double kFilled = 2.5, kFilledLines = 64, kSecondsPerFilledCell = 20e-3;
 constexpr double kSecondsPerProof = 7e-6, kSecondsOfMany = 300e-6, kSecondsPerOfMany = 0.5e-6;
 
 // The triangles that are no copies by pieces of surface, which share no vertex: the sum of those
@@ -103,6 +106,7 @@ double steps_of(double length_m, double radius) {
 // Work and points of triangles that share cells, along their longest edges.
 struct Sharing {
   double needle_points = 0, thread_s = 0;
+  double spared_m2 = 0;  // of surface in filled cells that takes no points of its own
 };
 
 class TriangleLines {
@@ -120,7 +124,7 @@ class TriangleLines {
     part::parallel_for_each_index(of.size(), 1,
                                   [&](std::size_t n) { of[n] = in(cells(kShifts[n])); });
     return {std::min(of[0].needle_points, of[1].needle_points),
-            std::min(of[0].thread_s, of[1].thread_s)};
+            std::min(of[0].thread_s, of[1].thread_s), std::min(of[0].spared_m2, of[1].spared_m2)};
   }
 
  private:
@@ -164,6 +168,10 @@ class TriangleLines {
         sum.needle_points += kPointsPerNeedleCell * std::clamp(1 - full, 0.0, 1.0);
       }
       const double lines = content.wide + content.narrow;
+      if (lines > kFilledLines && content.area_m2 > kFilled * full_m2) {
+        sum.spared_m2 += content.area_m2 - kFilled * full_m2;
+        sum.thread_s += kSecondsPerFilledCell;
+      }
       sum.thread_s +=
           kSecondsPerWideLine * std::max(0.0, content.wide - kFewLines) +
           kSecondsPerNarrowLine * std::clamp(content.narrow - kFewLines, 0.0, kMaxNarrowLines) +
@@ -243,7 +251,8 @@ BakeCost expected_cost(const part::Part& part, const ShellOptions& options) {
   const Sharing sharing = lines.sharing();
   const Edges edges = edges_of(part, originals, radius);
   const double copied = static_cast<double>(part.triangles.size()) - once;
-  const double of_area = kOverBound * planar_bound(area_once_m2, radius);
+  const double of_area =
+      kOverBound * planar_bound(std::max(0.0, area_once_m2 - sharing.spared_m2), radius);
   const double along_lines = std::max(sharing.needle_points, kPointsPerEdgeCell * edges.cells);
   const double open_radii =
       std::min(edges.open_m / radius, kMaxOpenRadiiPerPoint * (of_area + along_lines));

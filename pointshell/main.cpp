@@ -48,37 +48,39 @@ struct Arguments {
 
 void declare_reading(CLI::App& app, Arguments& arguments) {
   app.add_option("--without", arguments.without,
-                 "nodes of an assembly that are left out before it is read, with all below them; "
-                 "named as after FILE# (repeatable)")
+                 "nodes of an assembly to leave out, with all nodes below them; named as in "
+                 "FILE#Node (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many faces of a STEP or IGES file that are lost "
-                 "(default 0); the guarantee does not cover them")
+                 "accept up to this many lost faces in a STEP or IGES file (default 0); no "
+                 "guarantee covers them")
       ->check(CLI::Range(0, 1'000'000));
 }
 
 void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "INPUT", arguments.inputs,
-      "mesh files of one rigid part: stl, obj, ply, off, om, drc, gltf, glb; step, iges where "
-      "built with OpenCASCADE; FILE#Node, FILE#{Cover,Bolt*} for nodes of an assembly");
+      "mesh files of one rigid part: stl, obj, ply, off, om, drc, gltf, glb; step and iges if "
+      "built with OpenCASCADE. FILE#Node or FILE#{Cover,Bolt*} selects nodes of an assembly");
   app.add_option("-o,--output", arguments.output, "the .pshell file to write");
-  app.add_option("--voxel-size", arguments.voxel_size, "of the scene it will move in, like 5mm");
+  app.add_option("--voxel-size", arguments.voxel_size,
+                 "voxel size of the scene in which the part will move, such as 5mm");
   app.add_option("--units", arguments.units,
-                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): needed where their "
-                 "format defines no unit; replaces the unit that the format defines");
+                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if their "
+                 "format defines none, otherwise it replaces the unit of the format");
   app.add_option("--method", arguments.method,
-                 "surface (default); fast: the same in less time, with more points; voxel-centers: "
-                 "that of the paper")
+                 "surface (default); fast: less time, more points; voxel-centers: the method of "
+                 "the 1999 paper")
       ->check(CLI::IsMember({"surface", "fast", "voxel-centers"}));
-  app.add_option("--covering-radius", arguments.covering_radius,
-                 "every surface point is this close to a shell point (default: sqrt(3)/2 voxel)");
+  app.add_option(
+      "--covering-radius", arguments.covering_radius,
+      "every surface point is at most this far from a shell point (default: sqrt(3)/2 voxel)");
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the mesh may be from the true part (default: 0)");
   declare_reading(app, arguments);
   mesh::declare_up(app, arguments.up);
   arguments.trust.declare(app);
-  app.add_option("--threads", arguments.threads, "at most this many (default: all)")
+  app.add_option("--threads", arguments.threads, "number of threads (default: all)")
       ->check(CLI::Range(1, 1024));
   app.add_option("--json", arguments.json, "write a machine-readable report to this file");
   app.add_flag("--quiet", arguments.quiet, "no progress line, no summary, no warnings");
@@ -87,17 +89,18 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
 void declare_verify(CLI::App& app, Arguments& arguments) {
   CLI::App* verify = app.add_subcommand(
       "verify",
-      "prove a shell's covering radius and losses again, from the shell and its meshes alone");
+      "prove the covering radius and losses of a shell again, only from the shell and its meshes");
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
-  verify->add_option("MESH", arguments.inputs, "the mesh files it was made from")->required();
-  verify->add_option("--units", arguments.units, "unit of the meshes, as they were baked");
+  verify->add_option("MESH", arguments.inputs, "the mesh files from which the part was baked")
+      ->required();
+  verify->add_option("--units", arguments.units, "unit of the meshes, as in the bake");
   declare_reading(*verify, arguments);
   arguments.trust.declare(*verify);
   verify->add_option("--json", arguments.json, "write a machine-readable report to this file");
   verify->add_flag("--quiet", arguments.quiet, "no summary, no warnings");
   command::arrange_help(*verify,
-                        {{"What is read", {"--units", "--without", "--missing-faces"}},
-                         {"Files of others", {"--sandbox", "--allow-outside"}}},
+                        {{"Meshes", {"--units", "--without", "--missing-faces"}},
+                         {"Untrusted files", {"--sandbox", "--allow-outside"}}},
                         "  pointshell verify part.pshell part.obj --units mm");
   verify->callback([&arguments] { arguments.verify = true; });
 }
@@ -107,12 +110,12 @@ void arrange(CLI::App& app) {
   command::arrange_help(
       app,
       {{"Output", {"-o"}},
-       {"What is read", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"Meshes", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The shell", {"--voxel-size", "--method", "--covering-radius", "--threads"}},
-       {"Files of others", {"--sandbox", "--allow-outside"}}},
+       {"Untrusted files", {"--sandbox", "--allow-outside"}}},
       "  pointshell part.obj --units mm --voxel-size 5mm -o part.pshell\n"
       "  pointshell 'gearbox.glb#Cover' --voxel-size 1mm -o cover.pshell   a part of an assembly\n"
-      "  pointshell verify part.pshell part.obj --units mm                 proves it again");
+      "  pointshell verify part.pshell part.obj --units mm                 proves the shell again");
 }
 
 Error usage(std::string what, std::string mend) {
@@ -165,8 +168,8 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   options.effort = arguments.method == "fast" ? sample::Effort::kFast : sample::Effort::kFull;
   options.threads = arguments.threads;
   if (options.method == ShellMethod::kVoxelCenters && options.covering_radius_m > 0) {
-    return usage("--covering-radius does not go with --method voxel-centers",
-                 "its radius is sqrt(3)/2 voxel; choose the voxel size instead");
+    return usage("--covering-radius has no effect with --method voxel-centers",
+                 "this method always has sqrt(3)/2 voxel; choose the voxel size instead");
   }
   return options;
 }
@@ -182,6 +185,7 @@ Result<part::Part> load_part(const Arguments& arguments, double voxel_size_m, me
   options.deflection_m = mesh::baked_deflection_m(voxel_size_m);
   options.missing_faces = arguments.missing_faces;
   options.without = arguments.without;
+  options.allow_outside = arguments.trust.allow_outside;
   options.up = up;
   options.progress = [&](const mesh::ReadingProgress& file) {
     progress.show("read", file.fraction_done);
@@ -197,26 +201,29 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %s (%s), covering radius %.6g m proven (%.4f voxels), %.3f of the "
+      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times the points of the "
       "planar bound\n",
       escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
       points_over_bound(header, shell.covered_area_m2));
-  std::printf("points 2 voxels from a scene prove %.4g voxels for the whole surface\n",
-              surface_distance_bound_m(shell.surface_distance_terms(), 2 * header.voxel_size_m) /
-                  header.voxel_size_m);
+  std::printf(
+      "if all points are 2 voxels or more from a scene, the whole surface is at least %.4g voxels "
+      "away\n",
+      surface_distance_bound_m(shell.surface_distance_terms(), 2 * header.voxel_size_m) /
+          header.voxel_size_m);
   for (const NamedFile& file : mesh::unite_by_file(arguments.inputs)) {
     if (file.nodes.empty()) continue;
-    std::printf("%s: at the identity pose it stands where it is installed in %s\n",
+    std::printf("%s: at pose 0,0,0 the part is where it is installed in %s\n",
                 escaped(arguments.output).c_str(), escaped(file.path).c_str());
   }
   const auto print_counted = [](std::uint64_t count, const char* singular, const char* what) {
     if (count > 0) std::printf("%s %s\n", mesh::counted(count, singular).c_str(), what);
   };
-  print_counted(shell.hidden_points, "point", "left out inside another body of the part");
-  print_counted(shell.orientation.flipped_triangles, "triangle", "turned to face outwards");
-  print_counted(part.duplicate_triangles, "triangle", "that others repeat counted once");
+  print_counted(shell.hidden_points, "point",
+                "left out, because they are inside another body of the part");
+  print_counted(shell.orientation.flipped_triangles, "triangle", "reversed to face outward");
+  print_counted(part.duplicate_triangles, "triangle", "repeated in the mesh and counted once");
   print_counted(
       shell.loose_triangles, "loose triangle",
       "left out of the volume: hidden, without area, or smaller than the covering radius");
@@ -303,8 +310,8 @@ Error lossy_surface(const Arguments& arguments, const Pshell& shell,
   const auto& center = shell.header().center_m;
   char what[200];
   std::snprintf(what, sizeof what,
-                "the shell's points do not prove the distances that the file states for the "
-                "surface at (%.6g, %.6g, %.6g) m",
+                "the shell's points do not prove the losses that the file states for the surface "
+                "at (%.6g, %.6g, %.6g) m",
                 proof.open.x + center[0], proof.open.y + center[1], proof.open.z + center[2]);
   return {ErrorCode::kFilesDoNotMatch, arguments.shell, "", what,
           "bake the part again from this mesh in this unit"};
@@ -343,8 +350,8 @@ Status verify_command(const Arguments& arguments) {
   if (!losses.proven) return lossy_surface(arguments, *shell, losses);
   if (!arguments.quiet) {
     std::printf(
-        "%s: proven: every point of the surface is within %.6g m of one of %llu points, and within "
-        "%.6g m of a combination of them (convex radius %.6g m)\n",
+        "%s: proven: every surface point is within %.6g m of one of %llu shell points, and within "
+        "%.6g m of a convex combination of shell points (convex radius %.6g m)\n",
         escaped(arguments.shell).c_str(), shell->header().covering_radius_m,
         static_cast<unsigned long long>(shell->header().point_count), shell->header().convex_gap_m,
         shell->header().convex_radius_m);

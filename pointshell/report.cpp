@@ -104,10 +104,8 @@ std::string sheet_warning(const BakedShell& shell) {
   }
   if (sheets.size() > kListed) text += "; ...";
   return text +
-         ". Their points act on both sides, which needs a scene with distances (not --kind lean) "
-         "and "
-         "not "
-         "--model paper; mass is taken from the area";
+         ". Their points act on both sides, so the scene must have stored distances (no --kind), "
+         "and voxrun must use --model default; mass is taken from the area";
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {

@@ -59,7 +59,7 @@ def read_trace(path):
             except ValueError as error:
                 raise TraceError(f"{path}: line {number}: {error}") from None
     if not columns["t_s"]:
-        raise TraceError(f"{path}: no row after the header")
+        raise TraceError(f"{path}: no row follows the header")
     return columns
 
 

@@ -24,11 +24,12 @@ Status check_compliance_depth(const BakeOptions& options) {
   const double layer = force_layer_voxels(options);
   if (!(layer + 1 <= distance::kMaxRangeVoxels &&
         options.layers + layer <= distance::kMaxBakedLayers + 1)) {
-    return wrong("compliance", "is too deep: layers and compliance take more than 31 voxels",
+    return wrong("compliance",
+                 "is too deep: layers and compliance together take more than 31 voxels",
                  "use larger voxels");
   }
   if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
-    return wrong("range", "ends less than a voxel below the compliance", "leave it out");
+    return wrong("range", "ends less than a voxel below the compliance", "leave out --range");
   }
   return {};
 }
@@ -37,12 +38,12 @@ Status check_compliance_depth(const BakeOptions& options) {
 Status check_standoff(const BakeOptions& options) {
   if (options.standoff_m == 0) return {};
   if (!stores_distances(options)) {
-    return wrong("standoff",
-                 "needs stored distances, from which the guard knows where a part may be",
+    return wrong("standoff", "needs stored distances, because the guard uses them",
                  "leave out --kind, or use --layers");
   }
   if (options.layers != 0) {
-    return wrong("standoff", "says where the force begins, and so do layers",
+    return wrong("standoff",
+                 "cannot be combined with layers, because both set where the force begins",
                  "leave one of them out");
   }
   const double s = options.voxel_size_m, layer = force_layer_voxels(options);
@@ -55,26 +56,26 @@ Status check_standoff(const BakeOptions& options) {
   char why[200];
   std::snprintf(
       why, sizeof why,
-      "is %.4g mm, not between %.4g and %.4g mm: the force layer's %.4g voxels and 888/1024 "
-      "voxel, and %.4g voxels",
+      "is %.4g mm, but must be from %.4g to %.4g mm: from the force layer's %.4g voxels plus "
+      "888/1024 voxel, to %.4g voxels",
       options.standoff_m * 1e3, min_m * 1e3, kMaxStandoffVoxels * s * 1e3, layer,
       kMaxStandoffVoxels);
   return wrong("standoff", why,
-               options.standoff_m < min_m ? "use a larger one, or smaller voxels"
-                                          : "use a smaller one, or larger voxels");
+               options.standoff_m < min_m ? "use a larger standoff, or smaller voxels"
+                                          : "use a smaller standoff, or larger voxels");
 }
 
 // Metric and range.
 Status check_kind(const BakeOptions& options) {
   if (Status standoff = check_standoff(options); !standoff) return standoff;
   if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
-    return wrong("layers", "must be at least 1: without layers the metric measures nothing",
+    return wrong("layers", "must be at least 1, except with --kind paper",
                  "use --layers 1 or more, or --kind paper");
   }
   if (Status depth = check_compliance_depth(options); !depth) return depth;
   if (options.range_m == 0) return {};
   if (!stores_distances(options)) {
-    return wrong("range", "has no meaning without stored distances", "leave it out");
+    return wrong("range", "has no effect without stored distances", "leave it out");
   }
   const double voxels = options.range_m / options.voxel_size_m;
   if (!(voxels >= distance::kMinRangeVoxels && voxels <= distance::kMaxRangeVoxels)) {

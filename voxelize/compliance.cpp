@@ -49,11 +49,11 @@ Status check_compliance(std::span<const CompliancePoint> curve) {
   CompliancePoint last;
   for (const CompliancePoint& point : curve) {
     if (!(point.depth_m > last.depth_m) || !std::isfinite(point.depth_m)) {
-      return wrong("has depths that do not ascend from above 0", "list the corners by depth");
+      return wrong("has depths that are not above 0 and ascending", "list the corners by depth");
     }
     if (!(point.force_n >= last.force_n && point.force_n <= double{kMaxComplianceN})) {
-      return wrong("has a force that is below the one before it or above 1e6 N",
-                   "a soft surface presses back harder the deeper it is pressed");
+      return wrong("has a force that is below the force before it, or above 1e6 N",
+                   "the force of a soft surface must not decrease with depth");
     }
     if (!(point.force_n - last.force_n <= kMaxComplianceNPerM * (point.depth_m - last.depth_m))) {
       return wrong("rises by more than 1e12 N/m", "");

@@ -47,7 +47,7 @@ std::string mend_of(const Forecast& forecast, double voxel_size_m) {
   char text[160];
   std::snprintf(text, sizeof text, "use --voxel-size %.2gm or more, or --roi", voxel_size_m);
   const auto question = unit_question("the scene", forecast.box_m, forecast.largest_unit_m);
-  return question ? *question + " Else " + text
+  return question ? *question + "; otherwise " + text
                   : across_text("the scene", forecast.box_m) + "; " + text;
 }
 
@@ -57,7 +57,7 @@ std::optional<std::string> unit_question(const char* what, const mesh::Box& box_
                                          double largest_unit_m) {
   constexpr double kLongestMadeThing = 50, kMeter = 0.9;
   if (!(longest_side(box_m) >= kLongestMadeThing && largest_unit_m >= kMeter)) return std::nullopt;
-  return across_text(what, box_m) + ": --units mm?";
+  return across_text(what, box_m) + "; if its unit is the millimeter, add --units mm";
 }
 
 Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,
@@ -93,7 +93,7 @@ Status check_forecast(const Forecast& forecast, const BakeOptions& options,
   char what[160];
   std::snprintf(
       what, sizeof what,
-      "at %g mm the scene takes at least %.3g GB of memory; this process can have %.3g GB",
+      "at %g mm the scene takes at least %.3g GB of memory, but this process can have %.3g GB",
       options.voxel_size_m * 1e3, forecast.min_memory_bytes * 1e-9, available_bytes * 1e-9);
   const double larger = std::sqrt(forecast.memory_bytes / available_bytes);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
@@ -108,7 +108,7 @@ std::optional<std::string> forecast_warning(const Forecast& forecast, const Bake
   std::snprintf(text, sizeof text,
                 "this bake may take %.2g min and %.2g GB of memory%s: ", forecast.bake_s / 60,
                 forecast.memory_bytes * 1e-9,
-                options.cache == nullptr ? "" : " for what is not in the cache");
+                options.cache == nullptr ? "" : " for the objects that are not in the cache");
   return text + mend_of(forecast, std::sqrt(over) * options.voxel_size_m);
 }
 

@@ -9,6 +9,7 @@
 #include "formats/mesh/mesh_facts.h"
 #include "formats/mesh/node_names.h"
 #include "formats/mesh/reader.h"
+#include "formats/mesh/scene.h"
 #include "formats/mesh/units.h"
 #include "formats/mesh/up_axis.h"
 #include "voxelize/forecast.h"
@@ -68,6 +69,51 @@ Result<ListedFile> list_file(const NamedFile& named, const mesh::Assembly& assem
   return file;
 }
 
+// The parts of a manifest, where it places them.
+Result<ListedFile> list_manifest(const NamedFile& named, const mesh::ReadOptions& options,
+                                 const mesh::AssemblyReader& read,
+                                 std::vector<std::string>& warnings) {
+  const auto scene = mesh::read_manifest(named, options, read);
+  if (!scene) return scene.error();
+  for (const std::string& warning : scene->warnings) {
+    warnings.push_back(named.path + ": " + warning);
+  }
+  ListedFile file;
+  file.path = named.path;
+  file.meters_per_unit = 1;
+  const auto sum = [&](const std::string& path) {
+    ListedNode node;
+    node.path = path;
+    node.box = mesh::empty_box();
+    node.closed = true;
+    const auto is_in = [&](const std::string& name) {
+      return path.empty() || name == path || name.starts_with(path + "/");
+    };
+    for (const mesh::MeshObject& object : scene->objects) {
+      if (!is_in(object.name)) continue;
+      ++node.instances;
+      node.triangles += scene->mesh_of(object).triangles.size();
+      mesh::extend(node.box, object.box_m);
+      node.closed = node.closed && mesh::mesh_facts(scene->mesh_of(object)).closed;
+    }
+    for (const mesh::MissingFace& face : scene->missing_faces) {
+      node.missing_faces += is_in(face.node) ? 1 : 0;
+    }
+    node.closed = node.closed && node.missing_faces == 0;
+    return node;
+  };
+  file.whole = sum("");
+  for (const mesh::MeshObject& object : scene->objects) {
+    // A part of several bodies has a row of its own before theirs.
+    const std::string part = object.name.substr(0, object.name.find('/'));
+    const bool is_new = file.nodes.empty() || (file.nodes.back().path != part &&
+                                               !file.nodes.back().path.starts_with(part + "/"));
+    if (is_new && part != object.name) file.nodes.push_back(sum(part));
+    file.nodes.push_back(sum(object.name));
+  }
+  return file;
+}
+
 // As a bake asks it.
 std::optional<std::string> question_of(const mesh::Assembly& assembly, mesh::Box box,
                                        double meters_per_unit) {
@@ -79,11 +125,11 @@ std::optional<std::string> question_of(const mesh::Assembly& assembly, mesh::Box
     const double stretch = mesh::largest_stretch(instance.assembly_from_mesh);
     largest_unit_m = std::max(largest_unit_m, stretch * meters_per_unit);
   }
-  return unit_question("it", box, largest_unit_m);
+  return unit_question("the model", box, largest_unit_m);
 }
 
 Error not_listed(const std::string& path, const char* what) {
-  return {ErrorCode::kUsage, path, "--list", what, "name mesh files"};
+  return {ErrorCode::kUsage, path, "--list", what, "name the mesh files"};
 }
 
 std::string surface_text(const ListedNode& node) {
@@ -140,9 +186,14 @@ Result<Listing> list_files(std::span<const std::string> inputs,
   std::vector<mesh::Assembly> assemblies;
   for (const NamedFile& named : mesh::unite_by_file(inputs)) {
     std::error_code ignored;
-    if (named.path.ends_with(".json")) return not_listed(named.path, "takes no manifest");
+    if (mesh::is_manifest(named.path)) {
+      auto file = list_manifest(named, options, read, listing.warnings);
+      if (!file) return file.error();
+      listing.files.push_back(std::move(*file));
+      continue;
+    }
     if (std::filesystem::is_directory(named.path, ignored)) {
-      return not_listed(named.path, "takes no folder");
+      return not_listed(named.path, "is not possible for a folder");
     }
     options.nodes = named.nodes;
     auto assembly = read(named.path, options);
@@ -166,6 +217,8 @@ Result<Listing> list_files(std::span<const std::string> inputs,
     assembly->meshes.clear();
     assemblies.push_back(std::move(*assembly));
   }
+  const bool any_manifest = std::any_of(inputs.begin(), inputs.end(), mesh::is_manifest);
+  if (any_manifest) return listing;  // read_scene() has checked the names
   if (Status named = mesh::check_left_out(options.without, assemblies); !named)
     return named.error();
   return listing;

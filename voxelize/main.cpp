@@ -63,66 +63,67 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option(
          "INPUT", arguments.inputs,
-         "mesh files, assemblies (FILE#Node, FILE#{Cover,Bolt*} for nodes of one), folders, or a "
+         "mesh files, assemblies (FILE#Node, FILE#{Cover,Bolt*} for some nodes), folders, or a "
          "manifest (.json)")
       ->required();
   app.add_option("-o,--output", arguments.output, "the .vox file to write");
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
   app.add_option("--units", arguments.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
-                 "unit; replaces the unit that the format defines");
+                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "otherwise it replaces the unit of the format");
   mesh::declare_up(app, arguments.up);
-  app.add_option("--layers", arguments.layers,
-                 "voxel layers by which the force layer is offset, 0 to 30 (default 2)");
+  app.add_option(
+      "--layers", arguments.layers,
+      "distance of the force layer from the surface, in layers of voxels, 0 to 30 (default 2)");
   app.add_option(
       "--standoff", arguments.standoff,
-      "how far from the meshes the force begins, in place of --layers: 0.97 voxels (with "
-      "a compliance its depth and 0.87 voxels) to 30 voxels, such as 11mm; narrower gaps "
-      "are passed, by stored distances");
-  app.add_option("--kind", arguments.kind,
-                 "full (default): Euclidean layers and stored distances; lean: without distances, "
-                 "a smaller file without exact forces and proven clearance; paper: the Chebyshev "
-                 "layers of the paper's model, without distances")
+      "distance from the meshes at which the force begins, such as 11mm, instead of --layers. With "
+      "a standoff, parts pass narrower gaps. The standoff is from 0.97 to 30 voxels; with "
+      "--compliance, at least the depth of the compliance plus 0.87 voxels. A standoff needs "
+      "stored distances");
+  app.add_option(
+         "--kind", arguments.kind,
+         "full (default): Euclidean layers and stored distances. lean: a smaller file without "
+         "distances, so without exact forces and proven clearance. paper: the Chebyshev layers of "
+         "the 1999 paper, without distances")
       ->check(CLI::IsMember({"full", "lean", "paper"}));
   app.add_option("--range", arguments.range,
-                 "how deep below the beginning of the force distances are kept, 2 to 32 voxels "
-                 "(default 4 voxels)");
+                 "how deep distances are stored below the point where the force begins, 2 to 32 "
+                 "voxels (default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
                  "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
                  "(default: the model's own stiffness)");
   app.add_option(
          "--free-seed", arguments.free_seeds,
-         "x,y,z of a point whose surroundings are free, such as the inside of a cabin (repeatable)")
+         "x,y,z: a point whose surroundings are free, such as the inside of a cabin (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm (default 0)");
   app.add_option("--without", arguments.without,
-                 "nodes of an assembly that are left out before it is read, with all below them; "
-                 "named as after FILE#, or as a part of the manifest (repeatable)")
+                 "nodes of an assembly to leave out, with all nodes below them; named as in "
+                 "FILE#Node, or like a part of the manifest (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many faces of each STEP or IGES file that are lost "
-                 "(default 0); the guarantee does not cover them")
+                 "accept up to this many lost faces in each STEP or IGES file (default 0); no "
+                 "guarantee covers them")
       ->check(CLI::Range(0, 1'000'000));
   app.add_option("--roi", arguments.roi,
-                 "x0,y0,z0,x1,y1,z1 of a region; what lies outside it is left out of the file "
-                 "(default: all)");
+                 "x0,y0,z0,x1,y1,z1: the region to keep in the file (default: everything)");
   app.add_option("--cache", arguments.cache,
-                 "folder in which objects that did not change are found again");
+                 "folder of earlier results, from which objects that did not change are taken");
   app.add_option("--shard", arguments.shard,
-                 "I/N: bake the I-th of N shards of the objects into the cache, and no file");
+                 "I/N: bake the I-th of N shards of the objects into the cache, and write no file");
   arguments.trust.declare(app);
   app.add_flag("--narrow-passages", arguments.narrow_passages,
-               "report which cavities open again at half the voxel size (slow)");
-  app.add_option("--threads", arguments.threads, "threads (default: all)")
+               "report which cavities would open at half the voxel size (slow)");
+  app.add_option("--threads", arguments.threads, "number of threads (default: all)")
       ->check(CLI::Range(1, 1024));
   app.add_flag("--list", arguments.list,
-               "bake nothing: print the tree of each file, by the names that can follow FILE# and "
-               "--without");
-  app.add_flag(
-      "--plan", arguments.plan,
-      "bake nothing: print what the voxel size, its half and its quarter would give and cost");
+               "print the tree of each file, with the names for FILE# and --without; bake nothing");
+  app.add_flag("--plan", arguments.plan,
+               "print the cost and the narrowest gap at this voxel size, at half and at a quarter "
+               "of it; bake nothing");
   app.add_option("--json", arguments.json_path, "write a report to this file");
   app.add_flag("--quiet", arguments.quiet, "print nothing but errors");
 }
@@ -132,12 +133,12 @@ void arrange(CLI::App& app) {
   command::arrange_help(
       app,
       {{"Output", {"-o", "--list", "--plan", "--narrow-passages"}},
-       {"What is read", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
+       {"Meshes", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The map",
         {"--voxel-size", "--layers", "--standoff", "--kind", "--range", "--compliance",
          "--free-seed", "--roi"}},
        {"Many bakes", {"--cache", "--shard", "--threads"}},
-       {"Files of others", {"--sandbox", "--allow-outside"}}},
+       {"Untrusted files", {"--sandbox", "--allow-outside"}}},
       "  voxelize bay.json --voxel-size 5mm --plan                 what a voxel size gives\n"
       "  voxelize bay.json --voxel-size 5mm -o bay.vox             a scene of many files\n"
       "  voxelize --list gearbox.glb                               the parts of an assembly\n"
@@ -172,15 +173,16 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
     if (!standoff) return usage("--standoff", standoff.error());
     if (arguments.layers) {
       return Error{ErrorCode::kUsage, "", "--standoff",
-                   "says where the force begins, and so does --layers", "leave one of them out"};
+                   "cannot be combined with --layers, because both set where the force begins",
+                   "leave one of them out"};
     }
     if (arguments.kind != "full") {
       return Error{ErrorCode::kUsage, "", "--standoff",
-                   "needs stored distances, from which the guard knows where a part may be",
+                   "needs stored distances, because the guard uses them",
                    "leave out --kind, or use --layers"};
     }
     if (!(*standoff > 0)) {
-      return Error{ErrorCode::kUsage, "", "--standoff", "is not a length above zero",
+      return Error{ErrorCode::kUsage, "", "--standoff", "must be above zero",
                    "use at least 0.97 voxels"};
     }
     options.standoff_m = *standoff;
@@ -189,15 +191,15 @@ Result<BakeOptions> options_of(const Arguments& arguments, const mesh::Scene& sc
   if (arguments.kind == "paper") options.metric = Metric::kChebyshev;
   options.distances = arguments.kind == "full";
   if (options.standoff_m == 0 && options.metric == Metric::kEuclidean && options.layers == 0) {
-    return Error{ErrorCode::kUsage, "", "--layers", "0 leaves the metric nothing to measure",
+    return Error{ErrorCode::kUsage, "", "--layers", "must be at least 1, except with --kind paper",
                  "use --layers 1 or more, or --kind paper"};
   }
   if (!arguments.range.empty()) {
     const auto range = command::parse_length(arguments.range);
     if (!range) return usage("--range", range.error());
     if (!stores_distances(options)) {
-      return Error{ErrorCode::kUsage, "", "--range", "has no meaning without stored distances",
-                   "leave it out, or --kind"};
+      return Error{ErrorCode::kUsage, "", "--range", "has no effect without stored distances",
+                   "leave out --range or --kind"};
     }
     options.range_m = *range;
   }
@@ -259,21 +261,22 @@ Result<mesh::SceneShard> shard_of(const Arguments& arguments) {
 Status check_early(const Arguments& arguments) {
   const bool is_shard = !arguments.shard.empty();
   if (is_shard && arguments.cache.empty()) {
-    return Error{ErrorCode::kUsage, "", "--shard", "needs a place for what it bakes",
+    return Error{ErrorCode::kUsage, "", "--shard", "needs a cache for its results",
                  "add --cache FOLDER"};
   }
   if (is_shard && arguments.plan) {
-    return Error{ErrorCode::kUsage, "", "--shard", "has no meaning with --plan", "leave it out"};
+    return Error{ErrorCode::kUsage, "", "--shard", "has no effect with --plan",
+                 "leave out --shard"};
   }
   if (arguments.list && (is_shard || arguments.plan)) {
     return Error{ErrorCode::kUsage, "", "--list",
-                 std::string("has no meaning with ") + (is_shard ? "--shard" : "--plan"),
+                 std::string("cannot be combined with ") + (is_shard ? "--shard" : "--plan"),
                  "leave one of them out"};
   }
   const bool writes_file = !is_shard && !arguments.plan && !arguments.list;
   if (!writes_file && !arguments.output.empty()) {
     const char* const other = is_shard ? "--shard" : arguments.plan ? "--plan" : "--list";
-    return Error{ErrorCode::kUsage, "", "--output", std::string("has no meaning with ") + other,
+    return Error{ErrorCode::kUsage, "", "--output", std::string("has no effect with ") + other,
                  "leave it out"};
   }
   if (writes_file && arguments.output.empty()) {
@@ -341,8 +344,8 @@ void print_narrow_passages(const Bake& bake) {
       const auto& [i, j, k] = cavity.seed_voxel;
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
-          "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; "
-          "--free-seed %.9gm,%.9gm,%.9gm opens it, and so does half the voxel size\n",
+          "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; --free-seed "
+          "%.9gm,%.9gm,%.9gm opens it; half the voxel size opens it, too\n",
           escaped(object.name).c_str(),
           static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
           center_m(j), center_m(k));
@@ -356,7 +359,7 @@ std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::Mesh
                                      const BakeOptions& options) {
   std::vector<std::string> warnings = all_warnings(scene, meshes.outlines(scene), options);
   if (options.cache != nullptr && options.cache->trouble()) {
-    warnings.push_back("nothing was kept in the cache " + *options.cache->trouble());
+    warnings.push_back("nothing was stored in the cache " + *options.cache->trouble());
   }
   return warnings;
 }
@@ -418,6 +421,7 @@ Status print_list(const Arguments& arguments) {
   if (!unit) return unit.error();
   mesh::ReadOptions options;
   options.without = arguments.without;
+  options.allow_outside = arguments.trust.allow_outside;
   options.up = arguments.up;
   options.deflection_m = mesh::kDeflectionBySize;
   if (!arguments.voxel_size.empty()) {
@@ -498,6 +502,8 @@ Status voxelize(const Arguments& arguments) {
   const Forecast forecast = forecast_of(*scene, outlines, *options);
   if (Status fits = check_forecast(forecast, *options, limits::available_bytes()); !fits)
     return fits;
+  run.expected_thread_s = forecast.bake_s * std::max(1, options->threads);
+  run.expected_bytes = forecast.memory_bytes;
   const bool is_shard = !arguments.shard.empty();
   std::vector<std::string> of_size;  // a shard does not know the whole scene
   for (const auto& warning :
@@ -534,7 +540,8 @@ Status voxelize(const Arguments& arguments) {
 
   run.warnings = warnings_of(*scene, meshes, *options);
   if (options->roi_m && !is_shard && bake->header.dims_voxels[0] == 0) {
-    run.warnings.push_back("nothing of the scene is in --roi, or near it: check its unit");
+    run.warnings.push_back(
+        "no object of the scene is in --roi or near it: check the unit of --roi");
   }
   if (!arguments.quiet) print_warnings(run.warnings);
   run.warnings.insert(run.warnings.end(), of_size.begin(), of_size.end());

@@ -70,8 +70,8 @@ Error seed_in_surface(const mesh::Vec3d& seed_m, const std::string& object) {
   char where[120];
   std::snprintf(where, sizeof where, "free seed %g,%g,%g", seed_m[0], seed_m[1], seed_m[2]);
   return {ErrorCode::kSceneInvalid, "", where,
-          "lies in a voxel that the surface of " + object + " passes through",
-          "move it into the open, or use a smaller voxel size"};
+          "lies in a voxel that the surface of " + object + " crosses",
+          "move the seed away from the surface, or use a smaller voxel size"};
 }
 
 // The free seeds in an object's box (outside it everything is free), as voxels counted from

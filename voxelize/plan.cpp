@@ -170,7 +170,7 @@ std::string table_of(const Plan& plan) {
                   length_text(size.narrowest_gap_m).c_str(), length_text(size.passed_gap_m).c_str(),
                   size.possible ? proven.c_str() : "-", size.shell_points_per_m2 * 1e-2,
                   size.file_bytes * 1e-6, size.bake_s,
-                  size.possible ? "" : "  the standoff is beyond 30 voxels",
+                  size.possible ? "" : "  the standoff is above 30 voxels",
                   size.fits ? "" : "  too large");
     table += line;
   }
@@ -178,13 +178,12 @@ std::string table_of(const Plan& plan) {
                 plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
   if (!plan.too_large.empty()) table += "too large: " + plan.too_large + "\n";
   return table +
-         "standoff: of a resting contact, per side; gap: what a thin part passes without contact, "
-         "add "
-         "its thickness\n"
-         "passed: what a part 2 voxels thick or more passes in contact, add its thickness; proven: "
-         "how far apart it stays\nthen, for a shell of the usual covering radius, before "
-         "deviations "
-         "of the meshes\n" +
+         "standoff: distance at which a contact rests, on each side\n"
+         "gap: room that a thin part needs in addition to its thickness to pass without contact\n"
+         "passed: room that a part 2 voxels thick or more needs in addition to its thickness to "
+         "pass in contact\n"
+         "proven: distance that a part keeps in such a gap, with the default covering radius, "
+         "minus the deviations of the meshes\n" +
          line;
 }
 

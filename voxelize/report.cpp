@@ -113,6 +113,7 @@ Json report_of(const Bake& bake, const mesh::Scene& scene, std::span<const mesh:
             {"tree", seconds.tree},
             {"write", run.write_s},
             {"total", run.total_s}}},
+          {"expected", {{"thread_s", run.expected_thread_s}, {"bytes", run.expected_bytes}}},
           {"peak_rss_bytes", command::peak_rss_bytes()},
           {"file_bytes", run.file_bytes},
           {"threads", run.threads},

@@ -16,6 +16,7 @@ struct BakeFacts {
   double read_s = 0, write_s = 0, total_s = 0;
   std::uint64_t file_bytes = 0;
   int threads = 0;
+  double expected_thread_s = 0, expected_bytes = 0;  // the forecast
   mesh::Box scene_box_m{};
   std::vector<std::string> warnings;  // as they are printed
 };

@@ -171,10 +171,10 @@ class ClearanceAudit {
     if (known && !contents_.holds_non_free(shifted(reach, view_.directory_origin, -1), effort_))
       return;
     if (effort_.is_spent()) return;
-    bad_ = untrue(
-        name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
-        "its clearance " + std::to_string(clearance) + " is not true: " +
-            (known ? "a voxel within its reach is not free" : "reaches across a cropped side"));
+    bad_ = untrue(name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
+                  "its clearance " + std::to_string(clearance) + " is wrong: " +
+                      (known ? "a voxel within that distance is not free"
+                             : "a cropped side of the scene is within that distance"));
   }
 
   std::string_view name_;

@@ -171,8 +171,8 @@ class NeighborAudit {
         continue;
       }
       return refuse(low, x, y, z,
-                    " has codes " + code_text(a) + " and " + code_text(b) +
-                        " on either side, which are too far from the mesh for that");
+                    " does not fit the codes of the voxels on both sides, " + code_text(a) +
+                        " and " + code_text(b) + ": they are too far from the mesh");
     }
   }
 
@@ -183,9 +183,9 @@ class NeighborAudit {
       const std::uint32_t other = cube_.at(to[0], to[1], to[2]);
       if (rules_.beside_code(step, code, other) || !is_known_at(low, to[0], to[1], to[2])) continue;
       return refuse(low, x, y, z,
-                    " and code " + code_text(other) + " of " +
+                    " differs from code " + code_text(other) + " of " +
                         voxel_text({low[0] + to[0], low[1] + to[1], low[2] + to[2]}) +
-                        " differ by more than the voxels are apart");
+                        " by more than the distance of the two voxels");
     }
   }
 
@@ -198,7 +198,8 @@ class NeighborAudit {
         if (rules_.may_lead_to_mesh(cube_.at(x, y, z), cube_.at(to[0], to[1], to[2]))) return;
       }
     }
-    refuse(low, x, y, z, ": no voxel beside it is near enough to the mesh for that");
+    refuse(low, x, y, z,
+           " does not fit the voxels beside it: none of them is near enough to the mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {

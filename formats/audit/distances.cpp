@@ -189,7 +189,8 @@ class DistanceAudit {
     if (bad_ || rules_.beside_value(value, code)) return;
     bad_ = untrue(name_, voxel_text(at),
                   "its code " + std::to_string(code) + " (" + range_text(header_, code) +
-                      ") is not a distance that value " + std::to_string(value) + " can have");
+                      ") is not a distance that a voxel of value " + std::to_string(value) +
+                      " can have");
   }
 
   std::string_view name_;
@@ -230,13 +231,14 @@ Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
   if (has_distances(h)) {
     if (h.distance_quantum_m > kMaxQuantumVoxels * h.voxel_size_m) {
       return untrue(name, "header (distance_quantum_m)",
-                    "says " + std::to_string(h.distance_quantum_m) +
+                    "is " + std::to_string(h.distance_quantum_m) +
                         ", which is more than a quarter of a voxel");
     }
     if (min_distance_m(h, kMaxDistanceCode) < interior_radius_m(h)) {
-      return untrue(name, "header (distance_quantum_m, distance_zero_code)",
-                    "its distances end at " + std::to_string(min_distance_m(h, kMaxDistanceCode)) +
-                        ", before the interior does at " + std::to_string(interior_radius_m(h)));
+      return untrue(
+          name, "header (distance_quantum_m, distance_zero_code)",
+          "stored distances reach " + std::to_string(min_distance_m(h, kMaxDistanceCode)) +
+              " m, but interior voxels reach " + std::to_string(interior_radius_m(h)) + " m");
     }
   }
   if (has_standoff(h)) return {};
@@ -244,8 +246,8 @@ Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
       interior_radius_voxels(h.offset_layers) * h.voxel_size_m + h.force_depth_m;
   if (std::abs(h.zero_force_m - expected_m) <= 1e-6 * h.voxel_size_m) return {};
   return untrue(name, "header (zero_force_m)",
-                "says " + std::to_string(h.zero_force_m) + ", the layers and force_depth_m say " +
-                    std::to_string(expected_m));
+                "is " + std::to_string(h.zero_force_m) +
+                    ", but offset_layers and force_depth_m give " + std::to_string(expected_m));
 }
 
 }  // namespace

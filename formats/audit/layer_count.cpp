@@ -209,8 +209,8 @@ Status audit_layer_count(const Voxmap& map, const Contents& contents, Effort& ef
   if (h.offset_layers < 2) return {};  // promises nothing
   if (h.offset_layers > kMaxLayers) {
     return untrue(name, "header (offset_layers)",
-                  "says " + std::to_string(h.offset_layers) +
-                      ", and without distances no more than " + std::to_string(kMaxLayers) +
+                  "is " + std::to_string(h.offset_layers) +
+                      ", but without stored distances at most " + std::to_string(kMaxLayers) +
                       " can be proven");
   }
   LayerCountAudit audit(map, contents, effort, name);

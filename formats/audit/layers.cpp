@@ -105,12 +105,12 @@ class LayerAudit {
     };
     if (header_.offset_layers > 0 || has_standoff(header_)) {
       const NodeRows::Rows& near = rows_.grown(NodeRows::kInterior, steps_);
-      expect_within(low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToSurface),
-                    "is neither interior nor surface, but it is within the force layers of an "
-                    "interior voxel");
+      expect_within(
+          low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToSurface),
+          "is within the force layers of an interior voxel, but is neither interior nor surface");
       if (all_layers_) {
         expect_within(low, far_from_crop(low, steps_), row(NodeRows::kUpToSurface), rows_of(near),
-                      "is surface, but no interior voxel is within the force layers of it");
+                      "is surface, but has no interior voxel within the force layers");
       }
     }
     const NodeRows::Rows& near = rows_.grown(NodeRows::kUpToSurface, 1);

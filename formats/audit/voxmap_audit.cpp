@@ -24,7 +24,8 @@ Status audit_counts(const VoxmapHeader& h, const Summary& scene, std::string_vie
   for (const auto& [field, said, counted] : facts) {
     if (said == counted) continue;
     return untrue(name, std::string("header (") + field + ")",
-                  "says " + std::to_string(said) + ", the tree holds " + std::to_string(counted));
+                  "is " + std::to_string(said) + ", but the tree has " + std::to_string(counted) +
+                      " such voxels");
   }
   return {};
 }
@@ -37,8 +38,9 @@ Status audit_tight_box(const VoxmapHeader& h, const Summary& scene, std::string_
       continue;
     }
     return untrue(name, "header (origin_voxel, dims_voxels)",
-                  "not the tight box of the voxels: along axis " + std::to_string(axis) +
-                      " it is " + std::to_string(extent) + " voxels from " + std::to_string(low));
+                  "is not the smallest box around the voxels that are not free: along axis " +
+                      std::to_string(axis) + " that box has " + std::to_string(extent) +
+                      " voxels and begins at " + std::to_string(low));
   }
   return {};
 }

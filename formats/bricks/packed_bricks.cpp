@@ -118,7 +118,8 @@ std::uint8_t packed_distance(const std::uint8_t* packed, std::uint32_t n) noexce
 const char* packed_distances_fault(const std::uint8_t* packed) noexcept {
   for (std::size_t n = 0; n < 32; ++n) {
     const unsigned widths = packed[kWidthsAt + n];
-    if ((widths & 15) > 8 || widths >> 4 > 8) return "has a row of more than eight bits";
+    if ((widths & 15) > 8 || widths >> 4 > 8)
+      return "has a row of numbers with more than eight bits";
   }
   return nullptr;
 }
@@ -142,7 +143,7 @@ const char* packed_objects_fault(const std::uint8_t* packed, std::uint32_t objec
   const std::size_t count = bits == 16 ? 512 : std::size_t{1} << bits;
   for (std::size_t n = 0; n < count; ++n) {
     if (number_at(packed + kPaletteAt + 2 * n) > object_count)
-      return "names an object that is not there";
+      return "names an object that does not exist";
   }
   return nullptr;
 }

@@ -3,6 +3,7 @@
 // time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +28,25 @@ class UnpackedDistances {
       numbers_[slot] = number;
     }
     return codes_[slot];
+  }
+
+  // The codes of the eight voxels from a relative one on, z fastest; the directory contains all.
+  std::array<std::uint32_t, 8> cell(std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
+    std::array<std::uint32_t, 8> codes;
+    if ((x & 7) == 7 || (y & 7) == 7 || (z & 7) == 7) {
+      for (int n = 0; n < 8; ++n) {
+        codes[static_cast<std::size_t>(n)] = code(x + (n >> 2), y + (n >> 1 & 1), z + (n & 1));
+      }
+      return codes;
+    }
+    const std::uint32_t entry = map_.entry(x, y, z);
+    if (is_uniform(entry)) {
+      codes.fill(uniform_wide_value(entry));
+      return codes;
+    }
+    const auto* const at =
+        &brick(entry)[static_cast<std::size_t>((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
+    return {at[0], at[1], at[8], at[9], at[64], at[65], at[72], at[73]};
   }
 
   // The code of a relative voxel that the directory contains.

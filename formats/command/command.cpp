@@ -2,10 +2,12 @@
 
 #include <signal.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -45,7 +47,30 @@ std::size_t append(std::span<char> line, std::size_t length, std::string_view te
 
 extern "C" void end_on_any_signal(int number) { end_on_signal(number); }
 
+std::atomic<int> first_signal = 0;
+std::atomic<long> first_at_ms = 0;
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<long>::is_always_lock_free);
+
+long now_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1000 + now.tv_nsec / 1'000'000;
+}
+
 }  // namespace
+
+bool is_first_stop(int number) {
+  constexpr long kAgainMs = 300;  // a person needs longer to send a second signal
+  int none = 0;
+  if (first_signal.compare_exchange_strong(none, number)) {
+    first_at_ms = now_ms();
+    return true;
+  }
+  if (now_ms() - first_at_ms >= kAgainMs) end_on_signal(number);
+  return false;
+}
+
+int stop_signal() { return first_signal; }
 
 // "voxelize: ended by SIGINT; nothing is left half-written": whatever was begun is removed, and a
 // file that is complete stays.
@@ -58,8 +83,7 @@ void end_on_signal(int number) {
   length = append(line, length, ": ended by SIG");
   length = append(line, length, signal_name != nullptr ? signal_name : "?");
   length = append(line, length,
-                  removed ? "; what was half-written is removed, files that were there "
-                            "before are as they were\n"
+                  removed ? "; half-written files are removed, and earlier files are unchanged\n"
                           : "; nothing was half-written\n");
   if (number != SIGPIPE) {
     const bool said = ::write(2, line.data(), length) >= 0;

@@ -33,6 +33,14 @@ void exit_cleanly_on_signals();
 // Their action on a signal. Async-signal-safe.
 [[noreturn]] void end_on_signal(int number);
 
+// For the handler of a command that ends in order on SIGINT, SIGTERM and SIGHUP. True for the first
+// signal of this process. A later one ends the process, but not within 300 ms: whoever signals a
+// whole group of processes can reach each of them twice at once. Async-signal-safe.
+bool is_first_stop(int number);
+
+// The first signal of is_first_stop(); 0: none came yet.
+int stop_signal();
+
 // Highest resident set of this process so far.
 std::uint64_t peak_rss_bytes();
 

@@ -28,7 +28,7 @@ struct Kind {
   const char* name;         // "a voxmap"
   std::string_view ending;  // in lower case; empty: any, which says what it is
   // How the files begin that commands write. Only such a file is replaced.
-  std::array<std::string_view, 5> beginnings;
+  std::array<std::string_view, 6> beginnings;
 };
 
 // The beginnings are those of report.cpp, of the viewer's frame times and of code quality; of
@@ -52,7 +52,8 @@ const Kind& kind_of(FileKind kind) {
         "ply\nformat binary_little_endian 1.0\ncomment voxel faces of the force layer",
         "ply\nformat binary_little_endian 1.0\ncomment shell points with inward",
         {" BDV\0\0\0\0", 8},
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\""}}};
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\"",
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"forcelayer study\""}}};
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
@@ -102,7 +103,7 @@ Status check_ending(const OutputFile& output) {
   if (kind.ending.empty() || kind.ending == ending) return {};
   const bool is_free = !contains(kKnownEndings, ending);
   if (is_free && (output.kind != FileKind::kPicture || ending.empty())) return {};
-  return refuse(output, std::string(kind.name) + " is not called " + ending,
+  return refuse(output, std::string("the name of ") + kind.name + " must not end in " + ending,
                 "choose a name that ends in " + std::string(kind.ending));
 }
 
@@ -116,7 +117,7 @@ Status check_replaced(const OutputFile& output) {
       });
   if (fits) return {};
   return refuse(output,
-                std::string("is there already, and is not ") + kind.name + " that Forcelayer wrote",
+                std::string("already exists and is not ") + kind.name + " that Forcelayer wrote",
                 "choose another name, or remove the file first");
 }
 
@@ -146,8 +147,8 @@ Status check(const OutputFile& output, std::span<const OutputFile> before,
     std::error_code error;
     const bool is_device = fs::exists(*output.path, error) && !replaces_file(output);
     if (other.path->empty() || is_device || !same_file(*other.path, *output.path)) continue;
-    return refuse(output, std::string("is what ") + other.option + " writes too",
-                  "give each a name of its own");
+    return refuse(output, std::string("is also the output of ") + other.option,
+                  "use two different names");
   }
   if (*output.path == "-") return {};
   std::error_code error;

@@ -7,17 +7,28 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
 
+#include "formats/command/command.h"
 #include "formats/file/descriptor.h"
 #include "formats/file/program_folder.h"
 
 namespace forcelayer::command {
 namespace {
+
+std::atomic<pid_t> running = 0;  // the program that is waited for
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+extern "C" void stop_program(int number) {
+  if (!is_first_stop(number)) return;
+  if (const pid_t program = running; program > 0) kill(program, SIGTERM);
+}
 
 Error refused(const std::string& name, int error) {
   return {ErrorCode::kInternal, "", name, std::string("cannot be started: ") + strerror(error), ""};
@@ -28,10 +39,27 @@ bool takes_place(int descriptor, int place) {
   return descriptor == place ? fcntl(place, F_SETFD, 0) == 0 : dup2(descriptor, place) >= 0;
 }
 
-// Becomes the program in a process just forked: only calls that a signal handler may make. Writes
-// errno to `failure` where it cannot.
+constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
+
+sigset_t stop_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int number : kStopSignals) sigaddset(&set, number);
+  return set;
+}
+
+// Becomes the program in a process just forked with the stop signals blocked: only calls that a
+// signal handler may make. Writes errno to `failure` where it cannot.
 [[noreturn]] void become(const char* program, char* const* argv, int in, int out, int failure,
-                         pid_t parent) {
+                         pid_t parent, const sigset_t& signal_mask) {
+  // A signal that comes before the program starts ends this process: the handler of its parent,
+  // which it has until then, would only note it.
+  for (const int number : kStopSignals) {
+    struct sigaction current {};
+    sigaction(number, nullptr, &current);
+    if (current.sa_handler != SIG_IGN) signal(number, SIG_DFL);
+  }
+  sigprocmask(SIG_SETMASK, &signal_mask, nullptr);
   // It ends when its parent does, however that ends: nobody would read what it makes.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(128 + SIGTERM);
@@ -80,6 +108,18 @@ std::string program_path(const std::string& name) {
   return "";
 }
 
+void stop_programs_on_signals() {
+  for (const int number : kStopSignals) {
+    struct sigaction current {};
+    sigaction(number, nullptr, &current);
+    if (current.sa_handler == SIG_IGN) continue;
+    struct sigaction ours {};
+    ours.sa_handler = stop_program;
+    ours.sa_flags = SA_RESTART;
+    sigaction(number, &ours, nullptr);
+  }
+}
+
 Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,
                                const std::string& input, ProgramOutput output,
                                const std::string& package) {
@@ -88,6 +128,7 @@ Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::s
     return Error{ErrorCode::kFileNotFound, "", name, "is not installed",
                  "it comes with the package " + package};
   }
+  if (stop_signal() != 0) return ProgramEnd{128 + stop_signal(), ""};
   const Descriptor in = file_of(input);
   if (!in.valid()) return refused(name, errno);
   int ends[2] = {-1, -1}, failure_ends[2] = {-1, -1};
@@ -100,19 +141,31 @@ Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::s
   std::vector<char*> argv{const_cast<char*>(name.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  const sigset_t blocked = stop_signals();  // until the handler knows the child
+  sigset_t signal_mask;
+  sigprocmask(SIG_BLOCK, &blocked, &signal_mask);
   const pid_t parent = getpid(), child = fork();
-  if (child < 0) return refused(name, errno);
   if (child == 0) {
     become(program.c_str(), argv.data(), in.number(),
            output == ProgramOutput::kTaken ? out_of_child.number() : -1, failure_of_child.number(),
-           parent);
+           parent, signal_mask);
   }
+  const int fork_error = errno;
+  running = child;
+  sigprocmask(SIG_SETMASK, &signal_mask, nullptr);
+  if (child < 0) return refused(name, fork_error);
+  if (stop_signal() != 0) kill(child, SIGTERM);  // that came before they were blocked
   out_of_child = Descriptor();
   failure_of_child = Descriptor();
   const std::string failed = all_of(failure.number());
   ProgramEnd end;
   end.output = all_of(out.number());  // ends with the child
   int status = 0;
+  // Until it is reaped, its number belongs to no other process.
+  siginfo_t ended{};
+  while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
+  running = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (failed.size() == sizeof(int)) {

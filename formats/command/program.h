@@ -19,6 +19,11 @@ struct ProgramEnd {
 // in neither.
 std::string program_path(const std::string& name);
 
+// From here on the first SIGINT, SIGTERM or SIGHUP does not end this process: it ends the program
+// that run_program() waits for, and stop_signal() names it. run_program() then starts nothing more.
+// A later signal ends the process. A signal that the caller ignores stays ignored.
+void stop_programs_on_signals();
+
 // Runs the program to its end; it is sent SIGTERM if this one ends before. `input` is its standard
 // input. Its standard error is this one's.
 // Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the

@@ -185,8 +185,8 @@ Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view>
     norm2 += number->number * number->number;
   }
   if (!(norm2 > 1e-24) || !std::isfinite(norm2)) {
-    return usage("the quaternion of pose " + quoted(pose) + " has no direction",
-                 "the identity is 1,0,0,0");
+    return usage("the quaternion of pose " + quoted(pose) + " has no valid length",
+                 "write 1,0,0,0 for no rotation");
   }
   for (double& component : wxyz) component /= std::sqrt(norm2);
   return wxyz;
@@ -209,7 +209,7 @@ Result<double> parse_length(std::string_view text) {
   }
   auto meters = scaled_length(*split);
   if (meters && std::abs(*meters) > kFarthestM) {
-    return usage("length " + quoted(trimmed(text)) + " is beyond 1e9m",
+    return usage("length " + quoted(trimmed(text)) + " is more than 1e9m",
                  "write it like 5mm or 0.005m");
   }
   return meters;
@@ -266,7 +266,7 @@ Result<double> parse_duration(std::string_view text) {
   }
   const auto seconds = scaled(*split, *unit);
   if (seconds && *seconds > kLongestS) {
-    return usage("duration " + quoted(text) + " is above 10000h", "write it like 10s or 500ms");
+    return usage("duration " + quoted(text) + " is more than 10000h", "write it like 10s or 500ms");
   }
   return seconds;
 }
@@ -287,10 +287,11 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds) {
   if (!split || !split->rest.empty()) {
     const bool finite = bool(split);
     return usage(quoted(text) + (finite ? " is not a bare number" : " is not a finite number"),
-                 "give " + to_text(bounds));
+                 "give a number from " + to_text(bounds));
   }
   if (!(split->number >= bounds.smallest && split->number <= bounds.largest)) {
-    return usage(quoted(text) + " is outside " + to_text(bounds), "give " + to_text(bounds));
+    return usage(quoted(text) + " is outside the allowed range",
+                 "give a number from " + to_text(bounds));
   }
   return split->number;
 }

@@ -41,6 +41,9 @@ Result<double> parse_unit(std::string_view unit);
 inline constexpr double kFarthestM = 1e9;
 Result<double> parse_length(std::string_view text);
 
+// The clearance that is required where none is given.
+inline constexpr char kDefaultClearance[] = "1mm";
+
 // "x,y,z", each a length as above; where the last alone has a unit, it is that of all:
 // "0.1,0.1,5mm".
 Result<std::array<double, 3>> parse_point(std::string_view text);

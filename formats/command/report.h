@@ -9,7 +9,7 @@
 
 namespace forcelayer::command {
 
-// Version of the reports' common keys (README.md).
+// Version of the reports' common keys (docs/commands.md).
 inline constexpr int kReportSchema = 1;
 
 // Notes which report the command line asks for, so that a failure before begin_report() is reported

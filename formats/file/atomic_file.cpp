@@ -135,7 +135,8 @@ Status AtomicFile::open_temporary() {
   // Registered before it exists: there is no moment at which a signal would leave it behind.
   slot_ = register_temporary_file(temporary_.c_str());
   if (slot_ == kNoSlot) {
-    return Error{ErrorCode::kInternal, shown_.string(), "", "too many files written at once", ""};
+    return Error{ErrorCode::kInternal, shown_.string(), "",
+                 "too many files are being written at once", ""};
   }
   descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
@@ -187,7 +188,7 @@ Status AtomicFile::commit(ReaderCheck check) {
 Error AtomicFile::refused(std::string_view why) const {
   return {ErrorCode::kInternal, shown_.string(), "",
           "not written, because its reader would refuse it: " + std::string(why),
-          "report this with the input"};
+          "report this with the input file"};
 }
 
 Status AtomicFile::commit() {

@@ -14,15 +14,15 @@ struct Foreign {
 
 using namespace std::string_view_literals;
 
-constexpr const char* kUtf8 = "save it as UTF-8 or ASCII";
-constexpr const char* kUnpack = "unpack it";
-constexpr const char* kStep = "export it as STEP";
-constexpr const char* kMesh = "export it as glTF, STL, OBJ or PLY";
+constexpr const char* kUtf8 = "save the file as UTF-8 or ASCII";
+constexpr const char* kUnpack = "unpack the file";
+constexpr const char* kStep = "export the model as STEP";
+constexpr const char* kMesh = "export the mesh as glTF, STL, OBJ or PLY";
 
 constexpr Foreign kContents[] = {
     {"\xff\xfe"sv, "UTF-16 text (little-endian)", kUtf8},
     {"\xfe\xff"sv, "UTF-16 text (big-endian)", kUtf8},
-    {"PK\x03\x04"sv, "a ZIP archive (3MF, USDZ and FreeCAD files are such)", kUnpack},
+    {"PK\x03\x04"sv, "a ZIP archive (as 3MF, USDZ and FreeCAD files are)", kUnpack},
     {"\x1f\x8b"sv, "compressed by gzip", kUnpack},
     {"\xd0\xcf\x11\xe0"sv, "a document of a CAD system (an OLE container)", kStep}};
 
@@ -33,7 +33,7 @@ constexpr Foreign kExtensions[] = {
     {".ifc.skp.blend.fbx.dae.3ds.max.3mf.amf.wrl.vrml.x3d.x3dv.usd.usda.usdc.usdz.vtk.vtp.vtu.msh."
      "abc.",
      "of another program", kMesh},
-    {".stpz.", "STEP, compressed", kUnpack}};
+    {".stpz.", "compressed STEP", kUnpack}};
 
 constexpr std::size_t kLooked = 2048;  // bytes that tell a format
 
@@ -91,9 +91,8 @@ void refuse_wrong_extension(const SourceFile& file) {
     if (told.extension[1] == own[1]) return;  // another spelling of the same
   }
   fail_read(file, ErrorCode::kMeshUnsupported, "",
-            std::string("is ") + told.format + " by its content, which " + in_quotes(own) +
-                " files are not",
-            std::string("name it ") + told.extension);
+            std::string("contains ") + told.format + " data, but its name ends in " + own,
+            std::string("rename it to ") + told.extension);
 }
 
 void refuse_foreign_content(const SourceFile& file) {
@@ -109,23 +108,20 @@ void refuse_extension(const SourceFile& file) {
   for (const auto& [extensions, what, mend] : kExtensions) {
     if (extension.size() < 2 || extensions.find(extension + ".") == std::string_view::npos)
       continue;
-    fail_read(
-        file, ErrorCode::kMeshUnsupported, "",
-        in_quotes(extension) + " is the extension of a format that is not read here (" + what + ")",
-        mend);
+    fail_read(file, ErrorCode::kMeshUnsupported, "",
+              in_quotes(extension) + " files (" + what + ") are not supported", mend);
   }
   refuse_foreign_content(file);
   const char* const mend = "use stl, obj, ply, off, om, drc, glb, gltf, step or iges";
   const Told told = format_by_content(file.bytes);
   const std::string content =
-      told.format == nullptr ? "" : std::string("; by its content it is ") + told.format;
-  fail_read(
-      file, ErrorCode::kMeshUnsupported, "",
-      (extension.size() < 2
-           ? "has no extension, which would name its mesh format"
-           : in_quotes(extension) + " is not the extension of a mesh format that is read here") +
-          content,
-      told.format == nullptr ? mend : std::string("name it ") + told.extension);
+      told.format == nullptr ? "" : std::string("; it contains ") + told.format + " data";
+  fail_read(file, ErrorCode::kMeshUnsupported, "",
+            (extension.size() < 2
+                 ? "has no extension to show its mesh format"
+                 : in_quotes(extension) + " is not the extension of a supported mesh format") +
+                content,
+            told.format == nullptr ? mend : std::string("rename it to ") + told.extension);
 }
 
 }  // namespace forcelayer::mesh

@@ -131,5 +131,7 @@ constexpr double baked_deflection_m(double voxel_size_m) { return 0.01 * voxel_s
 // ReadOptions::missing_faces: a file that cannot be read whole is an error with file, place and
 // reason (kMesh* codes). A file with no triangles is kMeshEmpty.
 Result<Assembly> read_assembly(const std::string& path, const ReadOptions& options = {});
+using AssemblyReader =
+    std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)>;
 
 }  // namespace forcelayer::mesh

@@ -128,9 +128,10 @@ Error several(const std::string& where, const std::vector<std::size_t>& found,
   const std::string& path = nodes[found.front()].path;
   const bool is_one_path =
       std::all_of(found.begin(), found.end(), [&](std::size_t i) { return nodes[i].path == path; });
-  return {ErrorCode::kSceneInvalid, "", where, "several nodes of this name",
-          is_one_path ? "all have the path " + path + ", for a name that holds a slash: rename it"
-                      : "use one of: " + listed(found, nodes)};
+  return {ErrorCode::kSceneInvalid, "", where, "several nodes have this name",
+          is_one_path
+              ? "all have the path " + path + " because a name contains a slash: rename that node"
+              : "use one of: " + listed(found, nodes)};
 }
 
 // Whether `label` is `first` with a number behind it: of a later sibling that is called alike.
@@ -180,8 +181,8 @@ class OneOfSeveral {
 
   // After may_mean() has been asked of all nodes.
   std::string mend() const {
-    return "write " + with_ending("[1]") + " for the first alone, " + with_ending("*") +
-           " for all whose names begin so";
+    return "write " + with_ending("[1]") + " for the first one only, " + with_ending("*") +
+           " for all whose names begin like this";
   }
 
  private:
@@ -243,7 +244,7 @@ Status check_is_alone(const std::string& where, const std::string& name,
         if (one.may_mean(nodes[other].path) && !settled(other)) found.push_back(other);
       }
       return Error{ErrorCode::kSceneInvalid, "", where,
-                   "several siblings are called so: " + listed(found, nodes), one.mend()};
+                   "several siblings have this name: " + listed(found, nodes), one.mend()};
     }
   }
   return {};
@@ -324,7 +325,7 @@ Result<std::vector<bool>> choose_nodes(std::span<const std::string> names,
       if (found.empty()) {
         command::NearestNames nearest(name);
         for (const AssemblyNode& node : nodes) nearest.add(node.path);
-        return Error{ErrorCode::kSceneInvalid, "", "#" + name, "no node of this name",
+        return Error{ErrorCode::kSceneInvalid, "", "#" + name, "no node has this name",
                      nearest.text()};
       }
       for (const std::size_t node : found) mark_sub_tree(node, nodes, is_in);
@@ -404,12 +405,17 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
          names_in(list, is_known(list) || is_known(command::unescaped(list)))) {
       if (is_known(name) || is_known(command::unescaped(name))) continue;
       command::NearestNames nearest(name);
+      bool any = !other_parts.empty();
       for (const Assembly& assembly : assemblies) {
         for (const AssemblyNode& node : assembly.nodes) nearest.add(node.path);
+        any |= !assembly.nodes.empty();
       }
       for (const std::string& part : other_parts) nearest.add(part);
+      const std::string mend = any ? nearest.text()
+                                   : "a file of this format is one part; list one file for each "
+                                     "part in a scene manifest";
       return Error{ErrorCode::kSceneInvalid, "", "--without",
-                   "no file has a node called " + in_quotes(name), nearest.text()};
+                   "no file has a node called " + in_quotes(name), mend};
     }
   }
   return {};

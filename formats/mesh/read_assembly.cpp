@@ -146,13 +146,14 @@ Result<Assembly> read_source(const SourceFile& file) {
   try {
     const std::vector<std::string>& nodes = file.options.nodes;
     if (std::find(nodes.begin(), nodes.end(), "") != nodes.end()) {
-      fail_read(file, ErrorCode::kSceneInvalid, "#", "no name stands behind it",
-                "name a node, as voxelize --list prints them, or leave the # out");
+      fail_read(file, ErrorCode::kSceneInvalid, "#", "no name follows the #",
+                "name a node that voxelize --list prints, or leave out the #");
     }
     const Format& format = format_of(file);
     if (!file.options.nodes.empty() && !format.has_nodes) {
       fail_read(file, ErrorCode::kSceneInvalid, "#" + file.options.nodes.front(),
-                std::string(format.name) + " files have no nodes", "leave the part after # out");
+                std::string(format.name) + " files have no nodes",
+                "leave out the # and the text after it");
     }
     Assembly assembly = read_as(format, file);
     if (format.read == read_gltf) {

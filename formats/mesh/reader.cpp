@@ -28,7 +28,7 @@ std::string at_byte(std::uint64_t offset) { return "byte " + std::to_string(offs
 void check_count(const SourceFile& file, std::uint64_t count, const char* what) {
   if (count <= std::numeric_limits<std::uint32_t>::max()) return;
   fail_read(file, ErrorCode::kMeshUnsupported, "",
-            std::to_string(count) + " " + what + " are more than 32-bit indices reach",
+            std::to_string(count) + " " + what + " are too many for 32-bit indices",
             "split the mesh into several files");
 }
 

@@ -49,7 +49,7 @@ class SceneReader {
  public:
   explicit SceneReader(const SceneReading& reading) : reading_(reading) {}
 
-  Status add_manifest(const std::string& path);
+  Status add_manifest(const NamedFile& named);
   Status add_folder(const std::string& path, std::optional<double> meters_per_unit);
   void add(Placing placing);
   Result<Scene> finish();
@@ -90,11 +90,55 @@ void SceneReader::add(Placing placing) {
   placings_.push_back(std::move(placing));
 }
 
-Status SceneReader::add_manifest(const std::string& path) {
+// Whether a name, of a part or of several, means the manifest's part that is called so.
+bool means_part(const std::string& name, const std::string& part) {
+  return !part.empty() && (fits_name(part, name) || fits_name(part, command::unescaped(name)));
+}
+
+// The names of a list, unless a part is called as the list is written.
+template <typename Parts>
+std::vector<std::string> part_names_in(const std::string& list, const Parts& parts) {
+  return names_in(list, std::any_of(parts.begin(), parts.end(),
+                                    [&](const auto& part) { return bears_name(part.name, list); }));
+}
+
+// Keeps the parts that one of the names means.
+Status keep_parts(const NamedFile& named, Manifest& manifest) {
+  std::vector<bool> is_kept(manifest.objects.size());
+  for (const std::string& list : named.nodes) {
+    for (const std::string& name : part_names_in(list, manifest.objects)) {
+      bool any = false;
+      for (std::size_t i = 0; i < manifest.objects.size(); ++i) {
+        if (!means_part(name, manifest.objects[i].name)) continue;
+        any = is_kept[i] = true;
+      }
+      if (any) continue;
+      std::string parts;
+      constexpr std::size_t kListed = 8;
+      for (std::size_t i = 0, listed = 0; i < manifest.objects.size() && listed < kListed; ++i) {
+        if (manifest.objects[i].name.empty()) continue;
+        parts +=
+            (listed++ == 0 ? "name one of its parts, such as " : ", ") + manifest.objects[i].name;
+      }
+      return Error{ErrorCode::kSceneInvalid, named.path, "#" + name,
+                   "no part of this manifest has this \"name\"",
+                   parts.empty() ? "give names to the parts of the manifest" : parts};
+    }
+  }
+  std::size_t n = 0;
+  std::erase_if(manifest.objects, [&](const ManifestObject&) { return !is_kept[n++]; });
+  return {};
+}
+
+Status SceneReader::add_manifest(const NamedFile& named) {
+  const std::string& path = named.path;
   auto manifest = read_manifest(path);
   if (!manifest) return manifest.error();
   if (!reading_.allow_outside) {
     if (Status inside = check_inside(path, *manifest); !inside) return inside;
+  }
+  if (!named.nodes.empty()) {
+    if (Status kept = keep_parts(named, *manifest); !kept) return kept;
   }
   scene_.voxel_size_m = manifest->voxel_size_m;
   scene_.layers = manifest->layers;
@@ -119,7 +163,7 @@ Status SceneReader::add_folder(const std::string& path, std::optional<double> me
     }
   }
   if (files.empty()) {
-    return Error{ErrorCode::kSceneInvalid, path, "", "the folder holds no mesh files",
+    return Error{ErrorCode::kSceneInvalid, path, "", "the folder contains no mesh files",
                  "name a folder with mesh files"};
   }
   std::sort(files.begin(), files.end());
@@ -152,8 +196,8 @@ Status SceneReader::check_up() const {
   for (const Placing& placing : placings_) {
     if (placing.up.value_or(reading_.up) == up_of(placing.named.path)) continue;
     return Error{ErrorCode::kSceneInvalid, placing.named.path, placing.stated_in,
-                 "another part of this file states another axis as up",
-                 "state the same \"up\" in all parts of the file"};
+                 "another part that uses this file states another \"up\" axis",
+                 "state the same \"up\" in all parts that use this file"};
   }
   return {};
 }
@@ -233,7 +277,8 @@ Status SceneReader::place(const Placing& placing) {
       meters_per_unit(assembly, placing.named.path, placing.meters_per_unit, warnings);
   if (!unit) {
     Error error = unit.error();
-    if (!placing.stated_in.empty()) error.mend = "add them there, for example \"units\": \"mm\"";
+    if (!placing.stated_in.empty())
+      error.mend = "add the unit to this part, for example \"units\": \"mm\"";
     return error;
   }
   for (const std::string& warning : warnings) warnings_.add(placing.named.path, warning);
@@ -293,21 +338,14 @@ Status SceneReader::place_all() {
 void SceneReader::leave_out_parts() {
   std::vector<std::string> names;
   for (const std::string& list : without_) {
-    const bool is_borne =
-        std::any_of(placings_.begin(), placings_.end(),
-                    [&](const Placing& placing) { return bears_name(placing.name, list); });
-    for (std::string& name : names_in(list, is_borne)) names.push_back(std::move(name));
+    for (std::string& name : part_names_in(list, placings_)) names.push_back(std::move(name));
   }
   const auto is_left_out = [&](const Placing& placing) {
-    return !placing.name.empty() &&
-           std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-             if (!fits_name(placing.name, name) &&
-                 !fits_name(placing.name, command::unescaped(name))) {
-               return false;
-             }
-             scene_.parts_left_out.insert(name);
-             return true;
-           });
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      if (!means_part(name, placing.name)) return false;
+      scene_.parts_left_out.insert(name);
+      return true;
+    });
   };
   std::erase_if(placings_, is_left_out);
 }
@@ -341,7 +379,7 @@ Result<Scene> SceneReader::finish() {
 }  // namespace
 
 bool is_manifest(const std::string& input) {
-  return std::filesystem::path(input).extension() == ".json";
+  return std::filesystem::path(file_of(input)).extension() == ".json";
 }
 
 Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
@@ -351,7 +389,7 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     std::error_code ignored;
     Status added;
     if (is_manifest(input)) {
-      added = reader.add_manifest(input);
+      added = reader.add_manifest(named_file(input));
     } else if (std::filesystem::is_directory(input, ignored)) {
       added = reader.add_folder(input, meters_per_unit);
     } else {
@@ -360,6 +398,23 @@ Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<doub
     if (!added) return added.error();
   }
   return reader.finish();
+}
+
+Result<Scene> read_manifest(const NamedFile& named, const ReadOptions& options,
+                            const AssemblyReader& read) {
+  SceneReading reading;
+  reading.up = options.up;
+  reading.allow_outside = options.allow_outside;
+  reading.missing_faces = options.missing_faces;
+  reading.without = options.without;
+  reading.read = [&](const std::string& path, ReadOptions own) {
+    own.deflection_m = options.deflection_m;
+    return read(path, own);
+  };
+  std::vector<std::string> inputs;
+  for (const std::string& node : named.nodes) inputs.push_back(named.path + "#" + node);
+  if (inputs.empty()) inputs.push_back(named.path);
+  return read_scene(inputs, {}, reading);
 }
 
 }  // namespace forcelayer::mesh

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/file/named_file.h"
 #include "formats/mesh/mesh.h"
 #include "formats/result.h"
 
@@ -68,24 +69,28 @@ struct SceneReading {
   std::vector<std::string> without;
   SceneShard shard;  // objects of other shards are left out, and not read where that is known
   // Reads each file once, in the order of Scene::assemblies.
-  std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)> read =
-      read_assembly;
+  AssemblyReader read = read_assembly;
   // Called once, before the first read(), with all files that will be read: it may begin with them
   // side by side. May be empty.
   std::function<void(std::span<const FileToRead>)> read_ahead;
   std::function<void(double fraction_done)> progress;  // may be empty; one call at a time
 };
 
-// Whether an input of read_scene() is a manifest, by its ending.
+// Whether an input of read_scene() is a manifest, or names parts of one, by its ending.
 bool is_manifest(const std::string& input);
 
 // Reads every input: a mesh or assembly file (`FILE#NODE` for nodes of it), a folder (the mesh
-// files in it, sorted by name), or a manifest (`.json`; described in docs/voxelize.md).
+// files in it, sorted by name), or a manifest (`.json`; described in docs/voxelize.md; with `#NAME`
+// those of its parts that SceneReading::without would leave out by that name).
 // `meters_per_unit` is the user's unit: required where a format defines none (else kUsage), and a
 // warning where it overrides one. It does not apply to a manifest's objects, which name theirs.
 // Errors of a manifest (kSceneInvalid) name the key. A name of `SceneReading::without` that no file
 // has is kSceneInvalid, with the nearest names.
 Result<Scene> read_scene(std::span<const std::string> inputs, std::optional<double> meters_per_unit,
                          const SceneReading& reading = {});
+
+// The parts of one manifest that `named` names, or all of them. Its files are read with `options`.
+Result<Scene> read_manifest(const NamedFile& named, const ReadOptions& options,
+                            const AssemblyReader& read);
 
 }  // namespace forcelayer::mesh

@@ -32,7 +32,7 @@ class Fields {
  public:
   Fields(const Json& json, std::string path, std::initializer_list<const char*> known)
       : json_(json), path_(std::move(path)) {
-    if (!json.is_object()) throw BadKey{path_, "is not a JSON object", "write it in braces"};
+    if (!json.is_object()) throw BadKey{path_, "is not a JSON object", "write it in braces: {...}"};
     const std::set<std::string> names(known.begin(), known.end());
     std::string list;
     for (const char* name : known) list += list.empty() ? name : std::string(", ") + name;
@@ -61,7 +61,7 @@ double finite_number(const Json& json, const std::string& key) {
 
 std::string text(const Json& json, const std::string& key) {
   if (!json.is_string() || json.get_ref<const std::string&>().empty()) {
-    throw BadKey{key, "is not a text, or is empty", ""};
+    throw BadKey{key, "is not a text or is empty", ""};
   }
   return json.get<std::string>();
 }
@@ -77,7 +77,7 @@ double length(const Json& json, const std::string& key) {
   if (json.is_number()) {
     const double number = finite_number(json, key);
     if (number == 0) return 0;
-    throw BadKey{key, "is " + json.dump() + ", without a unit", R"(write it like "5mm")"};
+    throw BadKey{key, "is " + json.dump() + " without a unit", R"(write it like "5mm")"};
   }
   return parsed(command::parse_length(text(json, key)), key);
 }
@@ -153,7 +153,7 @@ std::array<double, 9> rotation(const Json& json, const std::string& key) {
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
   // Below the least normal double nothing is left of its digits.
   if (!(norm >= std::numeric_limits<double>::min()) || !std::isfinite(norm))
-    throw BadKey{key, "is a quaternion (w, x, y, z) of length zero", ""};
+    throw BadKey{key, "is a quaternion (w, x, y, z) without a valid length", ""};
   for (double& c : q) c /= norm;
   const auto [w, x, y, z] = q;
   return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
@@ -174,8 +174,8 @@ Affine placement(const Fields& fields) {
              *turned = fields.find("rotation"), *scaled = fields.find("scale");
   if (whole != nullptr) {
     if (moved != nullptr || turned != nullptr || scaled != nullptr) {
-      throw BadKey{fields.path("matrix"), "stands beside translation, rotation or scale",
-                   "give one or the other"};
+      throw BadKey{fields.path("matrix"), "is given beside translation, rotation or scale",
+                   "leave out the matrix, or leave out translation, rotation and scale"};
     }
     return matrix(*whole, fields.path("matrix"));
   }
@@ -215,8 +215,8 @@ ManifestObject read_object(const Json& json, const std::string& key,
   object.world_from_object = placement(fields);
   if (is_flat(object.world_from_object)) {
     throw BadKey{fields.path(fields.find("matrix") != nullptr ? "matrix" : "scale"),
-                 "makes the object flat, a line or a point",
-                 "list an object that should be left out in \"without\""};
+                 "makes the object flat, or a line or a point",
+                 "to leave the object out, list its name in \"without\""};
   }
   if (const Json* seeds = fields.find("free_seeds"))
     object.free_seeds_m = points(*seeds, fields.path("free_seeds"));
@@ -231,7 +231,7 @@ std::array<double, 6> box(const Json& json, const std::string& key) {
   const auto values = lengths<6>(json, key);
   for (std::size_t d = 0; d < 3; ++d) {
     if (!(values[d] < values[d + 3]))
-      throw BadKey{key, "is not x0, y0, z0, x1, y1, z1 with each 0 below its 1", ""};
+      throw BadKey{key, "is not x0, y0, z0, x1, y1, z1 with x0 < x1, y0 < y1 and z0 < z1", ""};
   }
   return values;
 }
@@ -241,7 +241,7 @@ Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
   Manifest manifest;
   if (const Json* size = fields.find("voxel_size")) {
     manifest.voxel_size_m = length(*size, "voxel_size");
-    if (!(*manifest.voxel_size_m > 0)) throw BadKey{"voxel_size", "is not positive", ""};
+    if (!(*manifest.voxel_size_m > 0)) throw BadKey{"voxel_size", "is not above zero", ""};
   }
   if (const Json* layers = fields.find("layers")) {
     if (!layers->is_number_unsigned() || layers->get<std::uint64_t>() > UINT32_MAX) {
@@ -255,7 +255,7 @@ Manifest read_fields(const Json& json, const std::filesystem::path& folder) {
   if (const Json* without = fields.find("without")) manifest.without = names(*without, "without");
   const Json* parts = fields.find("parts");
   if (parts == nullptr || !parts->is_array() || parts->empty()) {
-    throw BadKey{"parts", "is missing, no list, or empty",
+    throw BadKey{"parts", "is missing, empty or not a list",
                  "list at least one object with its mesh"};
   }
   for (std::size_t i = 0; i < parts->size(); ++i) {
@@ -274,14 +274,14 @@ Result<Manifest> read_manifest(const std::string& path) {
   try {
     std::string repeated;
     const Json json = parse_json<Json>(std::string_view(first, file->bytes().size()), repeated);
-    if (!repeated.empty()) throw BadKey{repeated, "stands twice in one object", "keep one"};
+    if (!repeated.empty()) throw BadKey{repeated, "is repeated in one object", "keep one of them"};
     return read_fields(json, std::filesystem::path(path).parent_path());
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),
-                 "is not valid JSON here", "check the JSON"};
+                 "the JSON is not valid here", "correct it"};
   } catch (const Json::out_of_range&) {
-    return Error{ErrorCode::kSceneInvalid, path, "", "a number in it is too large for a double",
-                 "write it smaller"};
+    return Error{ErrorCode::kSceneInvalid, path, "",
+                 "the file has a number that is too large for a double", "write a smaller number"};
   } catch (const BadKey& bad) {
     return Error{ErrorCode::kSceneInvalid, path, bad.key, bad.what, bad.mend};
   }

@@ -31,7 +31,7 @@ Result<double> meters_per_unit(const Assembly& assembly, const std::string& path
                                std::optional<double> chosen, std::vector<std::string>& warnings) {
   const std::optional<double>& defined = assembly.meters_per_unit;
   if (!chosen && !defined) {
-    return Error{ErrorCode::kUsage, path, "", "this format does not say which unit its numbers are",
+    return Error{ErrorCode::kUsage, path, "", "this file format does not state the unit of length",
                  "add --units, for example --units mm"};
   }
   if (!chosen) return *defined;
@@ -113,9 +113,9 @@ double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh) 
 
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m) {
   if (!(spacing_m > voxel_size_m / 1000)) return std::nullopt;
-  return "its 32-bit vertices lie " + text_of(spacing_m) +
-         " m apart where they are, more than a thousandth of a voxel; move the mesh toward its "
-         "origin before exporting it";
+  return "its 32-bit coordinates are rounded to steps of " + text_of(spacing_m) +
+         " m, more than a thousandth of a voxel; move the mesh toward its origin before exporting "
+         "it";
 }
 
 std::optional<std::string> small_size_warning(const std::string& what, const Box& box_m,
@@ -129,7 +129,7 @@ std::optional<std::string> small_size_warning(const std::string& what, const Box
   if (!(across_m > 0 && voxels < kFewVoxels)) return std::nullopt;
   return what + command::text(" is %.3g mm across, ", 1e3 * across_m) +
          (voxels < 1 ? "less than a voxel" : command::text("%.2g voxels", voxels)) +
-         ": --units? Else use a smaller --voxel-size";
+         ": check --units; if the unit is right, use a smaller --voxel-size";
 }
 
 }  // namespace forcelayer::mesh

@@ -164,7 +164,7 @@ std::string read_path_header(std::string_view line, PathOf of, PathColumns& colu
   for (const char separator : {'\t', ';'}) {
     if (line.find(separator) != std::string_view::npos) columns.separator = separator;
   }
-  constexpr const char* kBoth = "has %s beside %s: leave one out";
+  constexpr const char* kBoth = "has both %s and %s: leave one out";
   const char *own = "part_", *other = "handle_";
   if (of == PathOf::kHandle) std::swap(own, other);
   // A trace has a prefix before the names that are wanted. First it is seen whether this is one.
@@ -189,7 +189,8 @@ std::string read_path_header(std::string_view line, PathOf of, PathColumns& colu
         }
         columns.factor[value] = factor;
       } else if (!word.starts_with(other) && may_be_turn(word)) {
-        return message("has %s, which may be a turn and is not read: rename it", in_quotes(name));
+        return message("has %s, which may be a rotation in an unknown form: rename this column",
+                       in_quotes(name));
       }
       columns.value_of += static_cast<char>(value);
     }

@@ -62,7 +62,7 @@ PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>&
     }
     const double step_m = length(difference(here, before));
     const double turn_rad = angle_between(rows[i - 1].orientation_wxyz, rows[i].orientation_wxyz);
-    facts.way_m += step_m;
+    facts.length_m += step_m;
     facts.turn_rad += turn_rad;
     facts.max_step_m = std::max(facts.max_step_m, step_m);
     facts.max_turn_rad = std::max(facts.max_turn_rad, turn_rad);

@@ -12,7 +12,7 @@ namespace forcelayer {
 struct PathFacts {
   std::size_t poses = 0;
   double begin_s = 0, end_s = 0;
-  double way_m = 0;                         // of the point, straight between rows
+  double length_m = 0;                      // of the path of the point, straight between rows
   double turn_rad = 0;                      // summed up
   double max_step_m = 0, max_turn_rad = 0;  // between two rows
   double max_mps = 0;
@@ -23,20 +23,20 @@ struct PathFacts {
 // gives them.
 PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>& center_m = {});
 
-// Between two rows the centroid goes straight. A CAD program may have the frame's origin go
-// straight, or turn the part about it; then all of the part is elsewhere in between, by
-// `aside_m` at most: the height of the arc about the origin over its chord.
+// Between two rows the centroid moves straight. A CAD program may move the frame's origin straight,
+// or turn the part about it. Then the whole part is elsewhere between the rows, by at most
+// `aside_m`: the height of the arc about the origin over its chord.
 struct WideStep {
-  std::size_t row = 0;                          // and the next
-  double turn_rad = 0, way_m = 0, aside_m = 0;  // the way is that of the centroid
+  std::size_t row = 0;                            // its first row; it ends at the next one
+  double turn_rad = 0, shift_m = 0, aside_m = 0;  // the shift is that of the centroid
 };
 
-// The step in which that is farthest; one without a way where no step is.
+// The step with the largest `aside_m`; all zero if there is no step.
 WideStep widest_step(std::span<const PathRow> rows, const std::array<double, 3>& center_m);
 
 // The pose at a time. Between two rows the point `center_m` of the part (part frame) goes straight
 // and the orientation turns the short way round, both evenly; voxcheck and voxrun do the same with
-// the centroid. Before the first row the pose is the first one, behind the last row the last one.
+// the centroid. Before the first row the pose is the first one, after the last row the last one.
 PathRow pose_at(std::span<const PathRow> rows, double time_s,
                 const std::array<double, 3>& center_m);
 

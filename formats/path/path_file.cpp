@@ -52,10 +52,10 @@ std::string parse_line(std::string_view line, const PathColumns& columns,
         std::isfinite(values[at] *= columns.factor[at])) {
       continue;
     }
-    return name_of(columns, at) + " is " + in_quotes(cell) + ", no finite number like -1.5e-3";
+    return name_of(columns, at) + " is " + in_quotes(cell) + ", not a finite number like -1.5e-3";
   }
   if (cells == wanted) return {};
-  return "has " + std::to_string(cells) + " cells, not the header's " + std::to_string(wanted);
+  return "has " + std::to_string(cells) + " cells, but the header has " + std::to_string(wanted);
 }
 
 // The kind of a file that Forcelayer did not write, by its first line; nullptr: it may be.
@@ -151,21 +151,22 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
     const std::string mistake = parse_line(line, columns, values);
     if (!mistake.empty()) return wrong(mistake);
     const auto row = path_row(columns, values);
-    if (!row) return wrong("has a quaternion without direction");
-    if (!is_within_limits(*row)) return wrong("is farther than 1e9 m, or than 1e12 s");
+    if (!row) return wrong("has a quaternion of length zero");
+    if (!is_within_limits(*row))
+      return wrong("has a coordinate above 1e9 m or a time above 1e12 s");
     if (!rows.empty()) {
       if (!(row->time_s > rows.back().time_s)) {
         char times[96];
-        std::snprintf(times, sizeof times, "%.15g s is not later than %.15g s before it",
+        std::snprintf(times, sizeof times, "%.15g s is not later than the row before, %.15g s",
                       row->time_s, rows.back().time_s);
         return wrong(times);
       }
       if (const auto turn = open_turn(before, values, rows.back(), *row)) {
         return wrong(name_of(columns, *turn) + " turns by 180 degrees or more in one step",
-                     "add rows between them, so that the direction of the turn is known");
+                     "add rows before it, so that the direction of the turn is known");
       }
     }
-    if (rows.size() == kMaxPathRows) return wrong("is beyond 100 million rows");
+    if (rows.size() == kMaxPathRows) return wrong("is beyond the limit of 100 million rows");
     rows.push_back(*row);
     before = values;
   }
@@ -174,8 +175,7 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
     return Error{ErrorCode::kReadFailed, path.string(), "", "cannot be read", ""};
   }
   if (rows.empty()) {
-    return wrong(columns.value_of.empty() ? "is missing: the header"
-                                          : "is missing: there are no poses");
+    return wrong(columns.value_of.empty() ? "the header is missing" : "the file has no poses");
   }
   return rows;
 }
@@ -207,7 +207,7 @@ Status PathWriter::add(const PathRow& row) {
     text_ += ',';
   }
   if (!readable)
-    return file_.refused("a pose is not finite, too far, or not later than the one before");
+    return file_.refused("a pose is not finite, too far away, or not later than the pose before");
   text_.back() = '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }
@@ -219,7 +219,7 @@ Status PathWriter::flush() {
 }
 
 Status PathWriter::finish() {
-  if (std::isinf(last_s_)) return file_.refused("there are no poses");
+  if (std::isinf(last_s_)) return file_.refused("the path has no poses");
   if (Status written = flush(); !written) return written;
   return file_.commit();
 }

@@ -1,4 +1,4 @@
-// Paths as files: poses over time in CSV. README.md beside this file describes the columns.
+// Paths as files: poses over time in CSV. docs/paths.md describes the columns.
 #pragma once
 
 #include <array>

@@ -43,12 +43,12 @@ Status export_voxmap(const Voxmap& map, const std::string& out, const std::strin
   if (ending == ".csv") return export_voxmap_csv(map, out);
   if (ending == ".ply") return export_voxmap_ply(map, out);
   if (ending == ".vdb") return export_voxmap_vdb(map, out);
-  return unfit(out, "a scene is exported to .csv, .ply or .vdb", "choose one of these endings");
+  return unfit(out, "a scene can be exported to .csv, .ply or .vdb", "choose one of these endings");
 }
 
 Status export_pshell(const Pshell& shell, const std::string& out, const std::string& ending) {
   if (ending == ".ply") return export_pshell_ply(shell, out);
-  return unfit(out, "a part is exported to .ply", "choose this ending");
+  return unfit(out, "a part can be exported to .ply", "choose a name that ends in .ply");
 }
 
 }  // namespace

@@ -212,7 +212,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
   if (has_standoff(h)) {
-    add_line(text, "  standoff          %.4g mm; distances decide where a part may be",
+    add_line(text, "  standoff          %.4g mm; stored distances decide where a part may be",
              1e3 * h.zero_force_m);
   } else {
     add_line(text, "  offset layers     %u", h.offset_layers);
@@ -222,13 +222,14 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
   add_line(text,
-           "  passes            a part 2 voxels thick or more with %.4g mm of room, both sides "
-           "together",
+           "  passes            a part 2 voxels thick or more through a gap that is %.4g mm wider",
            1e3 * passed_gap_m(h));
   const double separation_m = usual_separation_m(h);
-  add_line(text, "  proven then       %s for a shell of the usual covering radius, %.4g mm",
-           separation_m > 0 ? millimeters(separation_m).c_str() : "nothing",
-           1e3 * std::sqrt(3.0) / 2 * s);
+  add_line(
+      text,
+      "  proven            %s in such a gap, for a part with the usual covering radius of %.4g mm",
+      separation_m > 0 ? millimeters(separation_m).c_str() : "nothing",
+      1e3 * std::sqrt(3.0) / 2 * s);
   if (has_distances(h)) {
     add_line(text,
              "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bytes",
@@ -238,8 +239,8 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     add_line(text, "  distances         none");
   }
   if (h.object_count > 0) {
-    add_line(text, "  objects           %u, nearest ones in %" PRIu64 " bytes", h.object_count,
-             map.object_counts().brick_bytes);
+    add_line(text, "  objects           %u; the nearest objects are stored in %" PRIu64 " bytes",
+             h.object_count, map.object_counts().brick_bytes);
   }
   if (!map.compliance().empty()) {
     add_line(text, "  compliance        a contact point feels %.4g N at %.4g mm, at most %.4g N/m",
@@ -275,9 +276,10 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  convex radius     %.9g m, with a gap of %.9g m", h.convex_radius_m,
            h.convex_gap_m);
   const double two_voxels_m = 2 * h.voxel_size_m;
-  add_line(text, "  proven            %.6g m for the surface where points are %.6g m from a scene",
+  add_line(text,
+           "  proven            %.6g m from the scene to the surface, where points are %.6g m away",
            surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
-  add_line(text, "  made for voxels   %.9g m", h.voxel_size_m);
+  add_line(text, "  made for voxels   of %.9g m", h.voxel_size_m);
   add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
   add_missing_faces(text, shell.provenance());
   add_line(text, "  area, volume      %.6g m2, %.6g m3; mass from the %s", h.area_m2, h.volume_m3,

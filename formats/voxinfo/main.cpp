@@ -63,9 +63,9 @@ Status show_facts(const FactsRequest& request) {
 
 // The facts that the audit has proven of this map.
 std::string audited(const Voxmap& map) {
-  std::string facts = ", counts, box, clearances and layers are true";
-  if (map.distances() != nullptr) facts += ", distances are possible";
-  if (map.objects() != nullptr) facts += ", objects are there";
+  std::string facts = "; counts, box, clearances and layers are correct";
+  if (map.distances() != nullptr) facts += ", distances are plausible";
+  if (map.objects() != nullptr) facts += ", objects exist";
   return facts;
 }
 
@@ -77,7 +77,7 @@ Status verify_file(const std::string& path, bool quiet) {
     if (Status s = audit_voxmap(*map, path); !s) return s;
   }
   if (!quiet) {
-    std::cout << escaped(path) << ": valid; structure and checksums hold"
+    std::cout << escaped(path) << ": valid: structure and checksums are correct"
               << (map ? audited(*map) : "") << '\n';
   }
   return flush_stdout();
@@ -92,7 +92,7 @@ Status sample_file(const std::string& path, bool quiet) {
   if (!sampled) return sampled;
   if (outside_points > 0) {
     command::warn(std::to_string(outside_points) +
-                      " points lie beyond a cropped side, where nothing is known",
+                      " points are beyond a cropped side, where nothing is known",
                   quiet);
   }
   return flushed;
@@ -112,49 +112,49 @@ Status reported(const Status& done, const std::string& json_path, const Report& 
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Looks into .vox scenes and .pshell parts", "voxinfo"};
+  CLI::App app{"Shows, verifies, samples and exports .vox scenes and .pshell parts", "voxinfo"};
   std::string path, out, json_path;
   bool quiet = false, objects = false;
   app.add_option("FILE", path, "a .vox or .pshell file, whose facts are printed");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
   app.add_flag("--objects", objects,
-               "list a scene's objects, with the voxels that each is nearest to");
+               "list a scene's objects, each with the number of voxels to which it is nearest");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
-  auto* verify =
-      app.add_subcommand("verify",
-                         "check every structure, checksum and promised fact of a file; of a scene: "
-                         "that the counts, the box and every clearance are true, that no wall of "
-                         "layers has a hole, that each distance is one that its voxel's value and "
-                         "its neighbors allow, and that each object is in the list");
+  auto* verify = app.add_subcommand(
+      "verify",
+      "check every structure, checksum and stated fact of a file. In a scene, counts, box and "
+      "every clearance must be correct, layers must have no hole, each distance must fit its "
+      "voxel's value and its neighbors, and each object must be in the list");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample = app.add_subcommand(
       "sample",
-      "read `x y z` lines in meters and print each point's voxel: its value, 0 to 3, and, where "
-      "the "
-      "scene has them, least and most distance from the mesh in meters and the nearest object; a "
-      "column more, "
-      "'hint', where that was not measured");
+      "read `x y z` lines in meters and print each point's voxel: its value, 0 to 3; the smallest "
+      "and largest distance from the mesh in meters, and the nearest object, if the scene stores "
+      "them. The word hint at the end of a line means that the distance was not measured");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
   export_to->add_option("OUT", out, "a .csv, .ply or .vdb file")->required();
   PathRequest of_path;
-  auto* path_command = app.add_subcommand(
-      "path",
-      "say how long a path is, a CSV of poses or a trace, and write it anew: in meters and "
-      "quaternions, resampled, or reversed");
+  auto* path_command =
+      app.add_subcommand("path",
+                         "print the length of a path (a CSV of poses, or a trace); write the path "
+                         "again in meters and quaternions, also resampled or reversed");
   path_command->add_option("FILE", path, "a CSV of poses over time, or a trace of voxrun")
       ->required();
-  path_command->add_option("-o,--output", of_path.output, "write the path, a CSV");
+  path_command->add_option("-o,--output", of_path.output, "write the path to this CSV file");
   path_command->add_option("--resample", of_path.period,
-                           "all rows, and between them one every so often, like 1ms");
-  path_command->add_option("--part", of_path.shell,
-                           "measure the path of this .pshell's centroid, which moves straight "
-                           "between rows as in voxcheck (default: the path of the frame's origin)");
-  path_command->add_flag("--reverse", of_path.reverse, "from the last pose to the first");
+                           "keep all rows, and add rows between them at this period, such as 1ms");
+  path_command->add_option(
+      "--part", of_path.shell,
+      "measure the path of the centroid of this .pshell part, which moves straight between rows as "
+      "in voxcheck (default: the path of the frame's origin)");
+  path_command->add_flag("--reverse", of_path.reverse,
+                         "reverse the path: from the last pose to the first");
   of_path.of = "part";
-  path_command->add_option("--of", of_path.of, "of a trace: part or handle, default part")
+  path_command
+      ->add_option("--of", of_path.of, "which poses of a trace: part or handle, default part")
       ->check(CLI::IsMember({"part", "handle"}));
   path_command->add_option("--json", json_path, "write the facts to this file as JSON");
   for (auto* subcommand : {verify, sample, export_to, path_command}) {
@@ -174,7 +174,7 @@ int run(int argc, char** argv) {
       {{"The path", {"--resample", "--reverse", "--part", "--of"}}, {"Output", {"-o"}}},
       "  voxinfo path run.csv                               how long it is\n"
       "  voxinfo path run.csv --reverse -o back.csv         the same path backward\n"
-      "  voxinfo path run.csv --resample 10ms --part part.pshell -o fine.csv    rows in between");
+      "  voxinfo path run.csv --resample 10ms --part part.pshell -o fine.csv    more rows");
   command::arrange_help(
       app, {{"Output", {"--objects"}}},
       "  voxinfo bay.vox                              what the file is\n"

@@ -18,7 +18,7 @@ constexpr double kShortestPeriodS = 1e-6;
 std::string summary_of(const PathFacts& f, const std::string& path, const char* point) {
   using command::text;
   return text("%s: %zu poses from %.6g to %.6g s; %s travels %.6g m and turns %.6g rad\n",
-              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, point, f.way_m, f.turn_rad) +
+              escaped(path).c_str(), f.poses, f.begin_s, f.end_s, point, f.length_m, f.turn_rad) +
          text("  between two poses at most %.6g mm and %.6g rad; at most %.6g m/s\n",
               f.max_step_m * 1e3, f.max_turn_rad, f.max_mps) +
          text("  %s in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", point, f.low_m[0], f.low_m[1],
@@ -28,7 +28,7 @@ std::string summary_of(const PathFacts& f, const std::string& path, const char* 
 nlohmann::ordered_json report_of(const PathFacts& f, const std::array<double, 3>& center_m) {
   return {
       {"schema_version", 1},        {"poses", f.poses},           {"point_m", center_m},
-      {"begin_s", f.begin_s},       {"end_s", f.end_s},           {"way_m", f.way_m},
+      {"begin_s", f.begin_s},       {"end_s", f.end_s},           {"length_m", f.length_m},
       {"turn_rad", f.turn_rad},     {"max_step_m", f.max_step_m}, {"max_step_rad", f.max_turn_rad},
       {"max_speed_mps", f.max_mps}, {"low_m", f.low_m},           {"high_m", f.high_m}};
 }
@@ -57,7 +57,7 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
     }
     const double between = (rows.back().time_s - rows.front().time_s) / *period_s;
     if (between + static_cast<double>(rows.size()) >= static_cast<double>(kMaxPathRows)) {
-      return Error{ErrorCode::kUsage, "", "--resample", "makes more than 100 million rows",
+      return Error{ErrorCode::kUsage, "", "--resample", "would make more than 100 million rows",
                    "give a longer period"};
     }
     rows = resampled(rows, *period_s, center_m);
@@ -72,20 +72,22 @@ Status handle_path(const PathRequest& request) {
   auto rows = read_path(request.path, of_part ? PathOf::kPart : PathOf::kHandle);
   if (!rows) return rows.error();
   if (request.output.empty() && (request.reverse || !request.period.empty())) {
-    return Error{ErrorCode::kUsage, "", "-o", "names no file for the new path", "give -o OUT.csv"};
+    return Error{ErrorCode::kUsage, "", "-o", "no file for the new path is given",
+                 "give -o OUT.csv"};
   }
   std::array<double, 3> center_m{};
   if (!request.shell.empty()) {
     if (!of_part) {
-      return Error{ErrorCode::kUsage, "", "--part", "goes with --of part alone", "leave it out"};
+      return Error{ErrorCode::kUsage, "", "--part", "has no effect without --of part",
+                   "leave it out"};
     }
     const auto shell = Pshell::open(request.shell);
     if (!shell) return shell.error();
     center_m = shell->header().center_m;
   } else if (of_part && !request.period.empty() && path_facts(*rows).turn_rad > 0) {
     command::warn(
-        "between rows the frame's origin goes straight; voxcheck has the part's centroid go "
-        "straight: give --part for that",
+        "between rows the frame's origin moves straight, but voxcheck moves the part's centroid "
+        "straight: give --part to move the centroid straight here too",
         request.quiet);
   }
   if (!request.output.empty()) {

@@ -128,8 +128,8 @@ Status export_voxmap_ply(const Voxmap& map, const std::string& out) {
   });
   if (vertices > kMaxIndex) {
     return Error{ErrorCode::kUsage, out, "",
-                 std::to_string(vertices) + " vertices are more than a .ply can index",
-                 "export a .vdb or bake a smaller region"};
+                 std::to_string(vertices) + " vertices are too many for a .ply file",
+                 "export a .vdb, or bake a smaller region (--roi)"};
   }
   auto ply = BufferedOutput::create(out);
   if (!ply) return ply.error();

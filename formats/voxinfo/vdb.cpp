@@ -103,7 +103,7 @@ Status check_memory(const Voxmap& map, const std::string& out) {
   if (bytes <= physical_bytes) return check_walk(voxels, out);
   char what[120];
   std::snprintf(what, sizeof what,
-                "the grids take up to %.2g GB of memory; this machine has %.2g GB", bytes / 1e9,
+                "the grids take up to %.2g GB of memory, but this machine has %.2g GB", bytes / 1e9,
                 physical_bytes / 1e9);
   return Error{ErrorCode::kUsage, out, "", what, "export a .csv, or bake a smaller region (--roi)"};
 }
@@ -133,8 +133,8 @@ openvdb::GridPtrVec make_grids(const Voxmap& map) {
 
 Status export_voxmap_vdb(const Voxmap& map, const std::string& out) {
   if (!fits_int32(map.header())) {
-    return Error{ErrorCode::kUsage, out, "", "the scene's voxel indices do not fit a .vdb",
-                 "export a .csv or bake nearer to the origin"};
+    return Error{ErrorCode::kUsage, out, "", "the scene's voxel indices are too large for a .vdb",
+                 "export a .csv, or bake a scene that is nearer to the origin"};
   }
   if (Status s = check_memory(map, out); !s) return s;
   openvdb::initialize();

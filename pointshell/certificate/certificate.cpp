@@ -1,6 +1,7 @@
 #include "pointshell/certificate/certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -21,6 +22,8 @@ constexpr std::size_t kTilesPerTask = 32;
 // In radii. An open piece whose ball is smaller than this is not cut further to find out whether it
 // is hidden.
 constexpr double kSmallestHidden = 0.1;
+// In radii. Boxes of many pieces are not halved below this.
+constexpr double kSmallestBox = 0.04;
 // Proves single tiles; one of it per task, as it keeps scratch memory.
 class TileProver {
  public:
@@ -41,6 +44,7 @@ class TileProver {
   void prove(const SurfacePieces& dense) {
     bound_by_patches(
         dense, whole_radius_, [&](const FlatPatch& patch) { return covers(patch); },
+        [&](const OrientedBox& box, const SurfacePieces& inside) { return covers(box, inside); },
         [&](std::span<const part::Vec3> polygon) { prove(polygon); });
   }
 
@@ -57,6 +61,31 @@ class TileProver {
     const bool covered = holes.size() == known;
     holes.resize(known);
     return covered;
+  }
+
+  // Whether points cover the box. Where it is small, in smaller boxes around its pieces: of most
+  // boxes without a hole no piece is looked at.
+  bool covers(const OrientedBox& box, const SurfacePieces& pieces_inside) const {
+    if (covers(box)) return true;
+    if (box.radius() >= kSmallestHalved * whole_radius_) return false;
+    if (box.radius() < kSmallestBox * whole_radius_) return false;
+    for (const SurfacePieces& side :
+         pieces_inside.split(box.half[0], part::dot(box.half[0], box.middle))) {
+      if (side.size() > 0 && !covers(box_around(side), side)) return false;
+    }
+    return true;
+  }
+
+  // Whether the ball of one point holds the box: it then holds all surface inside.
+  bool covers(const OrientedBox& box) const {
+    const std::array<part::Vec3, 8> corners = box.corners();
+    bool is_held = false;
+    grid_.visit_near(box.middle, radius_, [&](std::uint32_t, const part::Vec3& point) {
+      is_held = is_held || std::all_of(corners.begin(), corners.end(), [&](const part::Vec3& c) {
+                  return part::length_squared(c - point) <= radius_ * radius_;
+                });
+    });
+    return is_held;
   }
 
   static part::Vec3 middle_of(std::span<const part::Vec3> corners) {

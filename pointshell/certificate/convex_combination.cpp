@@ -94,17 +94,17 @@ void CombinationFinder::settle(double stiffness) {
     double first_wanted = 1;
     for (std::size_t i = 0; i < count; ++i) first_wanted -= wanted[i];
     const auto wanted_of = [&](std::size_t i) { return i == 0 ? first_wanted : wanted[i - 1]; };
-    double way = 1;
+    double step = 1;
     std::size_t leaves = support_.size();
     for (std::size_t i = 0; i < support_.size(); ++i) {
       const double weight = candidates_[support_[i]].weight;
       if (wanted_of(i) > 0) continue;
       const double until = weight / std::max(weight - wanted_of(i), 1e-300);
-      if (leaves == support_.size() || until < way) way = until, leaves = i;
+      if (leaves == support_.size() || until < step) step = until, leaves = i;
     }
     for (std::size_t i = 0; i < support_.size(); ++i) {
       double& weight = candidates_[support_[i]].weight;
-      weight = std::max(0.0, weight + way * (wanted_of(i) - weight));
+      weight = std::max(0.0, weight + step * (wanted_of(i) - weight));
     }
     if (leaves == support_.size()) return;
     candidates_[support_[leaves]].weight = 0;

@@ -89,6 +89,15 @@ double OrientedBox::radius() const {
                    part::length_squared(half[2]));
 }
 
+std::array<part::Vec3, 8> OrientedBox::corners() const {
+  std::array<part::Vec3, 8> corners;
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const auto sign = [n](int axis) { return (n >> axis & 1) != 0 ? 1.0 : -1.0; };
+    corners[n] = middle + sign(0) * half[0] + sign(1) * half[1] + sign(2) * half[2];
+  }
+  return corners;
+}
+
 FlatPatch OrientedBox::patch() const {
   return {{middle - half[0] - half[1], middle + half[0] - half[1], middle + half[0] + half[1],
            middle - half[0] + half[1]},

@@ -3,8 +3,9 @@
 //
 // Threads, grooves and fine meshes lie between two planes that are near each other. The rectangle
 // midway between them stands for all of the surface there, which is within half the distance of the
-// planes: such surface costs what a plain one costs. Where the planes are too far apart, or the
-// rectangle does not prove enough, the pieces are halved.
+// planes: such surface costs what a plain one costs. Bundles of tubes and deep grooves fill a box:
+// it stands for all surface inside, however much there is. Where neither proves enough, the pieces
+// are halved.
 #pragma once
 
 #include <array>
@@ -49,28 +50,33 @@ struct OrientedBox {
   std::array<part::Vec3, 3> half;  // from the middle to three faces, the longest first
 
   double radius() const;  // half a diagonal
+  std::array<part::Vec3, 8> corners() const;
   FlatPatch patch() const;
 };
 OrientedBox box_around(const SurfacePieces& pieces);
 
-// Calls bounded(patch) for patches that stand for all pieces. Where one does not do, as bounded()
-// says, its pieces are halved. Where they are small, or few, each(polygon) is called for them.
-// `radius`: the covering radius, m.
-template <typename Bounded, typename Each>
+// The pieces of a box smaller than this are looked at one by one, in covering radii.
+inline constexpr double kSmallestHalved = 0.25;
+
+// Calls bounded(patch) and filled(box, pieces) for patches and boxes that stand for all pieces.
+// Where none does, as they say, the pieces are halved. Where they are small, or few, each(polygon)
+// is called for them. `radius`: the covering radius, m.
+template <typename Bounded, typename Filled, typename Each>
 void bound_by_patches(const SurfacePieces& pieces, double radius, const Bounded& bounded,
-                      const Each& each) {
+                      const Filled& filled, const Each& each) {
   constexpr std::size_t kFew = 6;
-  constexpr double kMaxGap = 0.025, kSmallest = 0.25;  // radii
+  constexpr double kMaxGap = 0.025, kLargestBox = 0.75;  // radii
   if (pieces.size() == 0) return;
   const bool few = pieces.size() <= kFew;
   const OrientedBox box = box_around(pieces);
   if (!few && part::length(box.half[2]) <= kMaxGap * radius && bounded(box.patch())) return;
-  if (few || box.radius() < kSmallest * radius) {
+  if (!few && box.radius() <= kLargestBox * radius && filled(box, pieces)) return;
+  if (few || box.radius() < kSmallestHalved * radius) {
     for (std::size_t n = 0; n < pieces.size(); ++n) each(pieces[n]);
     return;
   }
   for (const SurfacePieces& side : pieces.split(box.half[0], part::dot(box.half[0], box.middle))) {
-    bound_by_patches(side, radius, bounded, each);
+    bound_by_patches(side, radius, bounded, filled, each);
   }
 }
 

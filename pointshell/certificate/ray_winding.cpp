@@ -13,12 +13,15 @@ using part::Vec3;
 // along it: the sums of a dozen products.
 constexpr Vec3 kRay{0.5437211, 0.2913847, 0.7870619};
 constexpr double kRayRounding = 1e-13;
+constexpr double kRoundUp = 1 + 1e-9;  // exceeds that of a slab of a box
 
-// Whether a ray from a place may meet a node's box, which is seen as larger by `off`.
-bool may_cross(const part::TriangleTree::Node& node, const Vec3& place, double off) {
+// Whether a ray from a place may meet a node's box, which is larger by `wider` on each side, and is
+// seen as larger by `off`.
+bool may_cross(const part::TriangleTree::Node& node, const Vec3& place, double off,
+               double wider = 0) {
   double enters = -off, leaves = std::numeric_limits<double>::infinity();
   const auto across = [&](double low, double high, double from, double along) {
-    const double a = (low - from) / along, b = (high - from) / along;
+    const double a = (low - wider - from) / along, b = (high + wider - from) / along;
     enters = std::max(enters, std::min(a, b));
     leaves = std::min(leaves, std::max(a, b));
   };
@@ -65,6 +68,34 @@ std::optional<int> windings_by_ray(const part::TriangleTree& tree, const Vec3& p
         windings = windings && crossing ? std::optional(*windings + *crossing) : std::nullopt;
       });
   return windings;
+}
+
+// The distance of a ray and an edge is convex along the ray, and least where that is nearest to the
+// edge's line, or to one of its ends, or where it begins.
+bool is_ray_within(const part::TriangleTree& edges, const Vec3& place, double radius) {
+  bool is_near = false;
+  edges.visit_where(
+      [&](const part::TriangleTree::Node& node) {
+        return !is_near && may_cross(node, place, 0, kRoundUp * radius);
+      },
+      [&](std::uint32_t number) {
+        const part::Piece edge = part::triangle_piece(edges.part(), number);
+        const Vec3 along = edge[1] - edge[0], from = edge[0] - place;
+        const auto look_at = [&](double way) {
+          const Vec3 there = std::max(way, 0.0) * kRay;
+          const Vec3 foot = part::nearest_on_triangle(place + there, edge[0], edge[1], edge[2]);
+          is_near = is_near || part::length(foot - place - there) <= radius;
+        };
+        const double k = part::length_squared(kRay), b = part::dot(kRay, along),
+                     c = part::length_squared(along);
+        const double to_first = part::dot(kRay, from), of_line = part::dot(along, from);
+        look_at(to_first / k);
+        look_at((to_first + b) / k);
+        look_at(0);
+        const double square = k * c - b * b;
+        if (square > 0) look_at((c * to_first - b * of_line) / square);
+      });
+  return is_near;
 }
 
 }  // namespace forcelayer::certificate

@@ -13,4 +13,8 @@ namespace forcelayer::certificate {
 // rounding decides. A ray meets some dozens of boxes, where a WindingNumber opens thousands.
 std::optional<int> windings_by_ray(const part::TriangleTree& tree, const part::Vec3& point);
 
+// Whether that ray from a point comes within `radius` of one of some edges (triangles with two
+// equal corners).
+bool is_ray_within(const part::TriangleTree& edges, const part::Vec3& point, double radius);
+
 }  // namespace forcelayer::certificate

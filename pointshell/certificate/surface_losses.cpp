@@ -100,6 +100,17 @@ std::array<double, 3> moments_about_common_place(const CornerPiece& piece) {
   return best;
 }
 
+// The same for any number of corners, about the mean of their combinations' places.
+void moments_about_common_place(std::span<const Corner> corners, std::span<double> moments) {
+  part::Vec3 mean;
+  for (const Corner& corner : corners) mean += corner.combination.place;
+  mean = (1.0 / static_cast<double>(corners.size())) * mean;
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const Combination& c = corners[n].combination;
+    moments[n] = c.second_moment + part::length_squared(c.place - mean);
+  }
+}
+
 // The combinations of places that were asked for last, as neighboring pieces share corners.
 class CornerCache {
  public:
@@ -151,20 +162,28 @@ class CornerCaches {
   tbb::enumerable_thread_specific<CornerCache> of_thread_;
 };
 
-// Bounds of a piece. Margins outweigh all rounding.
+using CornerBox = std::array<Corner, 8>;
+
+// Bounds of the convex hull of three corners, or of a box's. Margins outweigh all rounding.
 class PieceBounds {
  public:
   PieceBounds(const CornerPiece& piece, const CoveredPart& covered, double margin)
-      : piece_(piece), radius_(covered.radius), margin_(margin), slack_(covered.slack) {
+      : PieceBounds(piece, std::sqrt(edge_squared(piece, longest_edge(piece))), covered, margin) {
     const std::array<double, 3> moments = moments_about_common_place(piece);
-    for (int n = 0; n < 3; ++n) moments_[n] = rounded_up(moments[n]);
+    for (std::size_t n = 0; n < 3; ++n) moments_[n] = rounded_up(moments[n]);
+  }
+  // `size`: the longest edge, m.
+  PieceBounds(const CornerBox& box, double size, const CoveredPart& covered, double margin)
+      : PieceBounds(std::span<const Corner>(box), size, covered, margin) {
+    moments_about_common_place(box, moments_);
+    for (double& moment : moments_) moment = rounded_up(moment);
   }
 
   // The loss of every place of the piece is at most this. Every place is also within the radius of
   // a point.
   double loss(double point_distance) const {
     double largest = 0;
-    for (int n = 0; n < 3; ++n) {
+    for (std::size_t n = 0; n < corners_.size(); ++n) {
       largest = std::max(largest, distance_loss(point_distance, moments_[n], gap(n)));
     }
     return std::min(largest, radius_);
@@ -173,33 +192,47 @@ class PieceBounds {
   // The largest loss at a corner, which no bisection makes smaller.
   double corner_loss(double point_distance) const {
     double largest = 0;
-    for (int n = 0; n < 3; ++n) {
+    for (std::size_t n = 0; n < corners_.size(); ++n) {
       largest = std::max(largest, corner_loss(n, point_distance));
     }
     return std::min(largest, radius_);
   }
-  double corner_loss(int n, double point_distance) const {
-    return distance_loss(point_distance, rounded_up(piece_[n].combination.second_moment), gap(n));
+  double corner_loss(std::size_t n, double point_distance) const {
+    return distance_loss(point_distance, rounded_up(corners_[n].combination.second_moment), gap(n));
   }
 
-  double largest_moment() const { return std::max({moments_[0], moments_[1], moments_[2]}); }
-  double largest_gap() const { return std::max({gap(0), gap(1), gap(2)}); }
+  double largest_moment() const {
+    return *std::max_element(moments_.begin(), moments_.begin() + std::ssize(corners_));
+  }
+  double largest_gap() const {
+    double largest = gap(0);
+    for (std::size_t n = 1; n < corners_.size(); ++n) largest = std::max(largest, gap(n));
+    return largest;
+  }
   double largest_corner_moment() const {
     double largest = 0;
-    for (const Corner& corner : piece_) {
+    for (const Corner& corner : corners_) {
       largest = std::max(largest, rounded_up(corner.combination.second_moment));
     }
     return largest;
   }
 
-  double size() const { return std::sqrt(edge_squared(piece_, longest_edge(piece_))); }
-  part::Vec3 middle() const {
-    return (1.0 / 3) * (piece_[0].place + piece_[1].place + piece_[2].place);
+  double size() const { return size_; }
+  part::Vec3 middle() const {  // of a piece
+    return (1.0 / 3) * (corners_[0].place + corners_[1].place + corners_[2].place);
   }
-  const CornerPiece& piece() const { return piece_; }
+  std::span<const Corner> corners() const { return corners_; }
 
  private:
-  double gap(int n) const { return piece_[n].combination.gap + margin_ + slack_; }
+  PieceBounds(std::span<const Corner> corners, double size, const CoveredPart& covered,
+              double margin)
+      : corners_(corners),
+        size_(size),
+        radius_(covered.radius),
+        margin_(margin),
+        slack_(covered.slack) {}
+
+  double gap(std::size_t n) const { return corners_[n].combination.gap + margin_ + slack_; }
   double rounded_up(double moment) const {
     constexpr double kReach = CombinationFinder::kReach;
     if (slack_ > 0) {
@@ -209,9 +242,9 @@ class PieceBounds {
     return moment * (1 + 0x1p-44) + 0x1p-44 * kReach * kReach * radius_ * radius_;
   }
 
-  const CornerPiece& piece_;
-  const double radius_, margin_, slack_;
-  std::array<double, 3> moments_;
+  const std::span<const Corner> corners_;
+  const double size_, radius_, margin_, slack_;
+  std::array<double, 8> moments_{};
 };
 
 enum class Verdict { kDone, kBisect, kOpen };
@@ -245,6 +278,7 @@ class PieceProver {
             hideable_ = covered_.hidden != nullptr;
             return is_done(patch);
           },
+          [&](const OrientedBox& box, const SurfacePieces&) { return is_done(box); },
           [&](std::span<const part::Vec3> polygon) {
             tell_hideable(polygon);
             for (std::size_t n = 2; n < polygon.size(); ++n) {
@@ -262,6 +296,18 @@ class PieceProver {
     const Corner a = corners_.at(patch.corners[0]), b = corners_.at(patch.corners[1]),
                  c = corners_.at(patch.corners[2]), d = corners_.at(patch.corners[3]);
     return is_done({a, b, c}, patch.gap) && is_done({a, c, d}, patch.gap);
+  }
+
+  // Whether the judge is done with all surface in the box, or it is hidden.
+  bool is_done(const OrientedBox& box) {
+    if (judge_.given_up()) return true;
+    ++pieces;
+    CornerBox corners;
+    const std::array<part::Vec3, 8> places = box.corners();
+    for (std::size_t n = 0; n < places.size(); ++n) corners[n] = corners_.at(places[n]);
+    const PieceBounds bounds(corners, 2 * part::length(box.half[0]), covered_, margin_);
+    if (judge_.judge(bounds) == Verdict::kDone) return true;
+    return covered_.hidden != nullptr && covered_.hidden->holds_ball(box.middle, box.radius());
   }
 
   // Whether the judge is done with the piece and all that is within `gap` of it.
@@ -407,9 +453,9 @@ struct SearchJudge {
     return piece.size() <= smallest ? Verdict::kDone : Verdict::kBisect;
   }
   void open(const PieceBounds& bounds) {
-    const CornerPiece& piece = bounds.piece();
-    int worst = 0;
-    for (int n = 1; n < 3; ++n) {
+    const std::span<const Corner> piece = bounds.corners();
+    std::size_t worst = 0;
+    for (std::size_t n = 1; n < 3; ++n) {
       if (bounds.corner_loss(n, point_distance) > bounds.corner_loss(worst, point_distance))
         worst = n;
     }
@@ -544,7 +590,7 @@ struct ClaimJudge {
     if (pair_holds && losses_hold) return Verdict::kDone;
     return piece.size() > smallest ? Verdict::kBisect : Verdict::kOpen;
   }
-  void open(const PieceBounds& piece) { places.push_back(piece.piece()[0].place); }
+  void open(const PieceBounds& piece) { places.push_back(piece.corners()[0].place); }
 };
 
 }  // namespace

@@ -6,8 +6,9 @@
 // proof finds combinations for the corners of convex pieces of surface. Between the corners both
 // the place and the combination run linearly. So, for a piece and any place o, the gap is at most
 // the corners' largest, and the second moment at most the largest of theirs plus |c - o|^2; a loss
-// is convex in both, so it is at most the largest at a corner. Pieces are bisected until that is
-// small enough. Nothing is sampled.
+// is convex in both, so it is at most the largest at a corner. This holds for the hull of any
+// corners, so a box stands for all surface inside. Pieces are bisected until that is small enough.
+// Nothing is sampled.
 #pragma once
 
 #include <cstdint>

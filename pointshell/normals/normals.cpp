@@ -67,8 +67,9 @@ double angle_at(const part::Vec3& place, const part::Piece& corners, double same
 // Finds the normals of points one by one; one of it per task, as it keeps scratch memory.
 class NormalFinder {
  public:
-  NormalFinder(const part::TriangleTree& tree, double radius, const std::vector<bool>& of_sheet)
-      : tree_(tree), part_(tree.part()), radius_(radius), of_sheet_(of_sheet) {}
+  NormalFinder(const part::TriangleTree& tree, double radius, const std::vector<bool>& of_sheet,
+               const std::vector<bool>& flat)
+      : tree_(tree), part_(tree.part()), radius_(radius), of_sheet_(of_sheet), flat_(flat) {}
 
   // Fills element n. `near` holds at least the triangles within kReach radii of `point`.
   void find(const part::Vec3& point, std::span<const std::uint32_t> near, std::size_t n,
@@ -87,10 +88,14 @@ class NormalFinder {
  private:
   struct Face {
     part::Piece corners;
-    part::Vec3 normal;  // unit, or zero where the triangle has no area
+    part::Vec3 normal;  // unit, or zero where the triangle is flat
     bool of_sheet;
     double area = -1;  // of it within the radius of the foot; negative: not yet known
   };
+
+  part::Vec3 normal_of(std::uint32_t t) const {
+    return flat_[t] ? part::Vec3{} : part::normalized(part::doubled_area_normal(part_, t));
+  }
 
   std::span<const std::uint32_t> triangles_near(const part::Vec3& place) {
     triangles_.clear();
@@ -102,8 +107,7 @@ class NormalFinder {
     faces_.clear();
     for (const std::uint32_t t : triangles) {
       const part::Piece corners = part::triangle_piece(part_, t);
-      const part::Vec3 normal =
-          part::normalized(part::cross(corners[1] - corners[0], corners[2] - corners[0]));
+      const part::Vec3 normal = normal_of(t);
       if (std::abs(part::dot(normal, foot - corners[0])) < radius_) {
         faces_.push_back({corners, normal, of_sheet_[t]});
       }
@@ -140,16 +144,16 @@ class NormalFinder {
     return nearest_area_normal(foot);
   }
 
-  // The normal of the foot's triangle or, where that has no area, of the nearest one that has.
+  // The normal of the foot's triangle or, where that is flat, of the nearest one that is not.
   part::Vec3 nearest_area_normal(const part::SurfacePoint& foot) const {
-    const part::Vec3 own = part::normalized(part::doubled_area_normal(part_, foot.triangle));
+    const part::Vec3 own = normal_of(foot.triangle);
     if (part::length_squared(own) > 0) return own;
     for (double reach = kSamePlace * radius_;; reach *= 4) {
       part::Vec3 best;
       double best_squared = reach * reach;
       tree_.visit_near(foot.position, reach, [&](std::uint32_t t) {
         const part::Piece corners = part::triangle_piece(part_, t);
-        const part::Vec3 normal = part::normalized(part::doubled_area_normal(part_, t));
+        const part::Vec3 normal = normal_of(t);
         const part::Vec3 nearest =
             part::nearest_on_triangle(foot.position, corners[0], corners[1], corners[2]);
         const double squared = part::length_squared(nearest - foot.position);
@@ -176,14 +180,21 @@ class NormalFinder {
     return part::length_squared(sum) > 0 ? part::normalized(sum) : seed;
   }
 
-  double cone_about(const part::Vec3& place, const part::Vec3& outward) {
+  double cone_about(const part::Vec3& place, const part::Vec3& outward) const {
     double cosine = 1;
-    for (Face& face : faces_) {
+    for (const Face& face : faces_) {
       if (part::length_squared(face.normal) == 0) continue;
       const double c = part::dot(face.normal, outward);
-      if (c < cosine && area_near(place, face) > 0) cosine = c;
+      if (c < cosine && is_within_radius(place, face)) cosine = c;
     }
     return std::max(cosine, -1.0);
+  }
+
+  // By its nearest place, because the area of a corner that just reaches in is lost to rounding.
+  bool is_within_radius(const part::Vec3& place, const Face& face) const {
+    const auto& [a, b, c] = face.corners;
+    return part::length_squared(part::nearest_on_triangle(place, a, b, c) - place) <=
+           radius_ * radius_;
   }
 
   double area_near(const part::Vec3& place, Face& face) const {
@@ -197,7 +208,7 @@ class NormalFinder {
   const part::TriangleTree& tree_;
   const part::Part& part_;
   const double radius_;
-  const std::vector<bool>& of_sheet_;
+  const std::vector<bool>&of_sheet_, &flat_;  // [triangle]
   std::vector<std::uint32_t> triangles_;
   std::vector<Face> faces_;  // near the foot
 };
@@ -235,8 +246,12 @@ ShellNormals shell_normals(const sample::RestrictedCells& cells, std::span<const
   normals.inward.resize(points.size());
   normals.cone_cos.resize(points.size());
   normals.two_sided.resize(points.size());
+  const part::Part& part = cells.tree().part();
+  std::vector<bool> flat(part.triangles.size());
+  for (std::size_t t = 0; t < flat.size(); ++t)
+    flat[t] = part::is_flat(part::triangle_piece(part, t));
   part::parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
-    NormalFinder finder(cells.tree(), radius, of_sheet);
+    NormalFinder finder(cells.tree(), radius, of_sheet, flat);
     for (std::size_t n = begin; n < end; ++n) {
       finder.find(points[n], cells.triangles_near(n), n, normals);
     }

@@ -21,10 +21,15 @@ namespace {
 constexpr double kDecisive = 0.15;
 // A patch with a smaller fraction of leaving rays is hidden; a few rays slip through gaps.
 constexpr double kHidden = 0.005;
-// The first samples are enough where they leave no doubt; a negligible patch gets fewer.
-constexpr std::size_t kSamplesPerPatch = 128, kFirstSamples = 8, kFirstOfNegligible = 2;
+// The first samples are enough where they leave no doubt, or the second; a negligible patch gets
+// fewer. In doubt a patch gets one for each triangle, or for each square of the negligible size
+// where those are more. So few triangles are looked at all over, and a soup costs few rays.
+constexpr std::size_t kSamplesPerPatch = 128, kFirstSamples = 8, kFirstOfNegligible = 2,
+                      kSecondSamples = 16;
 constexpr double kNoDoubt = 0.5, kNoDoubtSky = 0.05;
 constexpr int kRaysPerSample = 64;
+// In negligible sizes. Bodies farther apart than this do not shade each other.
+constexpr double kFarGroups = 2;
 // In sizes of the part. A hit nearer to a ray's origin is the surface that it starts on.
 constexpr double kSelfHit = 1e-10;
 
@@ -108,19 +113,33 @@ struct Neighbors {
   }
 };
 
+// The area of each triangle; 0 for a flat one, whose sides are only rounding.
+std::vector<double> areas_of(const part::Part& part) {
+  std::vector<double> areas(part.triangles.size());
+  for (std::size_t t = 0; t < areas.size(); ++t) {
+    if (part::is_flat(part::triangle_piece(part, t))) continue;
+    areas[t] = part::length(part::doubled_area_normal(part, t)) / 2;
+  }
+  return areas;
+}
+
+double sum_of(const std::vector<double>& areas, const std::vector<std::uint32_t>& triangles) {
+  double area = 0;
+  for (const std::uint32_t t : triangles) area += areas[t];
+  return area;
+}
+
 // Turns the smaller area of the patch, so that the larger keeps its orientation.
-void keep_larger_area(const part::Part& part, const std::vector<std::uint32_t>& patch,
+void keep_larger_area(const std::vector<double>& areas, const std::vector<std::uint32_t>& patch,
                       std::vector<bool>& turned) {
   double kept_area = 0, turned_area = 0;
-  for (const std::uint32_t t : patch) {
-    (turned[t] ? turned_area : kept_area) += part::length(part::doubled_area_normal(part, t));
-  }
+  for (const std::uint32_t t : patch) (turned[t] ? turned_area : kept_area) += areas[t];
   if (turned_area <= kept_area) return;
   for (const std::uint32_t t : patch) turned[t] = !turned[t];
 }
 
-Patches find_patches(const part::Part& part, const std::vector<Link>& links) {
-  const std::size_t count = part.triangles.size();
+Patches find_patches(const std::vector<double>& areas, const std::vector<Link>& links) {
+  const std::size_t count = areas.size();
   const Neighbors neighbors(count, links);
   Patches patches;
   patches.turned.assign(count, false);
@@ -140,17 +159,10 @@ Patches find_patches(const part::Part& part, const std::vector<Link>& links) {
       }
     }
     std::sort(patch.begin(), patch.end());
-    keep_larger_area(part, patch, patches.turned);
+    keep_larger_area(areas, patch, patches.turned);
     patches.triangles.push_back(std::move(patch));
   }
   return patches;
-}
-
-double area_of(const part::Part& part, const std::vector<std::uint32_t>& triangles) {
-  double area = 0;
-  for (const std::uint32_t t : triangles)
-    area += part::length(part::doubled_area_normal(part, t)) / 2;
-  return area;
 }
 
 // The diagonal of the box around the patch.
@@ -186,57 +198,90 @@ struct Sky {
   double decisiveness() const { return hidden() ? 0 : (front - back) / (front + back); }
 };
 
+// Place `number` of a sequence that fills the triangle evenly, the same on either side of it
+// (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+part::Vec3 place_on(const part::Part& part, std::uint32_t t, std::size_t number) {
+  constexpr double kU = 0.7548776662466927, kV = 0.5698402909980532;
+  double whole = 0;
+  double u = std::modf(0.5 + kU * static_cast<double>(number + 1), &whole);
+  double v = std::modf(0.5 + kV * static_cast<double>(number + 1), &whole);
+  if (u + v > 1) u = 1 - u, v = 1 - v;
+  const auto [low, b, c] = part.triangles[t];
+  const part::Vec3 &from = part.vertices[low], &to_u = part.vertices[std::min(b, c)],
+                   &to_v = part.vertices[std::max(b, c)];
+  return from + u * (to_u - from) + v * (to_v - from);
+}
+
 class SkySampler {
  public:
-  SkySampler(const part::Part& part, double negligible_size_m)
-      : part_(part), negligible_size_m_(negligible_size_m), directions_(ray_directions()) {
+  SkySampler(const part::Part& part, const std::vector<double>& areas, double negligible_size_m)
+      : part_(part),
+        areas_(areas),
+        negligible_size_m_(negligible_size_m),
+        directions_(ray_directions()) {
     part::Box box;
     for (const part::Vec3& v : part.vertices) box.grow(v);
     self_hit_ = kSelfHit * part::length(box.high - box.low);
   }
 
-  // The sky of patch `triangles` past the triangles of `tree`.
+  // The sky of patch `triangles`, which has an area, past the triangles of `tree`.
   Sky look(const part::TriangleTree& tree, const std::vector<std::uint32_t>& triangles) const {
+    const std::size_t all = samples_of(triangles);
     const std::size_t few =
         size_of(part_, triangles) <= negligible_size_m_ ? kFirstOfNegligible : kFirstSamples;
-    const Sky first = look(tree, triangles, std::min(triangles.size(), few));
-    if (triangles.size() <= few || first.leaves_no_doubt()) return first;
-    return look(tree, triangles, std::min(triangles.size(), kSamplesPerPatch));
+    Sky sky;
+    for (const std::size_t samples : {few, kSecondSamples, kSamplesPerPatch}) {
+      sky = look(tree, triangles, std::min(all, samples));
+      if (all <= samples || sky.leaves_no_doubt()) break;
+    }
+    return sky;
   }
 
  private:
+  std::size_t samples_of(const std::vector<std::uint32_t>& triangles) const {
+    constexpr double kAll = kSamplesPerPatch;
+    const double square = negligible_size_m_ * negligible_size_m_;
+    const double squares = std::ceil(std::min(sum_of(areas_, triangles) / square, kAll));
+    return std::clamp(static_cast<std::size_t>(squares),
+                      std::min(triangles.size(), kSamplesPerPatch), kSamplesPerPatch);
+  }
+
   // Samples stand for equal areas.
   Sky look(const part::TriangleTree& tree, const std::vector<std::uint32_t>& triangles,
            std::size_t samples) const {
-    const double area = area_of(part_, triangles);
+    const double area = sum_of(areas_, triangles);
     Sky sky;
     double area_so_far = 0;
     std::size_t taken = 0;
     for (const std::uint32_t t : triangles) {
-      area_so_far += part::length(part::doubled_area_normal(part_, t)) / 2;
+      area_so_far += areas_[t];
       // The triangle that the middle of the next equal fraction of the area falls into.
-      double weight = 0;
+      std::size_t own = 0;
       while (taken < samples && (static_cast<double>(taken) + 0.5) * area <=
                                     area_so_far * static_cast<double>(samples)) {
         ++taken;
-        ++weight;
+        ++own;
       }
-      if (weight > 0) add_sample(tree, t, weight, sky);
+      if (own == 1) add_sample(tree, t, part::centroid(part::triangle_piece(part_, t)), sky);
+      for (std::size_t n = 0; own > 1 && n < own; ++n) {
+        add_sample(tree, t, place_on(part_, t, n), sky);
+      }
     }
     const double rays = static_cast<double>(taken) * kRaysPerSample / 2;
     return taken > 0 ? Sky{sky.front / rays, sky.back / rays} : Sky{};
   }
 
-  void add_sample(const part::TriangleTree& tree, std::uint32_t t, double weight, Sky& sky) const {
-    const part::Vec3 normal = part::doubled_area_normal(part_, t),
-                     origin = part::centroid(part::triangle_piece(part_, t));
+  void add_sample(const part::TriangleTree& tree, std::uint32_t t, const part::Vec3& origin,
+                  Sky& sky) const {
+    const part::Vec3 normal = part::doubled_area_normal(part_, t);
     for (const part::Vec3& direction : directions_) {
       if (tree.ray_hits(origin, direction, t, self_hit_)) continue;
-      (part::dot(direction, normal) > 0 ? sky.front : sky.back) += weight;
+      (part::dot(direction, normal) > 0 ? sky.front : sky.back) += 1;
     }
   }
 
   const part::Part& part_;
+  const std::vector<double>& areas_;  // of the triangles
   const double negligible_size_m_;
   const std::array<part::Vec3, kRaysPerSample> directions_;
   double self_hit_ = 0;
@@ -272,38 +317,41 @@ void copy_skies(const Patches& patches, std::span<const std::uint32_t> originals
   }
 }
 
-// The sky of every patch, past the whole part or, where that hides the patch, past its own body;
-// that of a group with copies past the group.
-std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
-                             double negligible_size_m, std::span<const part::CopiedGroup> groups) {
-  const SkySampler sampler(part, negligible_size_m);
-  const std::vector<std::uint32_t> originals = part::original_triangles(part, groups);
+// The sky of every patch past its group, or past its own body where the group hides it. A patch
+// without area has none.
+std::vector<Sky> look_around(const part::Part& part, const std::vector<double>& areas,
+                             const Patches& patches, double negligible_size_m,
+                             std::span<const part::CopiedGroup> copies) {
+  const SkySampler sampler(part, areas, negligible_size_m);
+  const std::vector<std::uint32_t> originals = part::original_triangles(part, copies);
   const std::vector<std::size_t> original = original_patches(patches, originals);
   const std::vector<std::vector<std::uint32_t>> of_body = part::triangles_by_body(part);
   const auto body_of = [&](std::size_t n) { return part.body[patches.triangles[n].front()]; };
   std::vector<Sky> skies(patches.triangles.size());
   const auto look = [&](const part::TriangleTree& tree, const std::vector<std::size_t>& chosen) {
     part::parallel_for_each_index(chosen.size(), 1, [&](std::size_t n) {
-      skies[chosen[n]] = sampler.look(tree, patches.triangles[chosen[n]]);
+      const std::vector<std::uint32_t>& triangles = patches.triangles[chosen[n]];
+      if (sum_of(areas, triangles) > 0) skies[chosen[n]] = sampler.look(tree, triangles);
     });
   };
 
-  std::vector<std::size_t> group_of(of_body.size(), groups.size());
-  std::vector<std::vector<std::uint32_t>> of_group(groups.size());
+  const auto groups = part::separate_groups(part, kFarGroups * negligible_size_m);
+  std::vector<std::size_t> group_of(of_body.size());
   for (std::size_t group = 0; group < groups.size(); ++group) {
-    for (const std::uint32_t body : groups[group].bodies) {
-      group_of[body] = group;
-      of_group[group].insert(of_group[group].end(), of_body[body].begin(), of_body[body].end());
-    }
+    for (const std::uint32_t body : groups[group]) group_of[body] = group;
   }
-  std::vector<std::vector<std::size_t>> chosen(groups.size() + 1);  // by group; of none
+  std::vector<std::vector<std::size_t>> chosen(groups.size());  // patches, by group
   for (std::size_t n = 0; n < skies.size(); ++n) {
     if (original[n] == n) chosen[group_of[body_of(n)]].push_back(n);
   }
   for (std::size_t group = 0; group < groups.size(); ++group) {
-    look(part::TriangleTree(part, std::move(of_group[group])), chosen[group]);
+    if (chosen[group].empty()) continue;
+    std::vector<std::uint32_t> triangles;
+    for (const std::uint32_t body : groups[group]) {
+      triangles.insert(triangles.end(), of_body[body].begin(), of_body[body].end());
+    }
+    look(part::TriangleTree(part, std::move(triangles)), chosen[group]);
   }
-  if (!chosen.back().empty()) look(part::TriangleTree(part), chosen.back());
   if (of_body.size() < 2) return skies;
 
   std::vector<std::vector<std::size_t>> hidden_of_body(of_body.size());
@@ -318,21 +366,24 @@ std::vector<Sky> look_around(const part::Part& part, const Patches& patches,
   return skies;
 }
 
-// Turns the patches that see more sky from behind, and hidden patches with their body.
-void turn_patches(part::Part& part, const Patches& patches, const std::vector<Sky>& skies) {
+// Turns the patches that see more sky from behind, and hidden patches with their body. A patch
+// without area stays.
+void turn_patches(part::Part& part, const std::vector<double>& areas, const Patches& patches,
+                  const std::vector<Sky>& skies) {
   std::vector<double> area_to_keep(part.body_names.size());  // less that to turn, by body
   const auto turn_patch = [&](std::size_t n) {
     for (const std::uint32_t t : patches.triangles[n]) turn(part, t);
   };
   for (std::size_t n = 0; n < skies.size(); ++n) {
     if (std::abs(skies[n].decisiveness()) < kDecisive) continue;
-    const double area = area_of(part, patches.triangles[n]);
+    const double area = sum_of(areas, patches.triangles[n]);
     const bool keep = skies[n].decisiveness() > 0;
     area_to_keep[part.body[patches.triangles[n].front()]] += keep ? area : -area;
     if (!keep) turn_patch(n);
   }
   for (std::size_t n = 0; n < skies.size(); ++n) {
-    if (skies[n].hidden() && area_to_keep[part.body[patches.triangles[n].front()]] < 0) {
+    if (skies[n].hidden() && sum_of(areas, patches.triangles[n]) > 0 &&
+        area_to_keep[part.body[patches.triangles[n].front()]] < 0) {
       turn_patch(n);
     }
   }
@@ -345,8 +396,9 @@ bool is_closed(const part::Part& part, const std::vector<std::uint32_t>& patch) 
 }
 
 // Judges patch `patch` by its sky.
-void classify(const part::Part& part, const std::vector<std::uint32_t>& patch, const Sky& sky,
-              double negligible_size_m, OrientationReport& report) {
+void classify(const part::Part& part, const std::vector<double>& areas,
+              const std::vector<std::uint32_t>& patch, const Sky& sky, double negligible_size_m,
+              OrientationReport& report) {
   const auto mark = [&](std::vector<bool>& triangles) {
     for (const std::uint32_t t : patch) triangles[t] = true;
   };
@@ -362,34 +414,34 @@ void classify(const part::Part& part, const std::vector<std::uint32_t>& patch, c
   }
   mark(report.of_sheet);
   report.sheets.push_back({part.body_names[part.body[patch.front()]], patch.size(),
-                           area_of(part, patch), 0.5 * (box.low + box.high), size_m});
+                           sum_of(areas, patch), 0.5 * (box.low + box.high), size_m});
 }
 
 }  // namespace
 
 OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
-                                  std::span<const part::CopiedGroup> groups) {
+                                  std::span<const part::CopiedGroup> copies) {
   OrientationReport report;
   const std::vector<mesh::Triangle> given = part.triangles;
-  const Patches patches = find_patches(part, find_links(part, report));
+  const std::vector<double> areas = areas_of(part);
+  const Patches patches = find_patches(areas, find_links(part, report));
   report.patches = patches.triangles.size();
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
     if (patches.turned[t]) turn(part, t);
   }
-  const std::vector<Sky> skies = look_around(part, patches, negligible_size_m, groups);
+  const std::vector<Sky> skies = look_around(part, areas, patches, negligible_size_m, copies);
   report.of_sheet.assign(given.size(), false);
   report.loose.assign(given.size(), false);
   for (std::size_t n = 0; n < skies.size(); ++n) {
     const std::vector<std::uint32_t>& patch = patches.triangles[n];
-    if (area_of(part, patch) == 0) continue;
-    classify(part, patch, skies[n], negligible_size_m, report);
+    if (sum_of(areas, patch) == 0) continue;
+    classify(part, areas, patch, skies[n], negligible_size_m, report);
   }
   std::stable_sort(report.sheets.begin(), report.sheets.end(),
                    [](const Sheet& a, const Sheet& b) { return a.area_m2 > b.area_m2; });
-  turn_patches(part, patches, skies);
+  turn_patches(part, areas, patches, skies);
   for (std::size_t t = 0; t < given.size(); ++t) {
-    const bool has_area = part::length_squared(part::doubled_area_normal(part, t)) > 0;
-    report.flipped_triangles += has_area && given[t] != part.triangles[t];
+    report.flipped_triangles += areas[t] > 0 && given[t] != part.triangles[t];
   }
   return report;
 }

@@ -43,15 +43,16 @@ struct OrientationReport {
 // orientations in polygon meshes based on ray casting", 2014). They start at points spread over the
 // patch; the outside is the side from which more rays leave the part without meeting it again,
 // whatever the orientation in the file. Holes and gaps do no harm while most rays from within meet
-// the part. A patch that no ray leaves, because other bodies hide it, is judged within its own
-// body. A patch that is hidden there too (a cavity) is turned as the larger area of its body's
-// visible patches.
+// the part. Only bodies of the same group count (separate_groups() with a reach of twice
+// `negligible_size_m`), so bodies that are far away cast no shadow. A patch that no ray leaves,
+// because other bodies of its group hide it, is judged within its own body. A patch that is hidden
+// there too (a cavity) is turned as the larger area of its body's visible patches. A patch of flat
+// triangles only stays as it is in itself.
 //
 // The decisiveness (front - back) / (front + back) of the fractions of rays that leave is 1 for a
 // closed body and 0 for a flat sheet. A patch with less than 0.15 either way is a sheet, unless it
-// is smaller than `negligible_size_m` or has no area. Each of `groups` is judged past itself alone,
-// and its copies are as it is: what stands near one of them says nothing of the others.
+// is smaller than `negligible_size_m` or has no area. Copies are judged as their originals.
 OrientationReport orient_outwards(part::Part& part, double negligible_size_m,
-                                  std::span<const part::CopiedGroup> groups = {});
+                                  std::span<const part::CopiedGroup> copies = {});
 
 }  // namespace forcelayer::normals

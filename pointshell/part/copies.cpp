@@ -65,8 +65,7 @@ bool is_mirror(const Motion& motion) {
   return dot(motion.rows[0], cross(motion.rows[1], motion.rows[2])) < 0;
 }
 
-// The bodies in groups that are farther apart than `reach`, each ascending.
-std::vector<Bodies> separate_groups(std::vector<Box> boxes, const Bodies& bodies, double reach) {
+std::vector<Bodies> groups_of(const std::vector<Box>& boxes, const Bodies& bodies, double reach) {
   Box of_lows;
   for (const std::uint32_t body : bodies) of_lows.grow(boxes[body].low);
   const int axis = of_lows.longest_axis();
@@ -118,15 +117,9 @@ class CopyFinder {
   }
 
   std::vector<CopiedGroup> find() const {
-    std::vector<Box> boxes;
-    Bodies bodies;
-    for (std::uint32_t body = 0; body < of_body_.size(); ++body) {
-      boxes.push_back(box_of(part_, of_body_[body]));
-      if (!of_body_[body].empty()) bodies.push_back(body);
-    }
     using Key = std::vector<std::pair<std::uint32_t, std::size_t>>;  // mesh, triangles
     std::map<Key, std::vector<Bodies>> alike;
-    for (Bodies& group : separate_groups(std::move(boxes), bodies, kServed * radius_)) {
+    for (Bodies& group : separate_groups(part_, kServed * radius_)) {
       Key key;
       for (const std::uint32_t body : group) {
         key.emplace_back(part_.placings[body].mesh, of_body_[body].size());
@@ -230,6 +223,17 @@ bool has_instances(const Part& part) {
 
 Motion relative_to(const Motion& motion, const Vec3& origin) {
   return {motion.rows, motion.moved(origin) - origin};
+}
+
+std::vector<Bodies> separate_groups(const Part& part, double reach) {
+  const std::vector<Bodies> of_body = triangles_by_body(part);
+  std::vector<Box> boxes;
+  Bodies bodies;
+  for (std::uint32_t body = 0; body < of_body.size(); ++body) {
+    boxes.push_back(box_of(part, of_body[body]));
+    if (!of_body[body].empty()) bodies.push_back(body);
+  }
+  return groups_of(boxes, bodies, reach);
 }
 
 std::vector<CopiedGroup> find_copies(const Part& part, double radius) {

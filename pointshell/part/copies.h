@@ -23,6 +23,11 @@ struct Motion {
 // The same motion in a frame whose origin is `origin` of this one.
 Motion relative_to(const Motion& motion, const Vec3& origin);
 
+// Groups of bodies, each ascending, by number. Two bodies are in one group where their boxes are at
+// most `reach` apart along each axis, or where a chain of such bodies connects them. Bodies without
+// triangles are in none.
+std::vector<std::vector<std::uint32_t>> separate_groups(const Part& part, double reach);
+
 struct Copy {
   Motion from_original;
   std::vector<std::uint32_t> bodies;  // [n] is the original's [n] again
@@ -37,8 +42,8 @@ struct CopiedGroup {
   double slack_m = 0;                 // at most a thousandth of the radius
 };
 
-// The groups of bodies whose boxes lie within two radii of each other and of no other body's, and
-// that the part holds again. Of equal groups that with the first vertex is the original.
+// The groups of separate_groups(), with a reach of two radii, that the part holds again. Of equal
+// groups that with the first vertex is the original.
 std::vector<CopiedGroup> find_copies(const Part& part, double radius);
 
 // The triangle of an original that each triangle is again, or itself: [triangles].

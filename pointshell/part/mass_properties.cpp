@@ -87,20 +87,13 @@ Box box_of_vertices(const Part& part) {
   return box;
 }
 
-// Whether the triangle is a line or a point, but for rounding.
-bool has_no_area(const Part& part, std::uint32_t t) {
-  constexpr double kFlat = 1e-12;  // of its height over its length
-  const double length_squared = longest_edge(triangle_piece(part, t)).length_squared;
-  return !(length(doubled_area_normal(part, t)) > kFlat * length_squared);
-}
-
 // The triangles that bound a volume: all, or those that are neither without area nor loose; empty
 // where none is bounded.
 std::vector<bool> bounding_triangles(const Part& part, const std::vector<bool>& loose) {
   const std::size_t count = part.triangles.size();
   if (is_closed(part.triangles)) return std::vector<bool>(count, true);
   std::vector<bool> flat(count);
-  for (std::uint32_t t = 0; t < count; ++t) flat[t] = has_no_area(part, t);
+  for (std::uint32_t t = 0; t < count; ++t) flat[t] = is_flat(triangle_piece(part, t));
   for (const auto& [drops_flat, drops_loose] :
        {std::pair(true, false), {false, true}, {true, true}}) {
     std::vector<bool> bounds(count);

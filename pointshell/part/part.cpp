@@ -8,6 +8,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "pointshell/part/pieces.h"
+
 namespace forcelayer::part {
 namespace {
 
@@ -74,14 +76,14 @@ void weld(const CornerSoup& soup, Part& part) {
 // The same corners from the same first one, the other way round.
 mesh::Triangle turned(const mesh::Triangle& t) { return {t[0], t[2], t[1]}; }
 
-mesh::Triangle either_way(const mesh::Triangle& t) { return std::min(t, turned(t)); }
+mesh::Triangle without_side(const mesh::Triangle& t) { return std::min(t, turned(t)); }
 
 // Whether two bodies, as lists of their triangles, are the same but for their triangles' sides.
 bool same_triangles(const Part& part, std::span<const std::uint32_t> a,
                     std::span<const std::uint32_t> b) {
   std::vector<mesh::Triangle> of_a, of_b;
-  for (const std::uint32_t t : a) of_a.push_back(either_way(part.triangles[t]));
-  for (const std::uint32_t t : b) of_b.push_back(either_way(part.triangles[t]));
+  for (const std::uint32_t t : a) of_a.push_back(without_side(part.triangles[t]));
+  for (const std::uint32_t t : b) of_b.push_back(without_side(part.triangles[t]));
   std::sort(of_a.begin(), of_a.end());
   std::sort(of_b.begin(), of_b.end());
   return of_a == of_b;
@@ -97,7 +99,7 @@ std::vector<bool> repeated_bodies(const Part& part) {
   for (std::size_t body = 0; body < of_body.size(); ++body) {
     Sums sums{0, 0, 0, of_body[body].size()};
     for (const std::uint32_t t : of_body[body]) {
-      for (int n = 0; n < 3; ++n) sums[n] += either_way(part.triangles[t])[n];
+      for (int n = 0; n < 3; ++n) sums[n] += without_side(part.triangles[t])[n];
     }
     std::vector<std::size_t>& alike = known[sums];
     repeated[body] = std::any_of(alike.begin(), alike.end(), [&](std::size_t other) {
@@ -175,12 +177,12 @@ void measure(Part& part) {
     part.largest_coordinate = std::max(part.largest_coordinate, max_abs(vertex));
   }
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    if (length_squared(doubled_area_normal(part, t)) == 0) ++part.degenerate_triangles;
+    part.degenerate_triangles += is_flat(triangle_piece(part, t));
   }
 }
 
 Error no_triangles(const char* what) {
-  return {ErrorCode::kMeshEmpty, "", "", what, "give a mesh that has a surface"};
+  return {ErrorCode::kMeshEmpty, "", "", what, "use a mesh that has a surface"};
 }
 
 }  // namespace
@@ -212,11 +214,11 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   if (soup.body.empty()) return no_triangles("the part has no triangles");
   if (soup.corners.size() > std::numeric_limits<std::uint32_t>::max()) {
     return Error{ErrorCode::kBakeTooLarge, "", "", "the part has more than 2^32 / 3 triangles",
-                 "give a coarser mesh"};
+                 "use a coarser mesh"};
   }
   if (!std::all_of(soup.corners.begin(), soup.corners.end(), is_finite)) {
     return Error{ErrorCode::kMeshUnsupported, "", "",
-                 "a vertex lies farther than a double reaches, where its transform takes it",
+                 "the transform of a vertex overflows double precision",
                  "check units and transforms"};
   }
   part.input_triangles = soup.body.size();

@@ -31,7 +31,7 @@ struct Part {
   std::vector<Placing> placings;           // [bodies]
   std::uint64_t input_triangles = 0;       // over all instances
   std::uint64_t duplicate_triangles = 0;   // dropped: the corners of another of their body
-  std::uint64_t degenerate_triangles = 0;  // kept and covered, although they have no area
+  std::uint64_t degenerate_triangles = 0;  // is_flat(): kept and covered all the same
   // The largest of any vertex and of the sums on its way to its place, m, absolute: all rounding
   // follows it.
   double largest_coordinate = 0;

@@ -1,10 +1,42 @@
 #include "pointshell/part/part_files.h"
 
+#include <algorithm>
+
 #include "formats/mesh/checks/grouped_warnings.h"
 #include "formats/mesh/node_names.h"
+#include "formats/mesh/scene.h"
 #include "formats/mesh/units.h"
 
 namespace forcelayer::part {
+namespace {
+
+// The parts that a manifest names, where it places them: each of its files as an assembly in
+// meters.
+Result<std::vector<mesh::Assembly>> read_manifest_parts(const NamedFile& named,
+                                                        const mesh::ReadOptions& options,
+                                                        const mesh::AssemblyReader& read,
+                                                        std::vector<std::string>& warnings) {
+  auto scene = mesh::read_manifest(named, options, read);
+  if (!scene) return scene.error();
+  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
+  for (mesh::Assembly& assembly : scene->assemblies) {
+    assembly.instances.clear();
+    assembly.missing_faces.clear();
+    assembly.deviation_units = 0;
+  }
+  for (const mesh::MeshObject& object : scene->objects) {
+    mesh::Assembly& assembly = scene->assemblies[object.assembly];
+    assembly.instances.push_back({object.mesh, object.name, object.world_from_mesh, object.box_m});
+    assembly.deviation_units = std::max(assembly.deviation_units, object.deviation_m);
+  }
+  if (!scene->assemblies.empty()) {
+    scene->assemblies.front().missing_faces = std::move(scene->missing_faces);
+  }
+  return std::move(scene->assemblies);
+}
+
+}  // namespace
+
 Result<PartFiles> read_part(const std::vector<std::string>& paths,
                             std::optional<double> chosen_unit_m, const mesh::ReadOptions& options,
                             const mesh::AssemblyReader& read) {
@@ -13,6 +45,15 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
   std::vector<double> units;
   mesh::GroupedWarnings warnings("files");
   for (auto& [path, nodes] : mesh::unite_by_file(paths)) {
+    if (mesh::is_manifest(path)) {
+      auto placed = read_manifest_parts({path, nodes}, options, read, files.warnings);
+      if (!placed) return placed.error();
+      for (mesh::Assembly& assembly : *placed) {
+        units.push_back(1);
+        assemblies.push_back(std::move(assembly));
+      }
+      continue;
+    }
     mesh::ReadOptions own = options;
     own.nodes = nodes;
     auto assembly = read(path, own);
@@ -23,8 +64,10 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
     units.push_back(*unit);
     assemblies.push_back(std::move(*assembly));
   }
-  if (Status named = mesh::check_left_out(options.without, assemblies); !named) {
-    return named.error();
+  const bool any_manifest = std::any_of(paths.begin(), paths.end(), mesh::is_manifest);
+  if (!any_manifest) {  // else read_scene() has checked the names
+    const Status named = mesh::check_left_out(options.without, assemblies);
+    if (!named) return named.error();
   }
   std::vector<PartInput> inputs;
   for (std::size_t n = 0; n < assemblies.size(); ++n) inputs.push_back({&assemblies[n], units[n]});
@@ -35,7 +78,8 @@ Result<PartFiles> read_part(const std::vector<std::string>& paths,
     return error;
   }
   files.part = std::move(*part);
-  files.warnings = warnings.lines();
+  const auto lines = warnings.lines();
+  files.warnings.insert(files.warnings.end(), lines.begin(), lines.end());
   return files;
 }
 

@@ -16,7 +16,8 @@ struct PartFiles {
   std::vector<std::string> warnings;  // a line each
 };
 
-// Reads all files with these options, each once ("FILE#NODE" as in read_assembly), and unites them.
+// Reads all files with these options, each once ("FILE#NODE" as in read_assembly; of a manifest
+// "FILE#PART", as in read_scene, where the manifest places it), and unites them.
 // A name of ReadOptions::without that no file has is kSceneInvalid. `meters_per_unit` is the user's
 // choice of unit. It is required (else kUsage) where a format defines none; where a format defines
 // one, it overrides that with a warning. Other errors: those of read_assembly and assemble_part,

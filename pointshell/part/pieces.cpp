@@ -5,6 +5,12 @@
 
 namespace forcelayer::part {
 
+bool is_flat(const Piece& piece) {
+  constexpr double kFlat = 1e-12;  // of its height over its length
+  const double doubled = length(cross(piece[1] - piece[0], piece[2] - piece[0]));
+  return !(doubled > kFlat * longest_edge(piece).length_squared);
+}
+
 std::optional<Needle> Needle::of(const Piece& piece, double longest_edge_m) {
   constexpr double kLongest = 4;                 // edges: shorter ones are bisected
   constexpr double kSlender = 8;                 // longest edge over height
@@ -31,9 +37,9 @@ std::pair<std::size_t, std::size_t> Needle::slices_near(const Box& box) const {
   const Vec3 along = to_ - from_;
   const Vec3 size{std::abs(along.x), std::abs(along.y), std::abs(along.z)};
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const double way = coordinate(along, axis), start = coordinate(from_, axis);
+  const double length = coordinate(along, axis), start = coordinate(from_, axis);
   const auto slice_at = [&](double place) {
-    return std::clamp((place - start) / way, 0.0, 1.0) * static_cast<double>(slices_);
+    return std::clamp((place - start) / length, 0.0, 1.0) * static_cast<double>(slices_);
   };
   const double a = slice_at(coordinate(box.low, axis) - height_),
                b = slice_at(coordinate(box.high, axis) + height_);

@@ -28,6 +28,9 @@ inline LongestEdge longest_edge(const Piece& piece) {
   return longest;
 }
 
+// Whether the triangle is a line or a point, but for rounding: its direction says nothing.
+bool is_flat(const Piece& piece);
+
 // The two halves on either side of the middle of the edge that starts at corner `from`.
 inline std::array<Piece, 2> bisected(const Piece& piece, int from) {
   const Vec3 &a = piece[from], &b = piece[(from + 1) % 3], &c = piece[(from + 2) % 3];
@@ -48,13 +51,16 @@ class Needle {
   void visit_slice(std::size_t slice, const Take& take) const {
     const double t0 = fraction(slice), t1 = fraction(slice + 1);
     const Vec3 a = on_edge(t0), b = on_edge(t1), c = beside_edge(t1), d = beside_edge(t0);
+    // Where the triangle has no area, d is a and c is b: one piece is taken all the same.
     if (t0 < foot_ && foot_ < t1) {
-      take_with_area({a, b, apex_}, take);
-      take_with_area({b, c, apex_}, take);
-      take_with_area({a, apex_, d}, take);
+      take(Piece{a, b, apex_});
+      take_unless_in_others({b, c, apex_}, take);
+      take_unless_in_others({a, apex_, d}, take);
+    } else if (b == c) {
+      take(Piece{a, c, d});
     } else {
-      take_with_area({a, b, c}, take);
-      take_with_area({a, c, d}, take);
+      take(Piece{a, b, c});
+      take_unless_in_others({a, c, d}, take);
     }
   }
   // The slices [first, last) that may reach into the box.
@@ -71,8 +77,9 @@ class Needle {
     return t < foot_ ? from_ + (t / foot_) * (apex_ - from_)
                      : apex_ + ((t - foot_) / (1 - foot_)) * (to_ - apex_);
   }
+  // A piece with two equal corners is a side of the slice's other pieces.
   template <typename Take>
-  static void take_with_area(const Piece& piece, const Take& take) {
+  static void take_unless_in_others(const Piece& piece, const Take& take) {
     if (!(piece[0] == piece[1] || piece[1] == piece[2] || piece[2] == piece[0])) take(piece);
   }
 

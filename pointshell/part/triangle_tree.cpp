@@ -10,8 +10,9 @@ namespace {
 
 constexpr std::size_t kLeafTriangles = 2;
 
-// The plane of a triangle with a smaller squared sine of an angle is not reliable.
-constexpr double kFlat = 1e-20;
+// Squared sines of a triangle's angle. Below the first, differences of products cancel too much of
+// the coordinates in its plane: 1e-16 over it is lost. Below the second its plane is not reliable.
+constexpr double kThin = 1e-6, kFlat = 1e-20;
 
 float rounded_down(double x) {
   const float nearest = static_cast<float>(x);
@@ -34,6 +35,21 @@ Vec3 nearest_on_segment(const Vec3& place, const Vec3& a, const Vec3& b) {
 
 Vec3 nearer(const Vec3& place, const Vec3& p, const Vec3& q) {
   return length_squared(q - place) < length_squared(p - place) ? q : p;
+}
+
+// The same as nearest_on_triangle() by cross products: 1e-16 over the sine is lost. Few triangles
+// are thin: their code does not belong into the one for all.
+[[gnu::noinline]] Vec3 nearest_on_thin_triangle(const Vec3& place, const Vec3& a, const Vec3& b,
+                                                const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = place - a, normal = cross(ab, ac);
+  const double scale = length_squared(normal);
+  const double v = dot(cross(ap, ac), normal), w = dot(cross(ab, ap), normal);
+  if (v >= 0 && w >= 0 && v + w <= scale &&
+      scale > kFlat * length_squared(ab) * length_squared(ac)) {
+    return a + (v / scale) * ab + (w / scale) * ac;
+  }
+  const Vec3 on_ab = nearest_on_segment(place, a, b), on_bc = nearest_on_segment(place, b, c);
+  return nearer(place, nearer(place, on_ab, on_bc), nearest_on_segment(place, c, a));
 }
 
 // Where along the ray, in directions, it enters the box; infinite where it misses it. `inverse` is
@@ -75,9 +91,8 @@ Vec3 nearest_on_triangle(const Vec3& place, const Vec3& a, const Vec3& b, const 
   const double pb = dot(ap, ab), pc = dot(ap, ac);
   const double scale = bb * cc - bc * bc;
   const double v = cc * pb - bc * pc, w = bb * pc - bc * pb;
-  if (v >= 0 && w >= 0 && v + w <= scale && scale > kFlat * bb * cc) {
-    return a + (v / scale) * ab + (w / scale) * ac;
-  }
+  if (!(scale > kThin * (bb * cc))) return nearest_on_thin_triangle(place, a, b, c);
+  if (v >= 0 && w >= 0 && v + w <= scale) return a + (v / scale) * ab + (w / scale) * ac;
   const Vec3 on_ab = nearest_on_segment(place, a, b), on_bc = nearest_on_segment(place, b, c);
   return nearer(place, nearer(place, on_ab, on_bc), nearest_on_segment(place, c, a));
 }

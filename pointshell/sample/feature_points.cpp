@@ -61,9 +61,9 @@ bool is_feature(const part::Part& part, const Side* first, const Side* last) {
     const part::Vec3 b = normal(*other);
     if (part::length_squared(a) == 0 || part::length_squared(b) == 0) continue;
     const double cosine = part::dot(a, b);
-    const bool same_way = first->ascending == other->ascending;
+    const bool is_same_direction = first->ascending == other->ascending;
     // More than two triangles say nothing about sides: sheets that lie on each other.
-    const double turn = last - first > 2 ? std::abs(cosine) : same_way ? -cosine : cosine;
+    const double turn = last - first > 2 ? std::abs(cosine) : is_same_direction ? -cosine : cosine;
     if (turn < kSharpCos) return true;
   }
   return false;

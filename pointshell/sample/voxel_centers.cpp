@@ -66,7 +66,7 @@ part::Vec3 center_of(const lattice::VoxelIndex& voxel, double voxel_size_m,
 Result<std::vector<part::Vec3>> voxel_centers(const part::Part& part, double voxel_size_m,
                                               const part::Vec3& center) {
   const Error too_large{ErrorCode::kBakeTooLarge, "", "",
-                        "the part has more surface voxels than a shell holds",
+                        "the part has too many surface voxels for a shell",
                         "use a larger voxel size"};
   if (part.largest_coordinate / voxel_size_m > kMaxVoxels) return too_large;
   std::vector<part::Vec3> centers;

@@ -117,7 +117,7 @@ double CenterPath::arc_deviation_m(double turn_rad) const {
 // motion.
 double CenterPath::deviation_m(const Moment& a, const Moment& b) const {
   const Pose from = world_from_center(a), to = world_from_center(b);
-  const glm::dvec3 way_m = to.position_m - from.position_m, turn_rad = turn_between(from, to);
+  const glm::dvec3 shift_m = to.position_m - from.position_m, turn_rad = turn_between(from, to);
   const double begin_m = travel_m(a), all_m = travel_m(b) - begin_m;
   const Between poses = between(a, b);
   if (poses.count() == 0) return arc_deviation_m(glm::length(turn_rad));
@@ -125,7 +125,7 @@ double CenterPath::deviation_m(const Moment& a, const Moment& b) const {
   for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) {
     const double fraction = all_m > 0 ? (travel_m_[pose] - begin_m) / all_m : 0;
     const Pose& there = world_from_center_[pose];
-    const Pose even{from.position_m + way_m * fraction,
+    const Pose even{from.position_m + shift_m * fraction,
                     coupling::rotation_by(turn_rad * fraction) * from.orientation};
     deviation_m = std::max(deviation_m, glm::length(there.position_m - even.position_m) +
                                             radius_m_ * glm::length(turn_between(even, there)));

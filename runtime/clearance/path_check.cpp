@@ -38,6 +38,7 @@ class Check {
             std::max(required_.voxels() + kMeasuredBeyond, reach_voxels(voxmap.header()))) {}
 
   double cap_voxels() const { return measured_voxels_ + 1; }
+  std::uint32_t objects() const { return voxmap_.header().object_count; }
 
   struct Walked {
     std::vector<Piece> pieces;
@@ -74,9 +75,9 @@ class Check {
 std::vector<Moment> Check::share_ends(const Moment& from, const Moment& to) const {
   std::vector<Moment> ends{from};
   const std::size_t first = from.pose + 1, last = to.fraction > 0 ? to.pose + 1 : to.pose;
-  const double begin_m = path_.travel_m(from), way_m = path_.travel_m(to) - begin_m;
+  const double begin_m = path_.travel_m(from), travel_m = path_.travel_m(to) - begin_m;
   for (std::size_t n = 1; n < kFractions && first < last; ++n) {
-    const double at_m = begin_m + way_m * static_cast<double>(n) / kFractions;
+    const double at_m = begin_m + travel_m * static_cast<double>(n) / kFractions;
     const std::size_t pose = path_.pose_beyond(at_m, first, last - 1);
     if (pose > ends.back().pose) ends.push_back({pose, 0});
   }
@@ -230,19 +231,20 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
                      const CheckRequest& request) {
   // Not finite for a path that overflows.
   if (!(path.rounding_m() <= kMaxRoundingVoxels * voxmap.voxel_size_m())) {
-    return Error{ErrorCode::kUsage, "", "path",
-                 "goes so far that double precision cannot resolve its positions to 1e-4 voxel",
-                 "check its units, or cut it into shorter paths nearer to the scene"};
+    return Error{
+        ErrorCode::kUsage, "", "path",
+        "goes so far away that double precision cannot resolve its positions to 1e-4 voxel",
+        "check the units of the path, or divide it into shorter paths nearer to the scene"};
   }
   if (request.world_from_seat && voxmap.objects() == nullptr) {
     return Error{
         ErrorCode::kUsage, "", "--seat",
-        "the scene names no objects, so the objects that the part is seated on are not known",
+        "the scene names no objects, so it is not known which objects the part is seated on",
         "bake the scene with voxelize, which names up to 65535 objects"};
   }
   if (check.cap_voxels() <= kMaxCapVoxels) return {};
   char what[120], mend[120];
-  std::snprintf(what, sizeof what, "is %.0f voxels of this scene: too far to look around",
+  std::snprintf(what, sizeof what, "is %.0f voxels of this scene, too far to search",
                 request.required_m / voxmap.voxel_size_m());
   std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
                 std::ceil(1e5 * request.required_m / (0.9 * kMaxCapVoxels)) / 100);
@@ -269,45 +271,34 @@ class PathParts {
 
   // Takes from those ends of the path that lie in the seat all that is too near, until the part has
   // left it.
-  void leave_seat(const Pose& world_from_center_in_seat) {
+  void leave_seat(const Pose& world_from_center_in_seat,
+                  std::span<const std::uint32_t> seat_objects) {
     const auto is_seated = [&](const Moment& moment) {
       return path_.travel_between_m(world_from_center_in_seat, path_.world_from_center(moment)) <
              seat_reach_m_;
     };
-    const bool begins = is_seated(from_), ends = is_seated(to_);
-    while (!middle_.pieces.empty() && (begins || ends)) {
-      const auto far = [](const Piece& piece) { return !piece.too_near; };
-      const auto first = std::find_if(middle_.pieces.begin(), middle_.pieces.end(), far);
-      const auto last = std::find_if(middle_.pieces.rbegin(), middle_.pieces.rend(), far);
-      if (first == middle_.pieces.end()) {
-        before_.take(middle_.pieces);
-        from_ = to_;
-        middle_ = {};
-        return;
-      }
-      const bool leaves = begins && first != middle_.pieces.begin();
-      const bool returns = ends && last != middle_.pieces.rbegin();
-      if (!leaves && !returns) return;
-      if (leaves) {
-        from_ = first->from;
-        before_.take({middle_.pieces.begin(), first});
-      }
-      if (returns) {
-        to_ = last->to;
-        behind_.take({last.base(), middle_.pieces.end()});
-      }
-      middle_ = check_.walk(request_.allowed, from_, to_);
+    begins_ = is_seated(from_), ends_ = is_seated(to_);
+    leave_all_objects();
+    // The seat's objects do not count in it. Another one that is too near does not keep the part
+    // there.
+    but_seat_ = with_objects(request_.allowed, seat_objects);
+    walk_seat();
+    const auto too_near = [](const Piece& piece) { return piece.too_near; };
+    if (std::ranges::any_of(before_.counted.pieces, too_near) ||
+        std::ranges::any_of(behind_.counted.pieces, too_near)) {
+      leave_seat_objects(seat_objects);
+      walk_seat();
     }
   }
 
+  bool begins() const { return begins_; }
+  bool ends() const { return ends_; }
+
   // Adds what was found to the result, the seat's stretches before and behind included.
   void add_to(CheckResult& result, SeatStretch* seat) {
-    const Moment begin{0, 0}, end{path_.poses() - 1, 0};
-    if (seat != nullptr && (!is_same(begin, from_) || middle_.pieces.empty())) {
-      add_seated(result, *seat, begin, from_, before_);
-    }
+    if (seat != nullptr && is_before()) add_seated(result, *seat, begin(), from_, before_);
     add(result, request_.allowed, middle_);
-    if (seat != nullptr && !is_same(to_, end)) add_seated(result, *seat, to_, end, behind_);
+    if (seat != nullptr && is_behind()) add_seated(result, *seat, to_, end(), behind_);
   }
 
  private:
@@ -323,16 +314,83 @@ class PathParts {
     bool any = false;
     double min_voxels = 0;
     Sample nearest;
+    Check::Walked counted;  // the same stretch, without the seat's objects
   };
+
+  Moment begin() const { return {0, 0}; }
+  Moment end() const { return {path_.poses() - 1, 0}; }
+  // Whether the path begins, or ends, with a stretch in the seat.
+  bool is_before() const { return !is_same(begin(), from_) || middle_.pieces.empty(); }
+  bool is_behind() const { return !is_same(to_, end()); }
+
+  void walk_seat() {
+    if (is_before()) before_.counted = check_.walk(but_seat_, begin(), from_);
+    if (is_behind()) behind_.counted = check_.walk(but_seat_, to_, end());
+  }
+
+  static bool is_far(const Piece& piece) { return !piece.too_near; }
+
+  // The part has left where all objects are far from it.
+  void leave_all_objects() {
+    while (!middle_.pieces.empty() && (begins_ || ends_)) {
+      const auto first = std::ranges::find_if(middle_.pieces, is_far);
+      const auto last = std::find_if(middle_.pieces.rbegin(), middle_.pieces.rend(), is_far);
+      if (first == middle_.pieces.end()) {
+        before_.take(middle_.pieces);
+        from_ = to_;
+        middle_ = {};
+        return;
+      }
+      const bool leaves = begins_ && first != middle_.pieces.begin();
+      const bool returns = ends_ && last != middle_.pieces.rbegin();
+      if (!leaves && !returns) return;
+      if (leaves) {
+        from_ = first->from;
+        before_.take({middle_.pieces.begin(), first});
+      }
+      if (returns) {
+        to_ = last->to;
+        behind_.take({last.base(), middle_.pieces.end()});
+      }
+      middle_ = check_.walk(request_.allowed, from_, to_);
+    }
+  }
+
+  // The part has left where the objects of its seat are far from it.
+  void leave_seat_objects(std::span<const std::uint32_t> seat_objects) {
+    LeftOut others(check_.objects() + std::size_t{1}, 1);
+    for (const std::uint32_t object : seat_objects) {
+      const bool is_allowed = object < request_.allowed.size() && request_.allowed[object] != 0;
+      if (!is_allowed) others[object] = 0;
+    }
+    const bool is_all_in_seat = middle_.pieces.empty();
+    const bool is_behind_first = is_behind();
+    if (is_before()) {
+      const auto walked = check_.walk(others, begin(), from_);
+      const auto first = std::ranges::find_if(walked.pieces, is_far);
+      if (is_all_in_seat && first == walked.pieces.end()) return;
+      before_ = {};
+      if (begins_) before_.take({walked.pieces.begin(), first});
+      if (!begins_) from_ = begin();
+      if (begins_ && first != walked.pieces.end()) from_ = first->from;
+    }
+    if (is_behind_first || (is_all_in_seat && ends_)) {
+      const auto walked = check_.walk(others, is_all_in_seat ? from_ : to_, end());
+      const auto last = std::find_if(walked.pieces.rbegin(), walked.pieces.rend(), is_far);
+      behind_ = {};
+      behind_.take({last.base(), walked.pieces.end()});
+      if (last != walked.pieces.rend()) to_ = last->to;
+    }
+    middle_ = check_.walk(request_.allowed, from_, to_);
+  }
 
   void add_seated(CheckResult& result, SeatStretch& seat, const Moment& from, const Moment& to,
                   const Taken& taken) {
-    const LeftOut left_out = with_objects(request_.allowed, result.seat_objects);
     const std::size_t first_piece = result.curve.size();
     result.seated.push_back(
         {path_.time_s(from), path_.time_s(to), path_.travel_m(to) - path_.travel_m(from),
          check_.clearance_m(taken.min_voxels), check_.checked(request_.allowed, taken.nearest)});
-    add(result, left_out, check_.walk(left_out, from, to));
+    add(result, but_seat_, taken.counted);
     for (std::size_t n = first_piece; n < result.curve.size(); ++n) {
       CurvePiece& piece = result.curve[n];
       piece.clearance_m = std::min(piece.clearance_m, result.seated.back().clearance_m);
@@ -348,7 +406,7 @@ class PathParts {
       in_seat.worst.point_m = pushed->point_m;
       in_seat.pushed_into_seat = true;
       in_seat.depth_m = pushed->deeper_m;
-    } else if (request_.felt_seat_is_enough) {
+    } else if (request_.felt_seat_is_enough && !seat.too_deep()) {
       return;
     } else {
       in_seat.worst.object = first;
@@ -397,6 +455,8 @@ class PathParts {
   Moment from_, to_;
   Check::Walked middle_;
   Taken before_, behind_;
+  bool begins_ = false, ends_ = false;  // whether the path begins, or ends, in the seat
+  LeftOut but_seat_;                    // in the seat
   double min_voxels_ = std::numeric_limits<double>::infinity();
   double nearest_voxels_ = std::numeric_limits<double>::infinity();
 };
@@ -440,7 +500,7 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   if (voxmap.distances() == nullptr) {
     return Error{ErrorCode::kUsage, "", "",
                  "the scene stores no distances, so no clearance is known",
-                 "bake it without --kind lean or paper"};
+                 "bake the scene without --kind lean or paper"};
   }
   const Check check(voxmap, shell, path, request);
   if (Status sound = check_request(voxmap, check, path, request); !sound) return sound.error();
@@ -450,16 +510,21 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
   if (request.world_from_seat) {
     const auto& c = shell.header().center_m;
     in_seat = *request.world_from_seat * Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}};
-    auto found = SeatStretch::find(voxmap, shell, in_seat);
+    auto found = SeatStretch::find(voxmap, shell, in_seat, request.seat_depth);
     if (!found) return found.error();
     seat.emplace(std::move(*found));
+    result.seat_too_deep = seat->too_deep();
     result.seat_objects = seat->near_objects(check.required(), request.far_in_seat);
     result.seat_points = guard::points_in_seat(seat->objects());
   }
   PathParts parts(check, path, request, voxmap.voxel_size_m());
-  if (seat) parts.leave_seat(in_seat);
+  if (seat) {
+    parts.leave_seat(in_seat, result.seat_objects);
+    result.begins_installed = parts.begins();
+    result.ends_installed = parts.ends();
+  }
   result.poses = path.poses();
-  result.way_m = path.travel_m({path.poses() - 1, 0});
+  result.travel_m = path.travel_m({path.poses() - 1, 0});
   parts.add_to(result, seat ? &*seat : nullptr);
   if (Status s = add_object_inside(voxmap, shell, path, request,
                                    seat ? seat->objects() : NoObjects{}, result);

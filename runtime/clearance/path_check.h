@@ -11,11 +11,14 @@
 #include "formats/voxmap.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/clearance/front.h"
+#include "runtime/guard/seat.h"
 
 namespace forcelayer::clearance {
 
 // An end of a path is in the seat where it is less travel away, in voxels.
 inline constexpr double kSeatVoxels = 2;
+
+using guard::SeatDepth;
 
 struct CheckRequest {
   double required_m = 0;                // between the exact surfaces
@@ -29,6 +32,8 @@ struct CheckRequest {
   LeftOut far_in_seat{};
   // Is called now and then with the fraction of a walk along the path that is done, in one thread.
   std::function<void(double)> progress{};
+  // Whose depth decides whether the part may be in its seat. With kOfMeshes the caller asks them.
+  SeatDepth seat_depth = SeatDepth::kStored;
 };
 
 // The part at one moment of its path.
@@ -47,14 +52,18 @@ struct Violation {
   double clearance_m = 0;  // proven for all of it
   CheckedMoment worst;
   bool pushed_into_seat = false;  // the part goes deeper into `worst.object` than it may
-  // By how much it is deeper than where it is installed: of that object's shell points; with
+  // By how much it is deeper than in the installed pose: of that object's shell points; with
   // --exact how deep it is.
   double depth_m = 0;
   bool unsettled_seat = false;  // nothing was felt, but `worst.object` may be too narrow for that
   // `worst.object` lies wholly inside the part where the path begins: no shell point is near it.
   bool object_inside = false;
+  // With --exact: the time was over before the meshes were measured here.
+  bool out_of_time = false;
   // Whether what is too near is a distance that the files prove.
-  bool of_distance() const { return !pushed_into_seat && !unsettled_seat && !object_inside; }
+  bool of_distance() const {
+    return !pushed_into_seat && !unsettled_seat && !object_inside && !out_of_time;
+  }
 };
 
 // Clearance that is proven from one time to another.
@@ -63,12 +72,12 @@ struct CurvePiece {
   double but_seat_m = 0;  // while the part is in its seat, of objects that are not of it
 };
 
-// A stretch in which only objects of the seat are nearer than required: as long as the part has not
-// once been as far from all objects as that. An object that is as far away where the part is
+// A stretch in which objects of the seat may be nearer than required: as long as the part has not
+// once been as far from all of them as that. An object that is as far away where the part is
 // installed is not of the seat.
 struct SeatedStretch {
   double from_s = 0, to_s = 0;
-  double way_m = 0;        // a bound on how far any point of the part travels in it
+  double travel_m = 0;     // a bound on how far any point of the part travels in it
   double clearance_m = 0;  // proven for all of it, the seat's objects among the others
   CheckedMoment nearest;   // of all moments looked at
 };
@@ -82,10 +91,14 @@ struct CheckResult {
   std::vector<Violation> violations;
   std::vector<CurvePiece> curve;
   std::vector<SeatedStretch> seated;
+  // Whether the path begins, or ends, where the part is installed: in contact or not.
+  bool begins_installed = false, ends_installed = false;
   // Objects that may be nearer than required where the part is installed.
   std::vector<std::uint32_t> seat_objects;
   std::uint64_t seat_points = 0;  // shell points that feel an object there
-  double way_m = 0;  // a bound on how far any point of the part travels along the whole path
+  // Why the files refuse the seat, if they do and the meshes are to be asked: it looks too deep.
+  std::optional<Error> seat_too_deep;
+  double travel_m = 0;  // a bound on how far any point of the part travels along the whole path
   std::uint64_t poses = 0, moments_tested = 0, motions_subdivided = 0;
 };
 

@@ -24,6 +24,7 @@ struct SeatStretch::Parts {
     points.reserve(shell.view().point_count);
     samples.reserve(shell.view().point_count);
     contacts.reserve(shell.view().point_count);
+    earlier.reserve(shell.view().point_count);
     probe = std::make_unique<guard::PoseGuard>(query, *field, points, samples);
   }
 
@@ -31,9 +32,11 @@ struct SeatStretch::Parts {
   std::unique_ptr<field::ForceField> field;
   query::CollectedPoints points;
   field::FieldSamples samples;
-  field::ContactSet contacts;
+  field::ContactSet contacts, earlier;  // of the last pose, and of the one before it on a path
+  Pose earlier_pose;
   std::unique_ptr<guard::PoseGuard> probe;
   Pose in_seat;  // world_from_center
+  std::optional<Error> too_deep;
   std::uint64_t looked_up = 0;
 };
 
@@ -42,7 +45,7 @@ SeatStretch::SeatStretch(SeatStretch&&) noexcept = default;
 SeatStretch::~SeatStretch() = default;
 
 Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
-                                      const Pose& world_from_center) {
+                                      const Pose& world_from_center, guard::SeatDepth depth) {
   auto field = field::make_force_field(Model::kDefault, ForceKind::kDistance, voxmap);
   if (!field) return field.error();
   SeatStretch stretch(std::make_unique<Parts>(voxmap, shell, std::move(*field)));
@@ -53,9 +56,13 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
     if (const std::size_t at = error.mend.find(kStart); at != std::string::npos) {
       error.mend.replace(at, kStart.size(), error.where);
     }
-    return error;
+    if (depth == guard::SeatDepth::kStored ||
+        !stretch.parts_->probe->find_seat(world_from_center, depth)) {
+      return error;
+    }
+    stretch.parts_->too_deep = std::move(error);
   }
-  stretch.parts_->probe->open_seat(true);
+  stretch.parts_->probe->open_seat(!stretch.parts_->too_deep);
   stretch.parts_->in_seat = world_from_center;
   return stretch;
 }
@@ -63,6 +70,8 @@ Result<SeatStretch> SeatStretch::find(const Voxmap& voxmap, const Pshell& shell,
 std::span<const guard::SeatObject> SeatStretch::objects() const {
   return parts_->probe->seat().objects();
 }
+
+const std::optional<Error>& SeatStretch::too_deep() const { return parts_->too_deep; }
 
 std::vector<std::uint32_t> SeatStretch::near_objects(const RequiredDistance& required,
                                                      const LeftOut& far) const {
@@ -89,9 +98,27 @@ std::uint64_t SeatStretch::looked_up() const { return parts_->looked_up; }
 
 std::optional<SeatStretch::PushedIn> SeatStretch::pushed_in(const Pose& world_from_center,
                                                             const LeftOut& left_out) {
+  begin_path();
+  follow(world_from_center);
+  return deepest_barred(world_from_center, left_out);
+}
+
+void SeatStretch::begin_path() { parts_->contacts.seat_open = false; }
+
+// Finds the points that are barred at the next pose of a path: also those that have gone through a
+// surface since the pose before it.
+void SeatStretch::follow(const Pose& world_from_center) {
   ++parts_->looked_up;
-  field::ContactSet& contacts = parts_->contacts;
-  parts_->probe->query_pose(world_from_center, contacts);
+  std::swap(parts_->contacts, parts_->earlier);
+  parts_->probe->query_pose(world_from_center, parts_->contacts);
+  const glm::dvec3 shift_m = world_from_center.position_m - parts_->earlier_pose.position_m;
+  parts_->probe->mark_crossings(parts_->earlier, glm::vec3(shift_m), parts_->contacts);
+  parts_->earlier_pose = world_from_center;
+}
+
+std::optional<SeatStretch::PushedIn> SeatStretch::deepest_barred(const Pose& world_from_center,
+                                                                 const LeftOut& left_out) const {
+  const field::ContactSet& contacts = parts_->contacts;
   std::optional<PushedIn> deepest;
   for (std::uint32_t i = 0; contacts.barred > 0 && i < contacts.count; ++i) {
     if (contacts.is_barred[i] == 0 || contacts.of_seat[i] == 0) continue;
@@ -160,8 +187,10 @@ std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPa
                                                                   const Moment& to,
                                                                   const LeftOut& left_out) {
   std::optional<PushedIn> pushed;
+  begin_path();
   const auto first = first_where(path, from, to, [&](const Pose& pose) {
-    pushed = pushed_in(pose, left_out);
+    follow(pose);
+    pushed = deepest_barred(pose, left_out);
     return pushed.has_value();
   });
   if (first) pushed->moment = *first;
@@ -171,8 +200,11 @@ std::optional<SeatStretch::PushedIn> SeatStretch::first_pushed_in(const CenterPa
 std::optional<Moment> SeatStretch::first_moment_pushed_in(const CenterPath& path,
                                                           const Moment& from, const Moment& to,
                                                           const LeftOut& left_out) {
-  return first_where(path, from, to,
-                     [&](const Pose& pose) { return is_pushed_in(pose, left_out); });
+  begin_path();
+  return first_where(path, from, to, [&](const Pose& pose) {
+    follow(pose);
+    return deepest_barred(pose, left_out).has_value();
+  });
 }
 
 }  // namespace forcelayer::clearance

@@ -21,9 +21,13 @@ class SeatStretch {
  public:
   // Finds the objects that the part touches with its centroid frame at `world_from_center`, as
   // voxrun does (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
-  // where PoseGuard::find_seat() refuses the pose.
+  // where PoseGuard::find_seat() refuses the pose. With the depth of the meshes, one that is
+  // refused only because it lies too deep for the stored distances is found: shell points feel
+  // nothing in it, and `too_deep` says why.
   static Result<SeatStretch> find(const Voxmap& voxmap, const Pshell& shell,
-                                  const Pose& world_from_center);
+                                  const Pose& world_from_center,
+                                  guard::SeatDepth depth = guard::SeatDepth::kStored);
+  const std::optional<Error>& too_deep() const;
   SeatStretch(SeatStretch&&) noexcept;
   ~SeatStretch();
 
@@ -42,13 +46,13 @@ class SeatStretch {
     double deeper_m = 0;       // than the object is touched in the seat
   };
   // The deepest such point at the first moment from `from` to `to`, tested every half voxel of
-  // travel, at which there is one. None where there is no such moment. Objects that are left out
-  // do not count.
+  // travel, at which there is one, or at which a point has gone through a surface since the moment
+  // tested before. None where there is no such moment. Objects that are left out do not count.
   std::optional<PushedIn> first_pushed_in(const CenterPath& path, const Moment& from,
                                           const Moment& to, const LeftOut& left_out);
-  // The same at one pose; its moment means nothing.
+  // The same at one pose, where nothing goes through; its moment means nothing.
   std::optional<PushedIn> pushed_in(const Pose& world_from_center, const LeftOut& left_out);
-  // Whether there is one, and at which moment first: much quicker, for a search.
+  // Whether there is one, and at which moment first.
   bool is_pushed_in(const Pose& world_from_center, const LeftOut& left_out);
   std::optional<Moment> first_moment_pushed_in(const CenterPath& path, const Moment& from,
                                                const Moment& to, const LeftOut& left_out);
@@ -70,6 +74,10 @@ class SeatStretch {
   std::optional<Moment> first_where(const CenterPath& path, const Moment& from, const Moment& to,
                                     const Test& is_so) const;
   explicit SeatStretch(std::unique_ptr<Parts> parts);
+  void begin_path();
+  void follow(const Pose& world_from_center);
+  std::optional<PushedIn> deepest_barred(const Pose& world_from_center,
+                                         const LeftOut& left_out) const;
 
   std::unique_ptr<Parts> parts_;
 };

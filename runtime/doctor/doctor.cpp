@@ -102,8 +102,7 @@ Finding real_time_throttling(const fs::path& root) {
   if (runtime == "-1") return good("real-time throttling", "off");
   return note("real-time throttling",
               "real-time threads get " + runtime + " of every " + period +
-                  " us: enough for a loop that sleeps, and it saves the machine from one that does "
-                  "not");
+                  " us: this is enough, and the machine survives a loop that never sleeps");
 }
 
 // ---- kernel and processor
@@ -123,7 +122,7 @@ Finding kernel_preemption(const fs::path& root) {
                     (full      ? "PREEMPT"
                      : dynamic ? "PREEMPT_DYNAMIC"
                                : "no preemption") +
-                    ", not PREEMPT_RT: delays of a millisecond and more are possible",
+                    ", not PREEMPT_RT: delays of a millisecond or more are possible",
                 std::string("install linux-image-rt-amd64") +
                     (dynamic ? ", or at least boot with preempt=full" : ""));
 }
@@ -139,12 +138,12 @@ Finding frequency_governor(const fs::path& root) {
   }
   if (seen == 0) {
     return note("frequency governor",
-                "the system offers no setting (a virtual machine, or the firmware decides)");
+                "the system offers no choice (it is a virtual machine, or the firmware decides)");
   }
   if (others.empty()) return good("frequency governor", "performance on all cores");
   return change("frequency governor",
                 others.front() + " on " + std::to_string(others.size()) + " of " +
-                    std::to_string(seen) + " cores: a core that slept wakes slowly",
+                    std::to_string(seen) + " cores: these cores are slow after a sleep",
                 "sudo cpupower frequency-set -g performance");
 }
 
@@ -152,15 +151,16 @@ Finding idle_states(const fs::path& root) {
   const fs::path latency = root / "dev/cpu_dma_latency";
   std::error_code failure;
   if (entries(root / "sys/devices/system/cpu/cpu0/cpuidle").empty()) {
-    return note("idle states", "the system offers nothing to limit");
+    return note("idle states", "the system reports none");
   }
-  if (!fs::exists(latency, failure)) return note("idle states", "cannot be limited here");
+  if (!fs::exists(latency, failure)) return note("idle states", "this system cannot limit them");
   if (access(latency.c_str(), W_OK) == 0) {
-    return note("idle states",
-                "deep ones may be used; a program may hold /dev/cpu_dma_latency at 0");
+    return note(
+        "idle states",
+        "deep idle states are allowed, but programs can prevent them with /dev/cpu_dma_latency");
   }
   return change(
-      "idle states", "deep ones may be used, and /dev/cpu_dma_latency is not writable",
+      "idle states", "deep idle states are allowed, and /dev/cpu_dma_latency is not writable",
       "boot with processor.max_cstate=1 intel_idle.max_cstate=1 on a haptics workstation");
 }
 
@@ -168,18 +168,19 @@ Finding cores() {
   const unsigned count = std::thread::hardware_concurrency();
   const std::string seen = std::to_string(count) + ", instruction set " + query::kernel_target();
   if (count >= 4) return good("cores", seen);
-  return change("cores", seen + ": graphics and driver share them with the loop",
-                "four cores or more; keep the machine for the loop while a hand is at it");
+  return change(
+      "cores", seen + ": the loop shares them with graphics and driver",
+      "use a machine with four cores or more, or run nothing else while a hand holds the device");
 }
 
 Finding virtual_machine(const fs::path& root) {
   const bool guest = read_text(root / "proc/cpuinfo").find(" hypervisor") != std::string::npos;
   if (!guest) return good("virtual machine", "no");
   return change("virtual machine",
-                "yes: its host takes the core away without notice; so far " +
+                "yes: the host can stop a core at any time; it did so for " +
                     std::to_string(static_cast<long long>(machine::steal_seconds())) +
-                    " s since it started",
-                "run the loop on the machine itself, and motors never from a guest");
+                    " s since boot",
+                "run the loop on a real machine, and never drive motors from a virtual machine");
 }
 
 Finding clock_source(const fs::path& root) {
@@ -189,15 +190,15 @@ Finding clock_source(const fs::path& root) {
   if (source == "tsc" || source == "kvm-clock" || source == "arch_sys_counter") {
     return good("clock source", source);
   }
-  return change("clock source", source + ": every look at the clock costs microseconds",
-                "boot with tsc=reliable if the processor has an invariant one");
+  return change("clock source", source + ": each reading of the clock takes microseconds",
+                "boot with tsc=reliable if the processor's TSC is invariant");
 }
 
 Finding swap(const fs::path& root) {
   const std::string table = read_text(root / "proc/swaps");
   const bool in_use = std::count(table.begin(), table.end(), '\n') > 0;
   if (!in_use) return good("swap", "none");
-  return note("swap", "there is some: harmless where memory locking is granted");
+  return note("swap", "swap space exists; this is harmless where memory locking is granted");
 }
 
 // The kernel's means to confine a device plugin and the readers of --sandbox.
@@ -207,8 +208,8 @@ Finding confinement() {
   const std::string calls = filters_system_calls() ? "seccomp" : "";
   if (version > 0 && !calls.empty()) return good("confinement of plugins", files + ", " + calls);
   return change("confinement of plugins",
-                files + calls + (files.empty() && calls.empty() ? "none" : " alone") +
-                    ": a device plugin can do more than it needs",
+                files + calls + (files.empty() && calls.empty() ? "none" : " only") +
+                    ": a device plugin can do more than it should",
                 "boot a kernel with Landlock and seccomp (lsm=landlock,...)");
 }
 
@@ -239,13 +240,14 @@ std::vector<Finding> hid_devices(const fs::path& root) {
     if (node.filename().string().rfind("hidraw", 0) != 0) continue;
     const std::string seen = hid_name(node, root);
     if (access(node.c_str(), R_OK | W_OK) == 0) {
-      found.push_back(good(node.filename().string(), seen + ": may be used"));
+      found.push_back(good(node.filename().string(), seen + ": you may use it"));
     } else {
-      found.push_back(note(node.filename().string(),
-                           seen + ": no permission; if it is the haptic device, see udev rules"));
+      found.push_back(
+          note(node.filename().string(),
+               seen + ": you have no permission; if it is the haptic device, see udev rules"));
     }
   }
-  if (found.empty()) found.push_back(note("HID devices", "no such device is plugged in"));
+  if (found.empty()) found.push_back(note("HID devices", "no HID device is plugged in"));
   return found;
 }
 
@@ -265,14 +267,15 @@ Finding udev_rules(const fs::path& root) {
       if (!gives_hidraw(rule)) continue;
       // 73-seat-late.rules grants what carries the tag by then.
       if (rule.filename().string() < "73") return good("udev rules", rule.filename().string());
-      return change("udev rules", rule.filename().string() + " comes too late to take effect",
+      return change("udev rules", rule.filename().string() + " is read too late to take effect",
                     "rename it to 70-haptics.rules");
     }
   }
-  return change("udev rules", "no rule gives users access to a hidraw device",
-                std::string("write '") + kUdevRule +
-                    "' with the device's ids into /etc/udev/rules.d/70-haptics.rules, then 'sudo "
-                    "udevadm control --reload; sudo udevadm trigger'");
+  return change(
+      "udev rules", "no rule lets users access a hidraw device",
+      std::string("write '") + kUdevRule +
+          "' with the ids of the device into /etc/udev/rules.d/70-haptics.rules, then run 'sudo "
+          "udevadm control --reload; sudo udevadm trigger'");
 }
 
 // ---- the clock, measured
@@ -296,11 +299,12 @@ Finding clock_quality(double seconds) {
   };
   std::ostringstream seen;
   seen.precision(3);
-  seen << "woke late by p50 " << us(0.5) << " us, p99 " << us(0.99) << " us, p99.9 " << us(0.999)
+  seen << "wake-up delay p50 " << us(0.5) << " us, p99 " << us(0.99) << " us, p99.9 " << us(0.999)
        << " us, max " << us(1) << " us at 1 kHz in " << seconds << " s";
   if (us(0.999) < kQuietUs) return good("clock", seen.str());
-  return change("clock", seen.str(),
-                "what is listed above, and no other work on the machine while the loop runs");
+  return change(
+      "clock", seen.str(),
+      "make the changes listed above, and run nothing else on the machine while the loop runs");
 }
 
 const char* to_text(Verdict verdict) {
@@ -357,8 +361,10 @@ std::string findings_text(const std::vector<Finding>& findings) {
     text += "       -> " + f.mend + "\n";
     ++changes;
   }
-  return text + (changes == 0 ? "nothing to change\n"
-                              : std::to_string(changes) + " to change for a motor in a hand\n");
+  return text +
+         (changes == 0
+              ? "nothing to change\n"
+              : "changes to make before a hand holds a motor: " + std::to_string(changes) + "\n");
 }
 
 Status run_doctor(const DoctorOptions& options) {

@@ -9,13 +9,15 @@
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Lists what on this machine can disturb the 1000 Hz loop, and how to fix it",
-               "voxrun doctor"};
+  CLI::App app{
+      "Lists the settings of this machine that can disturb the 1000 Hz loop, and how to fix them",
+      "voxrun doctor"};
   doctor::DoctorOptions options;
-  app.add_option("--json", options.json, "write a report");
+  app.add_option("--json", options.json, "write a report to this file");
   app.add_flag("--quiet", options.quiet, "no report on the terminal");
   command::add_number(app, "--clock", options.clock_s,
-                      "seconds for which the clock is measured; 0: not", {0, 3600});
+                      "seconds for which the clock is measured; 0 leaves the measurement out",
+                      {0, 3600});
   command::arrange_help(app, {{"The measurement", {"--clock"}}},
                         "  voxrun doctor --json machine.json");
   int status = 0;

@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
         sqrt(result.force_n[0] * result.force_n[0] + result.force_n[1] * result.force_n[1] +
              result.force_n[2] * result.force_n[2]);
     if (frame < 800) largest_n = fmax(largest_n, force_n);
-    if (frame == 799) printf("before: output %u, largest force %.2f N\n", result.output, largest_n);
+    if (frame == 799) printf("at 0.8 s: output %u, peak force %.2f N\n", result.output, largest_n);
     if (frame == 1499) {
       printf("at the end: output %u, part at z = %.3f m, last trip %s\n", result.output,
              result.world_from_part[2], forcelayer_last_trip(runtime));

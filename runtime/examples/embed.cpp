@@ -70,11 +70,10 @@ int main(int argc, char** argv) {
   }
 
   const RunStatistics seen = run->statistics();
-  std::printf(
-      "largest force %.2f N, %llu of %llu frames in contact, %llu penetrating, trips %llu\n",
-      seen.max_force_n, static_cast<unsigned long long>(seen.contact_frames),
-      static_cast<unsigned long long>(seen.frames),
-      static_cast<unsigned long long>(seen.penetration_frames),
-      static_cast<unsigned long long>(seen.trips));
+  std::printf("peak force %.2f N, %llu of %llu frames in contact, %llu penetrating, trips %llu\n",
+              seen.max_force_n, static_cast<unsigned long long>(seen.contact_frames),
+              static_cast<unsigned long long>(seen.frames),
+              static_cast<unsigned long long>(seen.penetration_frames),
+              static_cast<unsigned long long>(seen.trips));
   return 0;
 }

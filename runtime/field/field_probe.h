@@ -59,6 +59,11 @@ class FieldProbe {
   }
   // Whether one of the stored distances around the point lies deeper inside a solid than this.
   bool lies_beside_solid(std::uint32_t i, float depth_m) const noexcept;
+  // A measure, and no bound: the stored distance from the scene's surface at an offset from the
+  // point, interpolated between the eight centers around it. NaN beyond the map.
+  float stored_distance_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
+  // That of the center of the voxel in which the offset position lies.
+  float stored_center_distance_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
   // The object nearest to the point; 0 where the map names none.
   std::uint32_t object_of(std::uint32_t i) const noexcept;
 
@@ -68,6 +73,7 @@ class FieldProbe {
 
  private:
   void forget_sides() noexcept;
+  float from_surface_m(double code) const noexcept;
 
   query::ContactQuery& query_;
   const ForceField& field_;

@@ -29,8 +29,8 @@ Result<std::unique_ptr<ForceField>> make_force_field(Model model, ForceKind kind
                                                      const Voxmap& voxmap) {
   if (model == Model::kPaper && kind != ForceKind::kTangentPlane) {
     return Error{ErrorCode::kUsage, "", "--force",
-                 "the paper's model knows the tangent-plane force only",
-                 "leave --force out, or choose --model default"};
+                 "the paper's model can only use the tangent-plane force",
+                 "leave out --force, or use --model default"};
   }
   if (kind == ForceKind::kLevel) {
     if (auto reason = LevelField::unreadable(voxmap)) return *reason;

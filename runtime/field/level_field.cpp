@@ -151,11 +151,11 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
                  has_standoff(header)
-                     ? "the scene has a standoff, which only its distances show"
+                     ? "only the stored distances of the scene contain its standoff"
                      : "the scene has no offset layers, so its values jump from interior to "
                        "proximity",
                  has_standoff(header)
-                     ? "leave --force out, or bake the scene with --layers in place of --standoff"
+                     ? "leave out --force, or bake the scene with --layers instead of --standoff"
                      : "bake the scene with --layers 1 or more, or use --force tangent-plane"};
   }
   return std::nullopt;

@@ -49,18 +49,19 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   if (max_m <= 0) {
     return Error{ErrorCode::kUsage, "", "start",
                  "the part touches " + name_of(object.object) +
-                     ", and the stored distances do not reach deep enough to hold a seat",
+                     ", and the stored distances are not deep enough for a seat",
                  "bake the scene with a larger --range"};
   }
   char depth[80], largest[80];
   std::snprintf(depth, sizeof depth, "the part starts %s%.3g mm inside ",
                 object.overlap_m < told_m ? "" : "more than ",
                 1000 * std::min(object.overlap_m, told_m));
-  std::snprintf(largest, sizeof largest, "; the stored distances hold a seat up to %.3g mm deep",
+  std::snprintf(largest, sizeof largest, "; the stored distances allow a seat up to %.3g mm deep",
                 1000 * max_m);
   return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
-               "check --start and the units of both files; bake the scene with --free-seed where "
-               "the inside of an object is air, or with a larger --range"};
+               "check --start and the units of both files; where voxelize reports a cavity there, "
+               "bake the scene with --free-seed, --narrow-passages or smaller voxels, otherwise "
+               "with a larger --range"};
 }
 
 std::string SeatRule::name_of(std::uint32_t object) const {
@@ -75,12 +76,12 @@ Status SeatRule::check_side(std::uint32_t i) const {
     return {};
   }
   return Error{ErrorCode::kUsage, "", "start",
-               "an open sheet of the part starts in a sheet of " + name_of(probe_.object_of(i)) +
-                   ": its side of the sheet is not known",
-               "give one of them a thickness, or start elsewhere (--start)"};
+               "an open sheet of the part starts within an open sheet of " +
+                   name_of(probe_.object_of(i)) + ": it is not known on which side",
+               "give one of the two sheets a thickness, or start elsewhere (--start)"};
 }
 
-Status SeatRule::find(const Pose& world_from_center) {
+Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   seat_ = {};
   const std::size_t points = probe_.query().shell().view().point_count;
   in_seat_m_.assign(points, 0);
@@ -113,11 +114,10 @@ Status SeatRule::find(const Pose& world_from_center) {
   const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
   for (SeatObject& object : seat.entries()) {
     if (object.runs_through) {
-      return Error{
-          ErrorCode::kUsage, "", "start",
-          name_of(object.object) + " runs through the part where it starts",
-          "check --start and the units of both files; leave the object out of the scene if "
-          "it may be there"};
+      return Error{ErrorCode::kUsage, "", "start",
+                   name_of(object.object) + " passes through the part at the start pose",
+                   "check --start and the units of both files; if the object may pass through the "
+                   "part, leave it out of the scene"};
     }
     object.overlap_m = -double{object.corner_floor_m};
     const auto floor_m = [&](float min_m) {
@@ -128,6 +128,7 @@ Status SeatRule::find(const Pose& world_from_center) {
     object.corner_floor_m = floor_m(object.corner_floor_m);
     object.feels_between = object.between_m > -kMaxBetweenVoxels * voxel_size_m;
     object.between_floor_m = floor_m(object.between_m);
+    if (depth == SeatDepth::kOfMeshes) continue;
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);

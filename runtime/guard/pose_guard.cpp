@@ -31,9 +31,9 @@ void PoseGuard::mark_crossings(const field::ContactSet& earlier, const glm::vec3
   seat_.mark_crossings(earlier, shift_m, later);
 }
 
-Status PoseGuard::find_seat(const Pose& world_from_center) {
+Status PoseGuard::find_seat(const Pose& world_from_center, SeatDepth depth) {
   seat_open_ = false;
-  return seat_.find(world_from_center);
+  return seat_.find(world_from_center, depth);
 }
 
 bool PoseGuard::is_pushed_into_seat(const Pose& world_from_center,
@@ -54,8 +54,8 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
     if (there.is_barred[i] == 0) continue;
     return Error{ErrorCode::kUsage, "", "start",
                  "the part starts inside " + seat_.name_of(object_of(i)) +
-                     ", or nearer to it than the guard allows, and that is not where its seat is",
-                 "start it clear of the scene (--start), or leave out --seat"};
+                     ", or nearer to it than the guard allows, but away from its seat",
+                 "start the part clear of the scene (--start), or leave out --seat"};
   }
   return {};
 }

@@ -31,8 +31,8 @@ class PoseGuard final : public field::ContactProbe {
   // touches there, that is, in whose force layer or nearer it lies. None is no error. Not for the
   // servo's thread. Errors, kUsage: the part penetrates the scene and no seat can be found, because
   // the scene stores no distances, the part lies deeper than they reach, or a sheet of the part
-  // lies in a sheet of the scene.
-  Status find_seat(const Pose& world_from_center);
+  // lies in a sheet of the scene. With the depth of the meshes the part may lie as deep as it does.
+  Status find_seat(const Pose& world_from_center, SeatDepth depth = SeatDepth::kStored);
   const Seat& seat() const { return seat_.seat(); }
 
   // Whether query_pose() bars a point there that is nearest to an object of the open seat. Objects

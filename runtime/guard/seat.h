@@ -31,6 +31,10 @@ inline std::uint64_t points_in_seat(std::span<const SeatObject> objects) {
   return points;
 }
 
+// Which depth decides whether a part may start installed: that of the stored distances, or that of
+// the meshes, whatever the bake filled.
+enum class SeatDepth { kStored, kOfMeshes };
+
 class Seat {
  public:
   bool empty() const { return objects_.empty(); }

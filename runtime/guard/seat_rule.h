@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,7 +25,7 @@ class SeatRule {
   SeatRule(field::FieldProbe& probe, const PointRule& rule);
 
   // As PoseGuard::find_seat(): set-up only. In find_seat.cpp.
-  Status find(const Pose& world_from_center);
+  Status find(const Pose& world_from_center, SeatDepth depth = SeatDepth::kStored);
   const Seat& seat() const { return seat_; }
   std::string name_of(std::uint32_t object) const;
 
@@ -38,7 +39,9 @@ class SeatRule {
   // A sheet has no inside that would show who has gone through, and a plate of less than some two
   // voxels hardly one: the motion does. A point has where it moved against the direction in which
   // its side lay, to where the distance rises again, and no solid is near that is thicker than
-  // such a plate. It is to be pushed back to the side it came from.
+  // such a plate. Close to a wall that is thinner than a voxel, interpolation hides the side: there
+  // distances a voxel and more away on both sides decide (wall_crossing). It is to be pushed
+  // back to the side it came from.
   void mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
                       field::ContactSet& later) const noexcept;
 
@@ -47,6 +50,15 @@ class SeatRule {
 
  private:
   float half_sheet_m() const noexcept;
+  float height_over_wall_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
+  float rise_beside(std::uint32_t i) const noexcept;
+  bool may_face_wall(std::uint32_t i) const noexcept;
+  struct WallCrossing {
+    bool crossed;
+    float deeper_m;  // beyond the middle than a point may be
+  };
+  std::optional<WallCrossing> wall_crossing(std::uint32_t i, const glm::vec3& moved_m,
+                                            bool seems_crossed) const noexcept;
   bool touches_in_corner(std::uint32_t i) const noexcept;
   bool is_in_corner(std::uint32_t i) const noexcept;
   bool lies_in_corners() const noexcept;

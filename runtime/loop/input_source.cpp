@@ -46,10 +46,10 @@ Status check_workspace(const DeviceCapabilities& device, const Pose& device_from
   if (!outside_workspace(device, position_m, InputLimits{}.workspace_reach)) return {};
   char text[160];
   std::snprintf(text, sizeof text,
-                "reports a handle %.4g m from its origin, in a workspace of %.4g m around it",
+                "reports its handle %.4g m from the origin, but its workspace radius is %.4g m",
                 glm::length(position_m), device.workspace_radius_m);
   return Error{ErrorCode::kDeviceRefused, "", device.name, text,
-               "does its driver give millimeters? Poses are in meters"};
+               "check whether the driver gives millimeters; poses must be in meters"};
 }
 
 DeviceInput::DeviceInput(devices::Device& device, const DevicePlacement& placement,

@@ -155,10 +155,11 @@ void LoopStatistics::note_firsts(const Frame& frame) noexcept {
   }
 }
 
-void LoopStatistics::note_way(const Pose& part) noexcept {
+void LoopStatistics::note_motion(const Pose& part) noexcept {
   if (frames > 0) {
     const double half_turn = std::abs(glm::dot(part.orientation, part_last.orientation));
-    longest_way_m = std::max(longest_way_m, glm::length(part.position_m - part_last.position_m));
+    longest_shift_m =
+        std::max(longest_shift_m, glm::length(part.position_m - part_last.position_m));
     longest_turn_rad = std::max(longest_turn_rad, 2 * std::acos(std::min(1.0, half_turn)));
   }
   part_last = part;
@@ -166,7 +167,7 @@ void LoopStatistics::note_way(const Pose& part) noexcept {
 
 void LoopStatistics::count(const Frame& frame) noexcept {
   const StepReport& report = frame.result.report;
-  note_way(report.world_from_center);
+  note_motion(report.world_from_center);
   ++frames;
   force_layer_frames += report.surface + report.interior > 0;
   penetration_frames += report.interior > 0;

@@ -154,10 +154,10 @@ struct LoopStatistics {
   MinClearance min_clearance;
   std::uint64_t unproven_frames = 0;  // of which no clearance is known
   TouchedObjects touched;
-  TouchedInFrame touched_last{};                   // in the last frame
-  double force_last_n = 0;                         // of the step, there
-  Pose part_last;                                  // world_from_center, there
-  double longest_way_m = 0, longest_turn_rad = 0;  // of the part, from a frame to the next
+  TouchedInFrame touched_last{};                     // in the last frame
+  double force_last_n = 0;                           // of the step, there
+  Pose part_last;                                    // world_from_center, there
+  double longest_shift_m = 0, longest_turn_rad = 0;  // of the part, from a frame to the next
 
   // From when on the guarantee holds: the frame in which the seat closed, the first one without a
   // seat; none while the seat is open.
@@ -173,7 +173,7 @@ struct LoopStatistics {
   void count_energy(const Frame& frame) noexcept;
   void count_clearance(const Frame& frame) noexcept;
   void note_firsts(const Frame& frame) noexcept;
-  void note_way(const Pose& part) noexcept;
+  void note_motion(const Pose& part) noexcept;
 
   double past_episodes_generated_j_ = 0;
   bool in_episode_ = false;

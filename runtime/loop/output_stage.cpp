@@ -23,21 +23,22 @@ struct CauseRow {
 
 constexpr CauseRow kCauses[] = {
     {TripCause::kNone, "none", "", false},
-    {TripCause::kDeviceLost, "the device does not answer", "look at plug and power", true},
+    {TripCause::kDeviceLost, "the device does not answer", "check plug and power", true},
     {TripCause::kNotCalibrated, "the device is not calibrated", "calibrate it", true},
-    {TripCause::kFrozen, "no fresh reading from the device", "look at the device and its driver",
+    {TripCause::kFrozen, "no fresh reading from the device", "check the device and its driver",
      true},
-    {TripCause::kInputNotFinite, "the device's pose is not finite", "look at the device's driver",
+    {TripCause::kInputNotFinite, "the device's pose is not finite", "check the device's driver",
      true},
     {TripCause::kImplausible,
-     "the device's pose cannot be: far outside its workspace, a jump, or not what its velocity "
-     "says",
-     "look at the driver's units (meters, radians) and at the encoders", true},
-    {TripCause::kOverSpeed, "the hand is too fast", "was the device let go or overpowered?", false},
+     "the device's pose is impossible: it is far outside the workspace, jumps, or contradicts the "
+     "velocity",
+     "check the driver's units (meters, radians) and the encoders", true},
+    {TripCause::kOverSpeed, "the hand is too fast",
+     "check whether the handle slipped out of the hand, or the motors were too strong", false},
     {TripCause::kNotFinite, "the motion or its wrench is not finite",
      "please report it, with a recording (--record)", true},
     {TripCause::kLoopLate, "the loop was late", "see voxrun doctor", false},
-    {TripCause::kOutputHeld, "the device's side took the motors to zero by itself",
+    {TripCause::kOutputHeld, "the device or its driver set the motors to zero by itself",
      "see voxrun doctor", false},
 };
 

@@ -26,7 +26,7 @@ void prefault_stack() noexcept {
 }
 
 std::vector<std::string> no_priority(int number, const char* whose) {
-  return {std::string("no real-time priority") + whose + " (" + std::strerror(number) +
+  return {std::string("real-time priority is refused") + whose + " (" + std::strerror(number) +
           "): other programs will delay the loop; raise the rtprio limit "
           "(/etc/security/limits.d: @realtime - rtprio 90)"};
 }
@@ -58,7 +58,7 @@ std::vector<std::string> lock_memory() {
   }
   if (locked) return {};
   return {std::string("memory is not locked (") + std::strerror(number) +
-          "): pages may be swapped out under the loop; raise the memlock limit "
+          "): pages may be swapped out while the loop runs; raise the memlock limit "
           "(/etc/security/limits.d: @realtime - memlock unlimited)"};
 }
 
@@ -81,9 +81,9 @@ std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers)
   cpu_set_t cores;
   if (sched_getaffinity(0, sizeof cores, &cores) == 0 &&
       static_cast<std::size_t>(CPU_COUNT(&cores)) <= helpers.size()) {
-    return {"no real-time priority for the query's helper threads: " +
+    return {"the query's helper threads get no real-time priority: " +
             std::to_string(helpers.size() + 1) + " threads on " +
-            std::to_string(CPU_COUNT(&cores)) + " cores; give fewer --threads"};
+            std::to_string(CPU_COUNT(&cores)) + " cores; use fewer --threads"};
   }
   sched_param parameters{};
   parameters.sched_priority = kPriority - 1;

@@ -50,9 +50,9 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
 Twist mean_velocity(const coupling::GripTarget& target, const Pose& from, const Pose& to,
                     double dt_s) {
   if (!(dt_s > 0)) return {};
-  const glm::dvec3 way_m = to.position_m - from.position_m + coupling::grip_arm_m(target, to) -
-                           coupling::grip_arm_m(target, from);
-  return {way_m / dt_s,
+  const glm::dvec3 shift_m = to.position_m - from.position_m + coupling::grip_arm_m(target, to) -
+                             coupling::grip_arm_m(target, from);
+  return {shift_m / dt_s,
           coupling::rotation_vector(to.orientation * glm::conjugate(from.orientation)) / dt_s};
 }
 
@@ -114,8 +114,8 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   if (!hand_still) state.settled = 0;
   const Pose before = state.world_from_center;
   if (state.settled == 0) move(state, target, dt_s, result.report);
-  const Twist way = mean_velocity(target, before, state.world_from_center, dt_s);
-  result.at_handle = wrench_on_hand(state, target, way, dt_s, result.report);
+  const Twist velocity = mean_velocity(target, before, state.world_from_center, dt_s);
+  result.at_handle = wrench_on_hand(state, target, velocity, dt_s, result.report);
   const glm::dvec3 arm_m = coupling::grip_arm_m(target, state.world_from_center);
   result.wrench = {result.at_handle.force_n,
                    result.at_handle.torque_nm + glm::cross(arm_m, result.at_handle.force_n)};
@@ -448,7 +448,7 @@ double DefaultModel::angle_energy_j(const glm::dvec3& angle_rad) const noexcept 
 // paid for. The damper goes by the grip's mean velocity over the frame: where the look-ups end
 // before the time does, that of the last motion is more than the part went.
 Wrench DefaultModel::wrench_on_hand(State& state, const coupling::GripTarget& target,
-                                    const Twist& way, double dt_s,
+                                    const Twist& velocity, double dt_s,
                                     StepReport& report) const noexcept {
   const bool entering = state.in_contact == 0;
   state.in_contact = here_.in_free_space() ? 0 : 1;
@@ -459,9 +459,9 @@ Wrench DefaultModel::wrench_on_hand(State& state, const coupling::GripTarget& ta
   // Spring and damper as one stretch: that of the spring alone with the same force.
   const glm::dvec3 stretch_m = coupling::effective_stretch(
       translation_, {coupling::grip_stretch_m(target, part), target.velocity.linear_mps},
-      way.linear_mps);
+      velocity.linear_mps);
   const glm::dvec3 stretch_rad = coupling::effective_stretch(
-      rotation, {angle, target.velocity.angular_radps}, way.angular_radps);
+      rotation, {angle, target.velocity.angular_radps}, velocity.angular_radps);
   if (entering) {
     state.held_back_m = stretch_m;
     state.held_back_rad = stretch_rad;

@@ -65,7 +65,7 @@ class DefaultModel {
   coupling::CouplingHalf rotation_at(const glm::dvec3& angle_rad,
                                      const glm::dquat& orientation) const noexcept;
   double angle_energy_j(const glm::dvec3& angle_rad) const noexcept;
-  Wrench wrench_on_hand(State& state, const coupling::GripTarget& target, const Twist& way,
+  Wrench wrench_on_hand(State& state, const coupling::GripTarget& target, const Twist& velocity,
                         double dt_s, StepReport& report) const noexcept;
 
   Parameters parameters_;

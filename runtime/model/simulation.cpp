@@ -29,10 +29,9 @@ Status check_sides(const PshellView& shell, const field::ForceField& field) {
   const auto count = std::count(shell.two_sided, shell.two_sided + shell.point_count, 1);
   return Error{ErrorCode::kUsage, "", "part",
                std::to_string(count) + " of its " + std::to_string(shell.point_count) +
-                   " points are of open sheets and have no inside, which only stored distances do "
-                   "without",
-               "use --model default and --force distance with a scene that was baked without "
-               "--kind lean, or close the surface"};
+                   " points are on open sheets, which need stored distances",
+               "bake the scene without --kind lean or paper, and use --model default and --force "
+               "distance; or close the open sheets of the part"};
 }
 
 // The part where it was, at rest, and nothing for the hand.
@@ -85,7 +84,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(Voxmap voxmap, Pshell she
   } catch (const std::system_error& failure) {
     return Error{ErrorCode::kOutOfMemory, "", "threads",
                  std::to_string(query.threads) + " cannot be started: " + failure.code().message(),
-                 "ask for fewer, or raise the limits of threads and memory (ulimit -u, -v)"};
+                 "use fewer threads, or raise the limits of threads and memory (ulimit -u, -v)"};
   }
   auto field = field::make_force_field(parameters.model, parameters.force, simulation->voxmap_);
   if (!field) return field.error();

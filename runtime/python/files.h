@@ -116,9 +116,9 @@ struct pybind11::detail::type_caster<forcelayer::python::Doubles> {
     if (source.is_none() || (!convert && !Array::check_(source))) return false;
     const auto any = pybind11::array::ensure(source);
     if (!any) return false;
-    if (any.dtype().kind() == 'c') throw type_error("complex numbers are not coordinates");
+    if (any.dtype().kind() == 'c') throw type_error("complex numbers are not valid coordinates");
     if (isinstance<pybind11::array>(source) && hasattr(source, "mask")) {
-      throw type_error("a masked array: give its .data, or fill it first");
+      throw type_error("the array is masked: give its .data, or fill it first");
     }
     array = Array::ensure(any);
     return static_cast<bool>(*array);

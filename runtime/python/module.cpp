@@ -163,7 +163,7 @@ py::dict dict_of(const Scene& scene, const clearance::CheckResult& result, doubl
     py::dict s;
     s["from_s"] = stretch.from_s;
     s["to_s"] = stretch.to_s;
-    s["way_m"] = stretch.way_m;
+    s["travel_m"] = stretch.travel_m;
     s["clearance_m"] = stretch.clearance_m;
     s["nearest"] = dict_of(scene, stretch.nearest, stretch.clearance_m);
     seated.append(s);
@@ -182,7 +182,8 @@ py::dict check_path(const Scene& scene, const Part& part, const Doubles& t_s, co
   const auto numbers = rows_of<7>(poses, "poses");
   if (t_s.ndim() != 1 || static_cast<std::size_t>(t_s.shape(0)) != numbers.size() ||
       numbers.empty()) {
-    throw Failure({ErrorCode::kUsage, "", "t_s", "has another length than poses, or is empty",
+    throw Failure({ErrorCode::kUsage, "", "t_s",
+                   "is empty, or its length differs from the length of poses",
                    "give a time for each pose"});
   }
   std::vector<PathRow> rows;
@@ -234,7 +235,7 @@ forcelayer.Error: nowhere.vox: no such file; check the path
            [](const Scene& s) {
              return "forcelayer.Scene(" + std::string(py::repr(py::str(s.path.string()))) + ")";
            })
-      .def_readonly("path", &Scene::path, R"(The file, as it was named.
+      .def_readonly("path", &Scene::path, R"(The path of the file, as it was given.
 
 >>> forcelayer.Scene("bay.vox").path.name
 'bay.vox'
@@ -277,7 +278,7 @@ True
 )")
       .def_property_readonly(
           "provenance", [](const Scene& s) { return std::string(s.map.provenance()); },
-          R"(What the file was baked from and how: the text of a JSON object.
+          R"(The inputs and options of the bake, as the text of a JSON object.
 
 >>> import json
 >>> json.loads(forcelayer.Scene("bay.vox").provenance)["voxel_size_m"]
@@ -302,15 +303,16 @@ True
 
 A structured array with a row for each point:
 
-    value             of the voxel: 0 free, 1 interior, 2 surface (the force layer), 3 proximity
+    value             value of the voxel: 0 free, 1 interior, 2 surface (the force layer), 3 proximity
     known             False beyond a side at which the scene was cropped
-    distance_m        from the meshes, interpolated between stored distances; negative inside;
+    distance_m        distance from the meshes, interpolated between stored distances; negative inside;
                       NaN where none is stored
-    min_distance_m  no point of the meshes is nearer; 0 where nothing is proven
-    gradient          of the distance, world axes: away from the meshes; NaN where none is stored
+    min_distance_m    no point of the meshes is nearer; 0 where nothing is proven
+    gradient          gradient of the distance, away from the meshes, in world axes; NaN where no
+                      distance is stored
     object            number of the nearest object, see `objects`; 0 where none is known
 
-`threads`: 0 for all. Other Python threads run meanwhile.
+`threads`: 0 means all cores. Other Python threads run meanwhile.
 
 >>> scene = forcelayer.Scene("bay.vox")
 >>> scene.sample([[9.0, 9.0, 9.0]])["value"]  # far away all is free
@@ -328,7 +330,7 @@ forcelayer.Error: points_m: has the shape (1, 2); give an array of shape (n, 3)
                 });
           },
           given("part"), given("poses"), py::kw_only(), given("threads") = 0,
-          R"(How many points of the part lie where, at each pose.
+          R"(Counts the points of the part by the value of their voxel, at each pose.
 
 `poses`: shape (n, 7), world_from_part as x y z (meters) and a quaternion qw qx qy qz, which is
 made unit. A structured array with a row for each pose:
@@ -336,7 +338,7 @@ made unit. A structured array with a row for each pose:
     interior, surface, proximity   points in voxels of value 1, 2 and 3
     outside_map                    True: a point lies beyond a side at which the scene was cropped
 
-`threads`: 0 for all. Other Python threads run meanwhile.
+`threads`: 0 means all cores. Other Python threads run meanwhile.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> far, seated = [9, 9, 9, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0, 0]
@@ -353,20 +355,21 @@ made unit. A structured array with a row for each pose:
                 });
           },
           given("part"), given("poses"), py::kw_only(), given("threads") = 0,
-          R"(How far the exact surfaces of part and scene are apart at least, at each pose.
+          R"(The proven clearance between the exact surfaces of part and scene, at each pose.
 
 The bound is proven from the two files, as the runtime proves it for every frame. It holds at these
-poses, and says nothing of the way between them. `poses`: as for query(). A structured array with a
+poses only, not between them. `poses`: as for query(). A structured array with a
 row for each pose:
 
     clearance_m       a lower bound, meters; NaN where nothing is known
-    measured          False: no point is within reach of the stored distances, "at least" so much
+    measured          False: no point is within reach of the stored distances, so the clearance may
+                      be much larger
     nearest_object    number of the object nearest to the nearest point, see `objects`; 0: not known
     nearest_point_m   the nearest shell point, world; NaN where not measured
-    interior, surface, proximity, outside_map   as of query(); where the scene has a standoff, by
-                      distance
+    interior, surface, proximity, outside_map   as for query(); by distance if the
+                      scene has a standoff
 
-`threads`: 0 for all. Other Python threads run meanwhile.
+`threads`: 0 means all cores. Other Python threads run meanwhile.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> answer = scene.clearance(part, [9, 9, 9, 1, 0, 0, 0])[0]
@@ -377,30 +380,32 @@ Traceback (most recent call last):
 forcelayer.Error: poses: row 0 is not a pose: give finite meters and a quaternion that is not zero
 )")
       .def("check", &check_path, given("part"), given("t_s"), given("poses"),
-           given("clearance_m") = 0.0127, py::kw_only(),
-           given("allow") = std::vector<std::string>{}, py::arg("world_from_seat") = py::none(),
-           given("threads") = 0, given("felt_seat") = false,
-           R"(Whether the part keeps a clearance along a path, between the poses too: as `voxcheck`.
+           given("clearance_m") = 0.001, py::kw_only(), given("allow") = std::vector<std::string>{},
+           py::arg("world_from_seat") = py::none(), given("threads") = 0,
+           given("felt_seat") = false,
+           R"(Checks, as `voxcheck` does, whether the part keeps a clearance along a path.
 
-`t_s`: times, ascending, one for each pose. Between poses the centroid goes straight and the
-orientation turns evenly. `allow`: names of objects that may be near. `world_from_seat`: where the
-part is installed; in its seat, features of the objects there that are narrower than twice the
-covering radius are not felt: it is not clear, unless `felt_seat` says that this is enough. A dict:
+`t_s`: times, ascending, one for each pose. Between poses the centroid moves straight and the
+orientation turns at constant speed; the answer covers this motion, too. `allow`: names of objects
+that may be near. `world_from_seat`: the pose in which the part is installed. While the part is in
+its seat, the shell points can miss features narrower than twice the covering radius. So the verdict
+about such a path is "not clear", unless `felt_seat` is true. Returns a dict:
 
     verdict           "clear" or "not clear"
-    clearance_m       proven along the whole path, but in the seat to its objects, meters
-    min_clearance   the same, and where it is least: clearance_m, at_most_m (the exact clearance
-                      of that moment is no more; None: not known), t_s, object, point_m; None where
-                      nothing is near
-    violations        a dict each: from_s, to_s, clearance_m (proven for all of it), worst (as
-                      min_clearance), pushed_into_seat, seat_not_settled, object_inside (the part,
-                      from the beginning on)
-    seated            a dict each: from_s, to_s in which only objects of the seat are nearer than
-                      required; way_m, a bound on how far any point of the part goes then;
-                      clearance_m, proven for all of it; nearest (as min_clearance)
+    clearance_m       proven along the whole path, in meters; objects of the seat do not count while
+                      the part is in the seat
+    min_clearance     the moment of this clearance: clearance_m, at_most_m (upper bound of the exact
+                      clearance; None: not known), t_s, object, point_m; None if nothing is near
+    violations        a list of dicts: from_s, to_s, clearance_m (proven between them), worst (as
+                      min_clearance), pushed_into_seat, seat_not_settled, object_inside (the part
+                      contains this object from the beginning on)
+    seated            a list of dicts, one for each stretch in which only objects of the seat are
+                      nearer than required: from_s, to_s, travel_m (no point of the part moves
+                      farther in the stretch), clearance_m (proven for the stretch), nearest (as
+                      min_clearance)
     curve             a structured array: from_s, to_s, clearance_m (to all objects, in the seat too)
 
-`threads`: 0 for all; no answer depends on it. Other Python threads run meanwhile.
+`threads`: 0 means all cores; no answer depends on it. Other Python threads run meanwhile.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> frames = forcelayer.replay(scene, part, "run.flr").frames
@@ -428,7 +433,7 @@ True
            [](const Part& p) {
              return "forcelayer.Part(" + std::string(py::repr(py::str(p.path.string()))) + ")";
            })
-      .def_readonly("path", &Part::path, R"(The file, as it was named.
+      .def_readonly("path", &Part::path, R"(The path of the file, as it was given.
 
 >>> forcelayer.Part("part.pshell").path.name
 'part.pshell'
@@ -494,21 +499,21 @@ True
 )")
       .def_property_readonly(
           "covering_radius_m", [](const Part& p) { return p.shell.header().covering_radius_m; },
-          R"(Every point of the part's surface lies within this of a shell point: proven.
+          R"(Proven: every point of the part's surface is at most this far from a shell point.
 
 >>> forcelayer.Part("part.pshell").covering_radius_m < 0.005
 True
 )")
       .def_property_readonly(
           "bounding_radius_m", [](const Part& p) { return p.shell.header().bounding_radius_m; },
-          R"(Radius of all points about `center_m`.
+          R"(Radius of the sphere around `center_m` that contains all points.
 
 >>> forcelayer.Part("part.pshell").bounding_radius_m > 0.01
 True
 )")
       .def_property_readonly(
           "provenance", [](const Part& p) { return std::string(p.shell.provenance()); },
-          R"(What the file was baked from and how: the text of a JSON object.
+          R"(The inputs and options of the bake, as the text of a JSON object.
 
 >>> forcelayer.Part("part.pshell").provenance.startswith("{")
 True
@@ -518,10 +523,11 @@ True
 // forcelayer.Error, with the text that a command prints behind its name.
 void bind_error(py::module_& module) {
   static PyObject* const type = PyErr_NewExceptionWithDoc(
-      "forcelayer.Error", R"(What a command would print as its error: what, where, how to mend it.
+      "forcelayer.Error",
+      R"(The error that a command would print: what is wrong, where, and how to fix it.
 
-`code` is the error's number and `exit_status` that of a command that ends with it, both as in the
-project's README.
+`code` is the error's number. `exit_status` is the exit status of a command that ends with this
+error.
 
 >>> try:
 ...     forcelayer.Part("bay.vox")

@@ -396,9 +396,9 @@ void bind_simulation(py::module_& module) {
                        proximity, contacts, guard_cuts, barred, seated, faults, measured,
                        outside_map, seat_open, saturated);
 
-  py::class_<Moment, std::shared_ptr<Moment>>(module, "Moment", R"(A moment of a simulation.
+  py::class_<Moment, std::shared_ptr<Moment>>(module, "Moment", R"(A saved state of a simulation.
 
-Simulation.moment gives it and takes it back: a branch of the run.
+Read it from Simulation.moment, and assign it there to go back to that state.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
@@ -439,11 +439,11 @@ forcelayer.Error: model: 'fast' is not a model; use 'default' or 'paper'
            given("settings") = std::map<std::string, double>{}, given("without_guarantee") = false)
       .def("start", &Stepper::start, given("world_from_part"),
            py::arg("world_from_handle") = py::none(), py::arg("world_from_seat") = py::none(),
-           R"(Places the part at rest, held without stretch. Frames are counted from here on.
+           R"(Places the part at rest, without force in the hand. Frames are counted from here on.
 
 Poses are x y z (meters) and a quaternion qw qx qy qz. Without `world_from_handle` the hand holds
 the part's own frame. A part that touches objects at `world_from_seat` (without it: where it starts)
-is installed there: until it has left them, it may touch them.
+is installed there: it may touch these objects until it has left them.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 0, 0, 0, 0])
@@ -462,7 +462,8 @@ Traceback (most recent call last):
 forcelayer.Error: simulation: has not been started; call start(world_from_part) first
 )")
       .def("run", &Stepper::run, given("world_from_handle"),
-           py::arg("handle_velocity") = py::none(), R"(Many frames: a pose of the hand each, (n, 7).
+           py::arg("handle_velocity") = py::none(),
+           R"(Many frames: the poses of the hand, shape (n, 7), one for each frame.
 
 A structured array with a row for each frame:
 
@@ -476,7 +477,7 @@ A structured array with a row for each frame:
     faults              0: none
     outside_map, seat_open, saturated   True or False
 
-If a pose is invalid, nothing has happened. Other Python threads run meanwhile.
+If a pose is invalid, the simulation does not change. Other Python threads run meanwhile.
 
 >>> import numpy
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
@@ -488,7 +489,7 @@ If a pose is invalid, nothing has happened. Other Python threads run meanwhile.
 True
 )")
       .def_property("moment", &Stepper::moment, &Stepper::set_moment,
-                    R"(Everything that evolves, to come back to it.
+                    R"(The complete state of the simulation. Assign it to return to that moment.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
@@ -498,10 +499,9 @@ True
 >>> first.tobytes() == simulation.step([0.2, 0.15, 0.29, 1, 0, 0, 0]).tobytes()
 True
 )")
-      .def_property_readonly(
-          "report", &Stepper::report,
-          R"(The run since start(): a dict by the names of `voxrun --json`, which the page
-docs/voxrun_report.md of the sources explains.
+      .def_property_readonly("report", &Stepper::report,
+                             R"(The run since start(): a dict with the names of `voxrun --json`;
+docs/voxrun_report.md in the sources explains them.
 
 "max_torque_nm" is about the handle, where the hand holds the part; "torque_nm" of a frame is about
 the part's centroid. They differ by the force times the arm between the two.
@@ -528,7 +528,7 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "reasons", [](const Stepper& s) { return s.opened().reasons(); },
-          R"(By the name of a parameter, the rule by which it was chosen.
+          R"(The rule by which each parameter was chosen, by the name of the parameter.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.Simulation(scene, part, settings={"mass_kg": 0.05}).reasons["mass_kg"]
@@ -536,37 +536,36 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "warnings", [](const Stepper& s) { return s.opened().warnings(); },
-          R"(Sentences that `voxrun` would print as warnings.
+          R"(The warnings that `voxrun` would print.
 
 >>> forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")).warnings
 []
 )")
       .def_property_readonly(
           "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
-          R"(How far apart the exact surfaces stay while no report says otherwise, meters.
+          R"(The guaranteed distance between the exact surfaces, meters, if no report says otherwise.
 
-In every frame ("tested_m"), and on the way from one to the next ("swept_m"); None where nothing is
-guaranteed.
+In every frame ("tested_m"), and between two frames ("swept_m"); None where nothing is guaranteed.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.guarantee["tested_m"] > simulation.guarantee["swept_m"] > 0
 True
 )");
 
-  py::class_<Replay>(module, "Replay", R"(What replay() returns.
+  py::class_<Replay>(module, "Replay", R"(The result of replay().
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.replay(scene, part, "run.flr").frames.ndim
 1
 )")
-      .def_readonly("frames", &Replay::frames, R"(A row for each frame, as of Simulation.run().
+      .def_readonly("frames", &Replay::frames, R"(A row for each frame, as from Simulation.run().
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> bool(forcelayer.replay(scene, part, "run.flr").frames["t_s"][0] == 0)
 True
 )")
       .def_readonly("report", &Replay::report,
-                    R"(A dict by the names of `voxrun --json`, as of Simulation.report.
+                    R"(A dict with the names of `voxrun --json`, as Simulation.report.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.replay(scene, part, "run.flr").report["penetration_frames"]

@@ -26,9 +26,9 @@ struct Group {
 };
 
 // The solid angle of a small piece of surface that faces away from the place, by its distance.
-double solid_angle(const glm::dvec3& facing_m2, const glm::dvec3& way_m) {
-  const double distance_m = std::max(1e-12, glm::length(way_m));
-  return glm::dot(facing_m2, way_m) / (distance_m * distance_m * distance_m);
+double solid_angle(const glm::dvec3& facing_m2, const glm::dvec3& to_m) {
+  const double distance_m = std::max(1e-12, glm::length(to_m));
+  return glm::dot(facing_m2, to_m) / (distance_m * distance_m * distance_m);
 }
 
 // The shell as a surface: how far it is, and how often it winds round a place. Places are in the
@@ -140,10 +140,10 @@ class EnclosedSearch {
         },
         [this](const VoxmapRegion& region) { look_at(region); });
     if (!too_many_bricks_) return found_;
-    return Error{ErrorCode::kUsage, "", "",
-                 "the scene has too many mixed blocks in the part's box to look for objects inside "
-                 "the part",
-                 "bake it with larger voxels"};
+    return Error{
+        ErrorCode::kUsage, "", "",
+        "the scene has too many details around the part to look for objects inside the part",
+        "bake the scene with larger voxels"};
   }
 
  private:

@@ -51,23 +51,26 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::coupling_nms_per_rad,
      {1e-9, 1e4}},
     {"coupling_force_limit_n",
-     "clamp of the coupling's force, N",
+     "limit of the coupling's force, N",
      &Parameters::coupling_force_limit_n,
      {1e-6, 1e4},
      true},
     {"coupling_torque_limit_nm",
-     "clamp of the coupling's torque, N m",
+     "limit of the coupling's torque, N m",
      &Parameters::coupling_torque_limit_nm,
      {1e-6, 1e3},
      true},
     {"field_n_per_m", "force field stiffness K_ff, N/m", &Parameters::field_n_per_m, {1e-3, 1e8}},
     {"contact_damping_ratio",
-     "damping of a contact over sqrt(K_ff m)",
+     "damping of a contact divided by sqrt(K_ff m)",
      &Parameters::contact_damping_ratio,
      {1e-3, 100}},
-    {"look_ups", "most motions of up to s/2 in a frame", &Parameters::look_ups, {1, 10'000}},
+    {"look_ups",
+     "largest number of motions of up to half a voxel in a frame",
+     &Parameters::look_ups,
+     {1, 10'000}},
     {"recovery_mps",
-     "at which a part that starts inside is led out, m/s",
+     "speed at which a part that starts inside is moved out, m/s",
      &Parameters::recovery_mps,
      {1e-6, 10}},
     {"allowance_j",
@@ -75,11 +78,11 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::allowance_j,
      {1e-12, 100}},
     {"allowance_fade_s",
-     "time in which that fades while the hand rests, s",
+     "time in which allowance_j fades while the hand rests, s",
      &Parameters::allowance_fade_s,
      {1e-6, 3600}},
     {"passivity_damping_ns_per_m",
-     "most damping that a passivity controller may inject at the device, N s/m",
+     "largest damping that the passivity controller may add at the device, N s/m",
      &Parameters::passivity_damping_ns_per_m,
      {0, 1e5}},
     {"max_force_n", "largest force at the device, N", &Parameters::max_force_n, {1e-6, 1000}},
@@ -118,7 +121,7 @@ Status check_settings(const RunRequest& request) {
         std::find_if(std::begin(kTable), std::end(kTable),
                      [&, n = &name](const ParameterInfo& i) { return i.name == *n; });
     if (info == std::end(kTable)) {
-      std::string names = "known are";
+      std::string names = "known parameters:";
       for (const ParameterInfo& known : kTable) (names += ' ') += known.name;
       return Error{ErrorCode::kUsage, "", name, "is not a parameter", names};
     }
@@ -140,13 +143,14 @@ struct Bound {
   }
 };
 
-constexpr const char* kRated = "its maker's rating";
-constexpr const char* kDamped = "b / (delay + dt / 2), b its own damping (Colgate and Schenkel)";
+constexpr const char* kRated = "the maker's rating";
+constexpr const char* kDamped =
+    "b / (delay + dt / 2), with the device's own damping b (Colgate and Schenkel)";
 constexpr const char* kQuantised =
-    "2 f / D, f its friction and D its encoder's step (Abbott and Okamura)";
+    "2 f / D, with the device's friction f and encoder step D (Abbott and Okamura)";
 constexpr const char* kInertial =
-    "M / (delay + dt / 2 + the velocity estimate's lag), M its apparent inertia: a phase margin of "
-    "33 degrees";
+    "M / (delay + dt / 2 + lag of the velocity estimate), with the device's apparent inertia M: a "
+    "phase margin of 33 degrees";
 
 // The hand feels a stiffness, damping or mass of the scene times this (placement.h): the square of
 // the motion scale. Moments, torques and their stiffness have no scale.
@@ -222,8 +226,8 @@ std::string borne_reason(const char* what, const DeviceCapabilities& device, con
          " bears: " + bound.source;
 }
 
-constexpr const char* kLinear = "stiffness over the motion scale squared";
-constexpr const char* kLinearDamping = "damping over the motion scale squared";
+constexpr const char* kLinear = "stiffness, divided by the squared motion scale,";
+constexpr const char* kLinearDamping = "damping, divided by the squared motion scale,";
 
 // A damping that is critical, or what the device bears of it.
 void choose_damping(Choice& choice, const char* name, double critical, const char* why,
@@ -238,7 +242,7 @@ void choose_mass(const RunRequest& request, Choice& choice) {
   choice.set("mass_kg", kApparentMassKg / felt_fraction(request),
              request.placement.motion_scale == 1
                  ? "apparent mass of the paper (5.1)"
-                 : "apparent mass of the paper (5.1) over the motion scale squared");
+                 : "apparent mass of the paper (5.1), divided by the squared motion scale");
 }
 
 // Device limits: the user's, never above the ratings.
@@ -249,7 +253,7 @@ void choose_limits(const RunRequest& request, DerivedParameters& derived) {
   choice.set("max_force_n", device.max_force_n, "rating of " + device.name);
   choice.set("max_torque_nm", device.max_torque_nm, "rating of " + device.name);
   if (p.max_force_n > device.max_force_n || p.max_torque_nm > device.max_torque_nm) {
-    derived.warnings.push_back("max_force_n and max_torque_nm end at the ratings of " +
+    derived.warnings.push_back("max_force_n and max_torque_nm are limited to the ratings of " +
                                device.name +
                                format(": %g N, %g N m", device.max_force_n, device.max_torque_nm));
   }
@@ -373,12 +377,11 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
       "damping", device, rotation_damping_bound(request, dt_s));
   // A device that renders none still moves and turns the part: the output stage keeps it at zero.
   const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
-  choice.set(
-      "coupling_force_limit_n",
-      (forces ? p.max_force_n : kUnratedForceN) / request.placement.motion_scale,
-      forces ? "what the device can bear over the motion scale" : "the device renders no force");
+  choice.set("coupling_force_limit_n",
+             (forces ? p.max_force_n : kUnratedForceN) / request.placement.motion_scale,
+             forces ? "max_force_n divided by the motion scale" : "the device renders no force");
   choice.set("coupling_torque_limit_nm", torques ? p.max_torque_nm : kUnratedTorqueNm,
-             torques ? "what the device can bear" : "the device renders no torque");
+             torques ? "max_torque_nm" : "the device renders no torque");
   warn_of_coupling(request, derived);
 }
 
@@ -386,17 +389,18 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
 void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   Choice choice(request, derived);
   Parameters& p = derived.values;
-  choice.set("contact_damping_ratio", kContactDampingRatio, "calms a single point in two frames");
+  choice.set("contact_damping_ratio", kContactDampingRatio,
+             "damps a single contact point within two frames");
   // At 3 m/s a hand throws; a look-up costs much, so there are at most eight in a millisecond.
   const double dt_s = 1 / p.rate_hz, throw_mps = kThrowMps * request.placement.motion_scale;
   choice.set("look_ups",
              std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
-             "follows a hand at 3 m/s, within eight look-ups a millisecond");
-  choice.set("recovery_mps", kRecoveryMps, "slow enough to let go");
+             "enough to follow a hand at 3 m/s, but at most eight look-ups a millisecond");
+  choice.set("recovery_mps", kRecoveryMps, "slow enough for the hand to let go");
   choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
-             "the force limit over a voxel: more than a voxel's step can take");
-  choice.set("allowance_fade_s", kAllowanceFadeS, "rest within a second");
+             "the force limit times the voxel size: more than a step of one voxel can use");
+  choice.set("allowance_fade_s", kAllowanceFadeS, "the part comes to rest within a second");
 }
 
 // The passivity controller, for both models. A damper that the hand feels late may itself be active
@@ -404,10 +408,11 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
 void choose_control(const RunRequest& request, DerivedParameters& derived) {
   const DeviceCapabilities& device = request.device;
   Choice choice(request, derived);
-  choice.set("passivity_damping_ns_per_m", 0, "off unless asked for");
+  choice.set("passivity_damping_ns_per_m", 0, "off unless set");
   if (!(device.damping_ns_per_m > 0)) return;
   Bound bound;
-  bound.lower_to(device.damping_ns_per_m, "b > |B|, b its own damping (Colgate and Schenkel)");
+  bound.lower_to(device.damping_ns_per_m,
+                 "b > |B|, with the device's own damping b (Colgate and Schenkel)");
   warn_beyond(bound, "passivity_damping_ns_per_m", derived.values.passivity_damping_ns_per_m,
               "N s/m", device, derived);
 }
@@ -431,7 +436,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
   const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
   choice.set("field_n_per_m", std::max(hold, stiff),
-             hold > stiff ? "one point holds the coupling's force limit at 0.15 voxel"
+             hold > stiff ? "one point balances the coupling's force limit at a depth of 0.15 voxel"
                           : "5 k_T: the part yields by at most a fifth of the hand's motion");
 }
 
@@ -459,10 +464,10 @@ std::optional<std::string> arm_warning(const RunRequest& request, const Paramete
   if (!(felt > bound.value)) return std::nullopt;
   return format(
              "the handle is %.3g m from the part's centroid, where the paper's coupling acts: when "
-             "it turns it feels %.3g N m/rad, above the %.3g N m/rad that ",
+             "the handle turns, the hand feels %.3g N m/rad, above the %.3g N m/rad that ",
              arm_m, felt, bound.value) +
          request.device.name + " can render stably: " + bound.source +
-         "; grip it nearer, or use --model default";
+         "; hold the part nearer to its centroid (--grip), or use --model default";
 }
 
 Result<DerivedParameters> derive_parameters(const RunRequest& request, const Voxmap& voxmap,
@@ -483,8 +488,8 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
       derive_paper(request, shell, derived);
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
-            "the scene has a soft covering, which the paper's model ignores: it presses with "
-            "field_n_per_m at every depth");
+            "the scene has a soft covering, which the paper's model ignores: the scene presses "
+            "with field_n_per_m at every depth");
       }
       break;
     case Model::kDefault:

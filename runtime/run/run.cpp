@@ -57,7 +57,7 @@ Status check_first_reading(const DeviceSample& first, const DeviceCapabilities& 
   if (!first.present || !first.calibrated) {
     return Error{ErrorCode::kDeviceRefused, "", device.name,
                  first.present ? "is not calibrated" : "does not answer",
-                 first.present ? "calibrate it and start again" : "look at plug and power"};
+                 first.present ? "calibrate it and start again" : "check plug and power"};
   }
   return loop::check_workspace(device, first.device_from_handle);
 }
@@ -305,11 +305,12 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
   const auto checked = checked_start(start);
   if (!checked) return checked.error();
   if (!started()) {
-    return Error{ErrorCode::kUsage, "", "swap", "nothing has been started", "start the run first"};
+    return Error{ErrorCode::kUsage, "", "swap", "the run has not been started",
+                 "start the run first"};
   }
   loop::Servo& servo = parts.started->servo;
   if (servo.swapping()) {
-    return Error{ErrorCode::kUsage, "", "swap", "another swap is still waiting", ""};
+    return Error{ErrorCode::kUsage, "", "swap", "an earlier swap has not finished yet", ""};
   }
   parts.finish_swap();  // one that timed out, and was taken since
   RunRequest request = parts.request;
@@ -332,13 +333,14 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
   }
   if (!servo.request_swap(next, *checked)) {
     parts.next.reset();
-    return Error{ErrorCode::kUsage, "", "swap", "the rate would be another", ""};
+    return Error{ErrorCode::kUsage, "", "swap", "the rate must stay the same", ""};
   }
   const long long until_ns = machine::monotonic_ns() + static_cast<long long>(timeout_s * 1e9);
   while (servo.swapping()) {
     if (machine::monotonic_ns() > until_ns) {
-      return Error{ErrorCode::kDeviceFailed, "", "swap", "the servo thread has not taken it yet",
-                   "call step() once a period"};
+      return Error{ErrorCode::kDeviceFailed, "", "swap",
+                   "the servo thread has not taken the new files yet",
+                   "call step() once in each period"};
     }
     machine::sleep_until_ns(machine::monotonic_ns() + 1'000'000);
   }

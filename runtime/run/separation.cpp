@@ -47,7 +47,7 @@ double chord_m(const VoxmapHeader& voxmap) {
 std::string layers_text(double spent_voxels) {
   constexpr double kMaxLayers = 30;  // that voxelize bakes
   const double layers = std::floor(std::hypot(spent_voxels, 0.25)) + 2;
-  if (!(layers <= kMaxLayers)) return "bake both for larger voxels";
+  if (!(layers <= kMaxLayers)) return "bake scene and part with larger voxels";
   return "bake the scene with --layers " + std::to_string(static_cast<int>(layers));
 }
 
@@ -74,7 +74,7 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
   const double s = voxmap.voxel_size_m;
   if (has_standoff(voxmap)) {
     if (!(guard.distance_m > 0)) {
-      return "leave out --model and --force: with a standoff the distance field holds the "
+      return "leave out --model and --force: with a standoff only the distance field keeps the "
              "guarantee";
     }
     const double arc_m = arc_deviation_m(s, shell.bounding_radius_m);
@@ -91,8 +91,8 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
     return "bake the part with --covering-radius " + option_text(kBelowRoom * room_m) +
            " or less, or " + more_layers;
   }
-  return more_layers + ", or both from closer meshes: the scene's deviates by " +
-         length_text(voxmap.static_deviation_m) + " and the part's by " +
+  return more_layers + ", or bake both from more exact meshes: the scene's meshes deviate by " +
+         length_text(voxmap.static_deviation_m) + " and the part's meshes by " +
          length_text(shell.part_deviation_m) + " (--mesh-deviation, and what the files declare)";
 }
 
@@ -129,7 +129,7 @@ Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, 
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
                advice(voxmap, shell, pose_error_m, guard) +
-                   ", or run without (--without-guarantee, without_guarantee)"};
+                   ", or run without the guarantee (--without-guarantee, without_guarantee)"};
 }
 
 }  // namespace forcelayer

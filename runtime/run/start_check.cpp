@@ -23,7 +23,7 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
   char at[120];
   std::snprintf(
       at, sizeof at,
-      " lies inside the part, at x %.2f, y %.2f, z %.2f mm, where no point of its shell is",
+      " lies inside the part, at x %.2f, y %.2f, z %.2f mm, where its shell has no points",
       1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
   return Error{ErrorCode::kUsage, "", "start",
                (name.empty() ? std::string("an object") : std::string(name)) + at,
@@ -33,8 +33,8 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
 
 std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points) {
   if (seat_points != shell.header().point_count) return {};
-  return "the scene seems to hold the part itself: every point of the part touches it; bake the "
-         "scene --without the part, or with smaller voxels";
+  return "the scene seems to contain the part itself: every point of the part touches the scene; "
+         "bake the scene --without the part, or with smaller voxels";
 }
 
 }  // namespace forcelayer

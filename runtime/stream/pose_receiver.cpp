@@ -33,8 +33,8 @@ Result<PoseReceiver> PoseReceiver::open(std::uint16_t port, const std::string& a
     if (descriptor >= 0) close(descriptor);
     const bool elsewhere = reason == EADDRNOTAVAIL;
     return Error{ErrorCode::kReadFailed, "", "UDP " + address + " port " + std::to_string(port),
-                 std::string("cannot be listened at: ") + std::strerror(reason),
-                 elsewhere ? "give an address of this machine" : "choose another port"};
+                 std::string("cannot be opened: ") + std::strerror(reason),
+                 elsewhere ? "use an address of this machine" : "choose another port"};
   }
   return PoseReceiver(descriptor);
 }

@@ -66,7 +66,8 @@ Result<PoseSender> PoseSender::create(const std::string& target,
   if (descriptor < 0 || connect(descriptor, found->ai_addr, found->ai_addrlen) != 0) {
     const std::string reason = std::strerror(errno);
     if (descriptor >= 0) close(descriptor);
-    return Error{ErrorCode::kInternal, "", "--udp", "no socket to '" + target + "': " + reason, ""};
+    return Error{ErrorCode::kInternal, "", "--udp",
+                 "cannot open a socket to '" + target + "': " + reason, ""};
   }
   return PoseSender(descriptor, simulation, rate_hz);
 }

@@ -88,7 +88,7 @@ class Reader {
       std::memcpy(&parameter, bytes_.data() + sizeof h + i * sizeof parameter, sizeof parameter);
       if (parameter.name.back() != 0) {
         return error(ErrorCode::kFieldInvalid, "parameter " + std::to_string(i),
-                     "has a name without end");
+                     "has a name that does not end");
       }
       found[parameter.name.data()] = parameter.value;
     }
@@ -128,7 +128,7 @@ class Reader {
     if (trailer.lost_frames != 0) {
       return error(ErrorCode::kFieldInvalid, "trailer",
                    std::to_string(trailer.lost_frames) +
-                       " frames were lost while recording, so it cannot be replayed");
+                       " frames were lost while recording, so the recording cannot be replayed");
     }
     return std::span(reinterpret_cast<const RecordedFrame*>(bytes_.data() + before),
                      static_cast<std::size_t>(trailer.frame_count));
@@ -144,7 +144,7 @@ class Reader {
     }
     if (h.major != kRecordingMajor) {
       return error(ErrorCode::kUnknownVersion, "header",
-                   "has version " + std::to_string(h.major) + ", this program reads version 2");
+                   "has version " + std::to_string(h.major) + ", but this program reads version 2");
     }
     const bool sizes = h.header_bytes == sizeof h && h.frame_bytes == sizeof(RecordedFrame) &&
                        h.parameter_count <= kMaxRecordedParameters;
@@ -154,7 +154,7 @@ class Reader {
         std::all_of(h.reserved.begin(), h.reserved.end(), [](auto b) { return b == 0; });
     if (!sizes || !kinds || !zeros || !poses_valid(h) ||
         !check_range("", h.motion_scale, kMotionScales)) {
-      return error(ErrorCode::kFieldInvalid, "header", "has a field out of its range");
+      return error(ErrorCode::kFieldInvalid, "header", "has a value that is out of range");
     }
     if (bytes_.size() < sizeof h + h.parameter_count * sizeof(RecordedParameter)) {
       return error(ErrorCode::kTruncated, "parameters", "are cut off");
@@ -175,13 +175,13 @@ class Reader {
   Result<Parameters> check_parameters(const Parameters& p) const {
     const bool valid =
         p.mass_kg > 0 && p.voxel_size_m > 0 && p.part_radius_m > 0 && p.inertia_kgm2[0][0] > 0;
-    if (!valid) return error(ErrorCode::kFieldInvalid, "parameters", "are out of their range");
+    if (!valid) return error(ErrorCode::kFieldInvalid, "parameters", "are out of range");
     if (Status s = check_recorded(p); !s) {
       return error(ErrorCode::kFieldInvalid, "parameter " + s.error().where, s.error().what);
     }
     if (p.model == Model::kPaper && p.force != ForceKind::kTangentPlane) {
       return error(ErrorCode::kFieldInvalid, "header",
-                   "names a force that its model, the paper's, does not know");
+                   "has a force field that the paper's model cannot use");
     }
     return p;
   }
@@ -353,7 +353,7 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
 
 Error outcome_differs(const std::string& name, std::uint64_t first) {
   return {ErrorCode::kInternal, name, "frame " + std::to_string(first),
-          "gave another outcome than was recorded",
+          "the outcome differs from the recorded one",
           "replay with the program and on the kind of machine that recorded it"};
 }
 

@@ -1,6 +1,7 @@
 #include "runtime/voxcheck/exact.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "formats/command/program.h"
@@ -53,6 +54,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   }
   request.seat = result.seat_objects;
   request.seat_depth_m = options.seat_depth_m;
+  request.max_s = options.max_s;
   request.quiet = options.quiet;
   for (const auto& seated : result.seated) request.seated.push_back({seated.from_s, seated.to_s});
   if (options.world_from_seat) {
@@ -107,7 +109,57 @@ bool is_settled(const ExactAnswer& answer, std::uint32_t object) {
                      [&](const ExactSeat& seat) { return seat.object == object && seat.settled; });
 }
 
-void take(const ExactAnswer& answer, bool some_are_allowed, CheckResult& result) {
+// The stretches in the seat as the meshes have them, each within one that the files found.
+std::vector<clearance::SeatedStretch> seated_of(const ExactAnswer& answer,
+                                                const clearance::CenterPath& path,
+                                                bool some_are_allowed, const CheckResult& result) {
+  std::vector<clearance::SeatedStretch> stretches;
+  for (const ExactNearest& exact : answer.seated) {
+    for (const clearance::SeatedStretch& found : result.seated) {
+      if (exact.from_s < found.from_s || exact.to_s > found.to_s) continue;
+      clearance::SeatedStretch seated = found;
+      seated.from_s = exact.from_s;
+      seated.to_s = exact.to_s;
+      seated.travel_m = path.travel_m(path.at(exact.to_s)) - path.travel_m(path.at(exact.from_s));
+      if (exact.nearest.exact_m < kNothingM) {
+        if (some_are_allowed) seated.clearance_m = 0;
+        seated.clearance_m = std::max(seated.clearance_m, exact.clearance_m);
+        seated.nearest = checked(exact.nearest, seated.clearance_m, answer.margin_m);
+      }
+      stretches.push_back(seated);
+      break;
+    }
+  }
+  return stretches;
+}
+
+// The curve by the meshes where these know more, cut where the part leaves its seat.
+void raise_curve(CheckResult& result) {
+  std::vector<clearance::CurvePiece> pieces;
+  for (clearance::CurvePiece piece : result.curve) {
+    const double to_s = piece.to_s;
+    while (true) {
+      piece.to_s = to_s;
+      double known_m = result.clearance_m;
+      for (const clearance::SeatedStretch& seated : result.seated) {
+        if (piece.from_s >= seated.from_s && piece.from_s < seated.to_s) {
+          known_m = seated.clearance_m;
+        }
+        for (const double end_s : {seated.from_s, seated.to_s}) {
+          if (end_s > piece.from_s) piece.to_s = std::min(piece.to_s, end_s);
+        }
+      }
+      clearance::CurvePiece& raised = pieces.emplace_back(piece);
+      raised.clearance_m = std::max(raised.clearance_m, known_m);
+      if (piece.to_s >= to_s) break;
+      piece.from_s = piece.to_s;
+    }
+  }
+  result.curve = std::move(pieces);
+}
+
+void take(const ExactAnswer& answer, const clearance::CenterPath& path, bool some_are_allowed,
+          CheckResult& result) {
   std::vector<Violation> violations;
   for (const ExactViolation& v : answer.violations) {
     Violation violation{v.from_s, v.to_s, v.clearance_m,
@@ -116,29 +168,38 @@ void take(const ExactAnswer& answer, bool some_are_allowed, CheckResult& result)
     violation.depth_m = v.depth_m;
     violations.push_back(violation);
   }
+  const bool is_stopped = !answer.stop.empty() && answer.stop[0].stage != ExactStop::kSmallest;
+  if (is_stopped) {
+    Violation rest;
+    rest.from_s = rest.worst.time_s = answer.stop[0].settled_s;
+    rest.to_s = path.time_s({path.poses() - 1, 0});
+    rest.out_of_time = true;
+    violations.push_back(rest);
+  }
   for (Violation v : result.violations) {
-    if (v.pushed_into_seat && !is_settled(answer, v.worst.object)) violations.push_back(v);
     if (v.object_inside) violations.push_back(v);
+    if (is_stopped) continue;
+    if (v.pushed_into_seat && !is_settled(answer, v.worst.object)) violations.push_back(v);
     const ExactSeat* open = v.unsettled_seat ? first_open(answer) : nullptr;
     if (open == nullptr) continue;
     v.worst.object = open->object;
     violations.push_back(v);
   }
   result.violations = std::move(violations);
-  for (std::size_t n = 0; n < std::min(result.seated.size(), answer.seated.size()); ++n) {
-    const ExactNearest& exact = answer.seated[n];
-    clearance::SeatedStretch& seated = result.seated[n];
-    if (exact.nearest.exact_m >= kNothingM) continue;
-    if (some_are_allowed) seated.clearance_m = 0;
-    seated.clearance_m = std::max(seated.clearance_m, exact.clearance_m);
-    seated.nearest = checked(exact.nearest, seated.clearance_m, answer.margin_m);
-  }
-  if (answer.smallest.exact_m >= kNothingM) return;  // no object counts
+  const bool is_seated = !result.seated.empty();
+  result.seated = seated_of(answer, path, some_are_allowed, result);
+  const bool any_measured = answer.smallest.exact_m < kNothingM;
+  if (!any_measured && answer.stop.empty()) return;  // no object counts
   // The files may prove more than the measured distance less the deviations.
-  if (some_are_allowed || !result.seated.empty()) result.clearance_m = 0;
+  if (some_are_allowed || is_seated) result.clearance_m = 0;
+  if (!any_measured) {
+    result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
+    return;
+  }
   result.clearance_m = std::max(result.clearance_m, answer.clearance_m);
   result.smallest = checked(answer.smallest, result.clearance_m, answer.margin_m);
   result.at_least = false;
+  raise_curve(result);
 }
 
 // Adds those objects of the seat that are as far away as required where the part is installed, by
@@ -152,6 +213,19 @@ bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::Left
   }
   far_in_seat = clearance::with_objects(std::move(far_in_seat), far);
   return !far.empty();
+}
+
+// The error of a seat that the files refuse, where the meshes, too, lie deeper in each other than
+// distances are stored: the part starts elsewhere than where it is installed, or in another unit.
+std::optional<Error> refused_seat(const Voxmap& scene, const CheckResult& checked,
+                                  const ExactAnswer& answer) {
+  if (!checked.seat_too_deep) return std::nullopt;
+  const VoxmapHeader& h = scene.header();
+  const double stored_m = h.distance_quantum_m * (h.distance_zero_code - 1);
+  const bool is_deep = std::any_of(answer.seat.begin(), answer.seat.end(), [&](const auto& seat) {
+    return !(seat.installed_m < stored_m);
+  });
+  return is_deep ? checked.seat_too_deep : std::nullopt;
 }
 
 }  // namespace
@@ -181,6 +255,8 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
                                            const clearance::CenterPath& path,
                                            clearance::CheckRequest request, const Options& options,
                                            const AskExactly& ask) {
+  request.seat_depth = clearance::SeatDepth::kOfMeshes;
+  const auto begun = std::chrono::steady_clock::now();
   while (true) {
     auto checked = clearance::check_path(scene, part, path, request);
     if (!checked) {
@@ -188,9 +264,19 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
       if (error.file.empty()) error.file = options.scene;
       return error;
     }
-    auto answer = ask(request_of(options, request.allowed, *checked));
+    ExactRequest question = request_of(options, request.allowed, *checked);
+    if (question.max_s) {  // for all questions
+      const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
+      *question.max_s = std::max(0.0, *question.max_s - spent.count());
+    }
+    auto answer = ask(question);
     if (!answer) return answer.error();
-    take(*answer, is_any(request.allowed), *checked);
+    for (ExactStop& stop : answer->stop) stop.max_s = *options.max_s;
+    if (auto refused = refused_seat(scene, *checked, *answer)) {
+      if (refused->file.empty()) refused->file = options.scene;
+      return *std::move(refused);
+    }
+    take(*answer, path, is_any(request.allowed), *checked);
     if (!leave_out_far(*answer, options.clearance_m, request.far_in_seat)) {
       return ExactCheckResult{std::move(*checked), std::move(*answer)};
     }

@@ -7,11 +7,13 @@ namespace forcelayer::voxcheck {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
                                    pushed_into_seat, depth_m, max_depth_m, inside)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactHole, edges_m, place_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
-                                   settled)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, clearance_m, nearest)
+                                   settled, part_hole, object_hole)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s, max_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,
-                                   seated, moments, warnings)
+                                   seated, moments, stop, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, min_m, max_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
@@ -54,7 +56,7 @@ Result<T> read(const std::string& text, T (*take)(const Json&)) {
     return Error{
         ErrorCode::kInternal, "", "--exact",
         std::string("voxcheck and voxcheck-exact do not understand each other: ") + e.what(),
-        "install both of one version"};
+        "install the same version of both"};
   }
 }
 
@@ -81,6 +83,7 @@ std::string text_of(const ExactRequest& r) {
               {"seated", r.seated},
               {"seat_pose", r.seat_pose},
               {"seat_depth_m", or_null(r.seat_depth_m)},
+              {"max_s", or_null(r.max_s)},
               {"quiet", r.quiet}}
       .dump();
 }
@@ -109,6 +112,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("seated").get_to(r.seated);
         json.at("seat_pose").get_to(r.seat_pose);
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
+        r.max_s = unless_null(json.at("max_s"));
         json.at("quiet").get_to(r.quiet);
         return r;
       });

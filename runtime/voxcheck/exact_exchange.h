@@ -45,7 +45,8 @@ struct ExactRequest {
   // How much deeper than installed the part may go into an object of its seat, beside deviations
   // and rounding.
   std::optional<double> seat_depth_m;
-  bool quiet = false;  // no line of progress on the terminal
+  std::optional<double> max_s;  // after which the measurement stops
+  bool quiet = false;           // no line of progress on the terminal
 };
 
 // The surfaces at one moment, as the meshes have them.
@@ -65,12 +66,17 @@ struct ExactViolation {
   // the nearest one of the other surface.
   bool pushed_into_seat = false;
   // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
-  // that meet elsewhere it is the deepest of a few moments, found coarsely; 0 where one of the two
-  // has no inside.
+  // that meet elsewhere it is the deepest of some moments; 0 where one of the two has no inside.
   double depth_m = 0, max_depth_m = 0;
   // All of the part was inside of a solid for a while, where its surface met none.
   bool inside = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
+};
+
+// Where a mesh is open.
+struct ExactHole {
+  double edges_m = 0;               // length of all open edges
+  std::array<double, 3> place_m{};  // the middle of the longest, world, where the part is installed
 };
 
 // How deep the part goes into an object of its seat, as the meshes have it.
@@ -83,13 +89,25 @@ struct ExactSeat {
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;
+  ExactHole part_hole{}, object_hole{};  // where it is not settled
 };
 
-// How near the part comes to all objects that count while it is in its seat: to a thirty-second of
-// a voxel.
+// A stretch in which the part is in its seat by the meshes: the files prove less than there is, and
+// find its end too late. And how near the part comes to all objects that count in it.
 struct ExactNearest {
+  double from_s = 0, to_s = 0;
   double clearance_m = 0;  // that holds for all of the stretch, deviations and rounding taken off
   ExactMoment nearest;
+};
+
+// Where the measurement stopped because its time was over.
+struct ExactStop {
+  // In the last one all is proven but how near the part comes.
+  enum Stage { kClearance, kInstalled, kContact, kSmallest };
+  int stage = kClearance;
+  std::uint32_t object = 0;  // of the seat, in the stages kInstalled and kContact
+  double settled_s = 0;      // until then the path was checked in this stage,
+  double max_s = 0;          // in this time
 };
 
 struct ExactAnswer {
@@ -98,8 +116,9 @@ struct ExactAnswer {
   ExactMoment smallest;
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
-  std::vector<ExactNearest> seated;  // for each of ExactRequest::seated
+  std::vector<ExactNearest> seated;  // in ExactRequest::seated
   std::uint64_t moments = 0;         // at which a distance was measured
+  std::vector<ExactStop> stop;       // at most one
   std::vector<std::string> warnings;
 };
 

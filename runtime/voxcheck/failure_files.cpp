@@ -18,6 +18,8 @@ constexpr const char* kName = "voxcheck";  // of issues that are no violations
 
 constexpr std::string_view kJunit =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\"";
+constexpr std::string_view kJunitOfStudy =
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"forcelayer study\"";
 
 bool is_verdict(const Error& error) { return error.code == ErrorCode::kAnswerIsNo; }
 
@@ -59,7 +61,7 @@ std::vector<FailureFile> failure_files(const Options& options, int argc, char** 
     if (is_verdict(error)) return "";
     return command::annotation(subject_of(options), "error", kName, to_line(error));
   };
-  std::vector<FailureFile> files{{"junit:", {kJunit}, junit},
+  std::vector<FailureFile> files{{"junit:", {kJunit, kJunitOfStudy}, junit},
                                  {"gitlab:", {"[]", "[\n  {\n    \"description\""}, issues}};
   for (int n = 1; n < argc; ++n) {
     const std::string_view argument = argv[n];

@@ -82,7 +82,7 @@ Status write_reports(const Report& report) {
     const auto issues = command::issues(subject, verdict);
     if (Status s = command::write_report(options.code_quality, issues); !s) return s;
   }
-  return command::exit_of(verdict, options.path);
+  return options.fail_on == "nothing" ? Status() : command::exit_of(verdict, options.path);
 }
 
 // How far the end of the path that is nearer to the seat lies from it.
@@ -124,11 +124,11 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
     const double off_m = off_seat_m(*options.world_from_seat, part, path);
     const double reach_m = clearance::kSeatVoxels * scene.voxel_size_m();
     if (result.seat_objects.empty()) {
-      warn("--seat: the part touches nothing there");
+      warn("--seat: the part touches nothing at this pose");
     } else if (!(off_m < reach_m)) {
       warn(
-          command::text("--seat: has no effect: it is at neither end of the path. The nearer end "
-                        "lies %.4g mm from it, and %.4g mm are too much",
+          command::text("--seat: has no effect, because it is at neither end of the path: the "
+                        "nearer end is %.4g mm away, and must be less than %.4g mm away",
                         1e3 * off_m, 1e3 * reach_m));
     }
   }
@@ -137,8 +137,8 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
     warn(never_near_text("path"));
   } else if (const double times = scenes_away(scene, part, rows); times > kFarAway) {
     warn(
-        command::text("the path leads %.0f times as far away as the scene is across: is it in "
-                      "another unit?",
+        command::text("the path leads away from the scene by %.0f times the scene's size: check "
+                      "the unit of the path",
                       times));
   }
 }
@@ -151,11 +151,12 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
   const WideStep step = widest_step(rows, part.header().center_m);
   if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
   command::warn(
-      command::text("from %.3f to %.3f s the part turns by %.3g degrees in one step: its centroid "
-                    "goes straight, %.3f mm; if it is the frame's origin that does, the part is up "
-                    "to %.3f mm elsewhere: add rows between, or use voxinfo path --resample",
-                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
-                    1e3 * step.way_m, 1e3 * step.aside_m),
+      command::text(
+          "from %.3f to %.3f s the part turns by %.3g degrees between two rows. Its centroid is "
+          "moved straight, by %.3f mm. If the origin of its frame moved straight instead, the part "
+          "is up to %.3f mm away from there: add rows in between, or use voxinfo path --resample",
+          rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+          1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);
 }
 
@@ -222,14 +223,14 @@ int run(int argc, char** argv) {
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked",
+      {{"Question",
         {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow", "--fail-on",
          "--threads"}},
-       {"The meshes",
+       {"Meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
-         "--sandbox"}},
+         "--sandbox", "--time"}},
        {"Output", {"--picture", "--report"}}},
-      "  voxcheck bay.vox part.pshell run.csv                      12.7 mm along a trace\n"
+      "  voxcheck bay.vox part.pshell run.csv                      1 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --report junit:verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
   tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);

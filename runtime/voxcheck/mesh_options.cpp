@@ -11,24 +11,24 @@ namespace forcelayer::voxcheck {
 
 void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::string& exact_help) {
   app.add_option("--exact", options.meshes, exact_help)->allow_extra_args(false);
-  app.add_option("--part", options.part_meshes, "and what the part was baked from; repeatable")
+  app.add_option("--part", options.part_meshes,
+                 "the inputs from which the part was baked; repeatable")
       ->allow_extra_args(false);
   app.add_option("--without", options.without,
-                 "nodes that the bake of the scene left out; repeatable")
+                 "nodes that were left out when the scene was baked; repeatable")
       ->allow_extra_args(false);
   app.add_option("--units", options.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
-                 "unit; replaces the unit that the format defines");
+                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "otherwise it replaces the unit of the format");
   app.add_option("--part-units", options.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options.allow_outside,
-               "a manifest may name meshes outside its own folder");
+               "let a manifest name meshes outside its own folder");
   command::add_flag(app, "--sandbox", options.sandbox,
-                    "read each mesh file in a process of its own, as voxelize does; "
-                    "--sandbox=memory=2GiB,time=30s sets its limits for a file");
-  app.add_option(
-      "--seat-depth", seat_depth_,
-      "with --exact: how much deeper than installed the part may go into the objects that "
-      "it is seated on, beside the deviations of the meshes; default: 0");
+                    "read each mesh file in a separate process, as voxelize does; "
+                    "--sandbox=memory=2GiB,time=30s sets the limits for a file");
+  app.add_option("--seat-depth", seat_depth_,
+                 "with --exact: how much deeper than installed the part may go into the objects of "
+                 "its seat, in addition to the deviations of the meshes; default: 0");
 }
 
 Status MeshOptionParser::finish(MeshOptions& options) const {
@@ -43,7 +43,7 @@ Status MeshOptionParser::finish(MeshOptions& options) const {
   }
   if (options.meshes.empty() != options.part_meshes.empty()) {
     return Error{ErrorCode::kUsage, "", options.meshes.empty() ? "--exact" : "--part",
-                 "is missing: both surfaces are needed",
+                 "is missing: the meshes of scene and part are both needed",
                  "give --exact SCENE_MESHES --part PART_MESHES"};
   }
   if (!seat_depth_.empty()) {
@@ -60,7 +60,7 @@ Status MeshOptionParser::finish(MeshOptions& options) const {
         std::pair("--seat-depth", options.seat_depth_m.has_value()),
         std::pair("--sandbox", !options.sandbox.empty())}) {
     if (is_given) {
-      return Error{ErrorCode::kUsage, "", option, "goes with --exact alone", "leave it out"};
+      return Error{ErrorCode::kUsage, "", option, "has no effect without --exact", "leave it out"};
     }
   }
   return {};

@@ -66,7 +66,8 @@ Result<clearance::LeftOut> named_objects(const Voxmap& scene,
     for (std::uint32_t object = 1; object <= objects; ++object) {
       nearest.add(object_name(scene, object));
     }
-    return Error{ErrorCode::kUsage, "", "--allow", "'" + pattern + "' names no object of the scene",
+    return Error{ErrorCode::kUsage, "", "--allow",
+                 "'" + pattern + "' is not an object of the scene",
                  nearest.text("voxinfo SCENE.vox --objects lists all")};
   }
   return chosen;

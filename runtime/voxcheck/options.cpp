@@ -15,46 +15,54 @@ constexpr unsigned kMaxThreads = 256;
 
 }  // namespace
 
-OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm") {
+OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearance) {
   options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
-  app.add_option(
-         "path", options_.path,
-         "poses of the part over time: a CSV, a trace or a recording of voxrun; from one to "
-         "the next its centroid goes straight and it turns the short way round, both evenly")
+  app.add_option("path", options_.path,
+                 "poses of the part over time: a CSV, a trace or a recording of voxrun. Between "
+                 "two poses the centroid moves straight and the part turns by the smaller angle, "
+                 "both at constant speed")
       ->required();
   app.add_option("--clearance", clearance_,
-                 "that is required of the exact surfaces, default 12.7mm");
-  app.add_option("--seat", seat_,
-                 "world_from_part where the part is installed, x,y,z[,qw,qx,qy,qz]: it may be near "
-                 "the objects that it touches there, until it has left them, and at the path's end "
-                 "again");
+                 "required distance between the exact surfaces, default 1mm");
+  app.add_option(
+      "--seat", seat_,
+      "pose world_from_part in which the part is installed, x,y,z[,qw,qx,qy,qz]. At the "
+      "beginning and at the end of the path, the part may be near the objects that it touches in "
+      "this pose");
   app.add_flag("--felt-seat", options_.felt_seat,
-               "a seat that no meshes settle is clear where shell points feel nothing, although "
-               "thin walls and rods are not felt; the report says how thin");
+               "accept a seat that the meshes do not prove, if the shell points find nothing "
+               "wrong. Shell points miss thin walls and rods; the report says how thin");
   app.add_option("--allow", options_.allow,
-                 "an object that may be near, by its name or the end of it; * and ? match; "
+                 "name of an object that may be near, or the end of its name; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
-  command::add_choice(app, "--fail-on", options_.fail_on, {"far"},
-                      "far: a part that is never near the scene is not clear either; the path may "
-                      "be in another unit");
+  command::add_choice(app, "--fail-on", options_.fail_on, {"far", "nothing"},
+                      "far: a part that never comes near the scene counts as not clear, because "
+                      "the path may be in another unit. nothing: the status is 0 for every "
+                      "answer");
   meshes_.declare(app, options_,
-                  "what the scene was baked from: settles with the meshes themselves what the "
-                  "files leave open; repeatable");
+                  "the inputs from which the scene was baked. The meshes decide where the baked "
+                  "files cannot; repeatable");
+  app.add_option("--time", time_,
+                 "with --exact: time after which the measurement ends, with the answer undecided; "
+                 "default: no limit");
   app.add_option("--threads", options_.threads,
-                 "worker threads, default all; the answer does not depend on their number")
+                 "number of threads, default all; the number does not change the answer")
       ->check(CLI::Range(1u, kMaxThreads));
-  app.add_option("--picture", options_.picture,
-                 "draw the worst moment, PNG (by voxview; with the meshes of --exact)");
-  app.add_option("--json", options_.json, "write a report");
+  app.add_option(
+      "--picture", options_.picture,
+      "write a picture (PNG) of the worst moment, drawn by voxview with the meshes of --exact");
+  app.add_option("--json", options_.json, "write a report to this file");
   command::name_value(
-      command::add_texts(app, "--report", reports_, '\n',
-                         "write a report for another program, repeatable: csv:FILE (the proven "
-                         "clearance over time), junit:FILE (the verdict as a test result, XML), "
-                         "gitlab:FILE (violations and warnings as GitLab shows them at a change, "
-                         "JSON), or github (the same as GitHub shows them, a printed line each)"),
+      command::add_texts(
+          app, "--report", reports_, '\n',
+          "write a report for another program, repeatable. csv:FILE: the proven "
+          "clearance over time. junit:FILE: the verdict as a test result, XML. "
+          "gitlab:FILE: violations and warnings for a GitLab merge request, JSON. "
+          "github: violations and warnings as printed lines, which GitHub shows at the path's "
+          "file"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
@@ -74,6 +82,15 @@ Result<Options> OptionParser::finish() const {
   }
   options.clearance_m = *clearance;
   if (Status read = meshes_.finish(options); !read) return read.error();
+  if (!time_.empty()) {
+    const auto time_s = command::parse_duration(time_);
+    if (!time_s) return about("--time", time_s.error());
+    if (options.meshes.empty()) {
+      return Error{ErrorCode::kUsage, "", "--time", "has no effect without --exact",
+                   "leave it out"};
+    }
+    options.max_s = *time_s;
+  }
   if (!seat_.empty()) {
     const auto seat = command::parse_pose(seat_);
     if (!seat) return about("--seat", seat.error());

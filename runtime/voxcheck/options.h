@@ -17,8 +17,9 @@ struct Options : MeshOptions {
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
   unsigned threads = 1;
-  bool felt_seat = false;  // where shell points feel nothing the seat is clear
-  std::string fail_on;     // "far", or empty
+  bool felt_seat = false;       // where shell points feel nothing the seat is clear
+  std::string fail_on;          // "far", "nothing" or empty
+  std::optional<double> max_s;  // for the meshes
   std::string picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
@@ -37,7 +38,7 @@ class OptionParser {
  private:
   Options options_;
   MeshOptionParser meshes_;
-  std::string clearance_, seat_, reports_;
+  std::string clearance_, seat_, time_, reports_;
 };
 
 }  // namespace forcelayer::voxcheck

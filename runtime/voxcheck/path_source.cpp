@@ -19,7 +19,8 @@ Result<std::vector<PathRow>> read_recording(const std::string& path, const std::
   if (!simulation) {
     Error error = simulation.error();
     if (error.code == ErrorCode::kFilesDoNotMatch) {
-      error.mend = "check it with these, or save the path with voxrun --save-path";
+      error.mend =
+          "check the recording with the files of its run, or save its path with voxrun --save-path";
     }
     return error;
   }
@@ -31,7 +32,7 @@ Result<std::vector<PathRow>> read_recording(const std::string& path, const std::
     rows.push_back({step.time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}});
   });
   if (rows.empty()) {
-    return Error{ErrorCode::kFieldInvalid, path, "", "is a recording without a frame", ""};
+    return Error{ErrorCode::kFieldInvalid, path, "", "the recording has no frames", ""};
   }
   return rows;
 }

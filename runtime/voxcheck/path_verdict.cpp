@@ -39,6 +39,7 @@ std::string name_of(const CheckedPath& checked, std::uint32_t object) {
 
 VerdictKind kind_of(const CheckedPath& checked, const Violation& v) {
   const ExactViolation* exact = exact_of(checked, v);
+  if (v.out_of_time) return VerdictKind::kUndecided;
   if (v.object_inside) return VerdictKind::kCollides;
   if (v.pushed_into_seat) {
     return exact != nullptr && exact->graze ? VerdictKind::kTooCloseToCall : VerdictKind::kCollides;
@@ -71,7 +72,7 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   const ExactViolation* exact = exact_of(checked, v);
   if (exact == nullptr) {
     return "goes " + length_text(v.depth_m) + " deeper into " + object +
-           " than where it is installed";
+           " than in the installed pose";
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
   if (exact->graze) {
@@ -84,18 +85,26 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            ", which it does not overlap as installed";
   }
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
-  return "goes " + depth + " deep into " + object + ", " + length_text(seat->installed_m) +
-         " as installed and " + allowed + " allowed";
+  return "goes " + depth + " deep into " + object + " (" + length_text(seat->installed_m) +
+         " as installed, " + allowed + " allowed)";
+}
+
+// "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"
+std::string hole_text(const ExactHole& hole) {
+  const auto& p = hole.place_m;
+  return length_text(hole.edges_m) + " of open edges, " + place_text({p[0], p[1], p[2]});
 }
 
 std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
   const std::string object = name_of(checked, v.worst.object);
   if (checked.exact != nullptr) {
-    return "while it touches " + object +
-           ", overlap cannot be measured: both meshes are open and have no inside";
+    const ExactSeat* seat = exact_seat(checked, v.worst.object);
+    return "while the part touches " + object +
+           ", overlap cannot be measured: both meshes are open, the part with " +
+           hole_text(seat->part_hole) + ", " + object + " with " + hole_text(seat->object_hole);
   }
-  return text("in contact, features of %s narrower than %.2f mm are not seen", object.c_str(),
-              ceil_mm(2 * checked.part.header().covering_radius_m));
+  return text("features of %s narrower than %.2f mm are not seen while the part touches it",
+              object.c_str(), ceil_mm(2 * checked.part.header().covering_radius_m));
 }
 
 std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact) {
@@ -108,26 +117,46 @@ std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact
   return "meets " + name + deep;
 }
 
+// "the 10 s of --time ended when contact with Housing was checked along 12.3 of 60.0 mm"
+std::string out_of_time_text(const CheckedPath& checked, const ExactStop& stop) {
+  const std::string object = name_of(checked, stop.object);
+  const std::string ended = text("the %.4g s of --time ended ", stop.max_s);
+  if (stop.stage == ExactStop::kInstalled) {
+    return ended + "before the overlap with " + object + " as installed was measured";
+  }
+  const std::string what =
+      stop.stage == ExactStop::kContact ? "contact with " + object : "the clearance";
+  const double settled_m = along_m(checked, stop.settled_s);
+  if (settled_m == 0) return ended + "before " + what + " was checked";
+  return ended + "when " + what +
+         text(" was checked along %.1f of %.1f mm", 1e3 * settled_m,
+              1e3 * along_m(checked, checked.rows.back().time_s));
+}
+
 // The finding of a violation, without its position.
 std::string finding_text(const CheckedPath& checked, const Violation& v) {
+  if (v.out_of_time) return out_of_time_text(checked, checked.exact->stop[0]);
   if (v.pushed_into_seat) return pushed_text(checked, v);
   if (v.unsettled_seat) return unsettled_text(checked, v);
   const std::string object = name_of(checked, v.worst.object);
   if (v.object_inside) return object + " lies inside the part";
   if (v.worst.beyond_side) {
-    return "comes to " + command::length_texts(v.clearance_m, checked.required_m).first +
-           " of a cropped side of the scene, beyond which nothing is known";
+    return "comes within " + command::length_texts(v.clearance_m, checked.required_m).first +
+           " of a cropped side of the scene; nothing is known beyond that side";
   }
   if (const ExactViolation* exact = exact_of(checked, v)) {
     if (exact->meets()) return meeting_text(checked, *exact);
-    const std::string near = "comes as near as " +
-                             command::length_texts(exact->worst.exact_m, checked.required_m).first +
-                             " to " + object;
+    constexpr double kRoundingM = 1e-9;
+    const double off_m = std::abs(exact->worst.exact_m - checked.required_m);
+    const std::string distance =
+        exact->graze && off_m < kRoundingM
+            ? length_text(exact->worst.exact_m)
+            : command::length_texts(exact->worst.exact_m, checked.required_m).first;
+    const std::string near = "comes as near as " + distance + " to " + object;
     if (!exact->graze) return near;
     // More digits than the distance is off what is required.
-    const double off_m = std::abs(exact->worst.exact_m - checked.required_m);
-    return near + ", which deviations and rounding of " +
-           command::length_texts(checked.exact->margin_m, off_m).first + " leave open";
+    return near + ", too near to decide with deviations and rounding of " +
+           command::length_texts(checked.exact->margin_m, off_m).first;
   }
   if (v.worst.max_m <= 0) return "goes into " + object;
   if (v.worst.max_m < checked.required_m) {
@@ -138,7 +167,32 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
   if (!std::isfinite(v.worst.max_m)) return "only " + proven + " to " + object + " are proven";
   return "is between " + proven + " and " +
          command::upper_length_text(v.worst.max_m, checked.required_m) + " away from " + object +
-         ", and the baked files tell no more";
+         ", and the baked files are not more exact";
+}
+
+// The objects that the part goes into, the one that it goes into deepest first, to the micrometer:
+// depths that differ by rounding alone keep the order of the path.
+std::vector<std::string> blockers(const CheckedPath& checked) {
+  std::vector<std::pair<long long, std::uint32_t>> found;
+  for (const Violation& v : checked.result.violations) {
+    if (v.worst.object == 0 || kind_of(checked, v) != VerdictKind::kCollides) continue;
+    const long long depth_um = std::llround(1e6 * v.depth_m);
+    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& other) {
+      return other.second == v.worst.object;
+    });
+    if (same == found.end()) {
+      found.emplace_back(depth_um, v.worst.object);
+    } else {
+      same->first = std::max(same->first, depth_um);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> names;
+  for (const auto& [depth_um, object] : found) {
+    names.push_back(object_name(checked.scene, object));
+  }
+  return names;
 }
 
 VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& moment,
@@ -178,20 +232,12 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
   return slides;
 }
 
-// Whether the part is installed where its path begins, and whether it is where that ends.
-bool is_installed_at_begin(const CheckedPath& checked) {
-  const auto& seated = checked.result.seated;
-  return !seated.empty() && seated.front().from_s <= checked.rows.front().time_s;
-}
-bool is_installed_at_end(const CheckedPath& checked) {
-  const auto& seated = checked.result.seated;
-  return !seated.empty() && seated.back().to_s >= checked.rows.back().time_s;
-}
-
 VerdictKind yes_of(const CheckedPath& checked) {
-  const bool begins = is_installed_at_begin(checked), ends = is_installed_at_end(checked);
-  if (begins && ends && checked.result.seated.size() == 1) return VerdictKind::kStaysInstalled;
-  return begins && !ends ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
+  const CheckResult& r = checked.result;
+  const bool ends =
+      r.seated.empty() ? r.ends_installed : r.seated.back().to_s >= checked.rows.back().time_s;
+  if (r.begins_installed && ends && r.seated.size() == 1) return VerdictKind::kStaysInstalled;
+  return r.begins_installed && !ends ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
 }
 
 // "103.2 to 159.5 mm along the path (1.720 to 2.658 s)"
@@ -255,9 +301,9 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
   };
   const glm::dvec3 chord_m = centroid(rows.back()) - centroid(rows.front());
   const double chord = glm::length(chord_m);
-  if (facts.way_m < kStandsM) return facts.turn_rad > kTurnRad ? "turning in place" : "";
+  if (facts.length_m < kStandsM) return facts.turn_rad > kTurnRad ? "turning in place" : "";
   if (chord < kStandsM) return "along a path that ends where it begins";
-  const bool is_straight = facts.way_m <= kStraight * chord;
+  const bool is_straight = facts.length_m <= kStraight * chord;
   std::string along;
   for (int axis = 0; axis < 3; ++axis) {
     const double cosine = chord_m[axis] / chord;
@@ -282,7 +328,8 @@ std::string place_text(const glm::dvec3& point_m) {
 
 std::string violation_text(const CheckedPath& checked, const Violation& v) {
   std::string line = stretch_text(checked, v.from_s, v.to_s) + ": " + finding_text(checked, v);
-  return v.unsettled_seat ? line : line + ", " + where_text(checked, v.worst);
+  const bool is_somewhere = !v.unsettled_seat && !v.out_of_time;
+  return is_somewhere ? line + ", " + where_text(checked, v.worst) : line;
 }
 
 command::Verdict verdict_of(const CheckedPath& checked) {
@@ -297,13 +344,15 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   if (r.clear()) return verdict;
   const Violation& worst = worst_of(checked);
   verdict.kind = kind_of(checked, worst);
-  if (verdict.kind == VerdictKind::kCollides && is_installed_at_begin(checked)) {
-    verdict.kind = VerdictKind::kDoesNotComeOut;
+  if (verdict.kind == VerdictKind::kCollides) {
+    if (r.begins_installed) verdict.kind = VerdictKind::kDoesNotComeOut;
+    verdict.blocked_by = blockers(checked);
   }
   const ExactViolation* exact = exact_of(checked, worst);
   verdict.nearest = distance_of(checked, worst.worst, exact != nullptr ? &exact->worst : nullptr,
                                 worst.clearance_m);
-  if (worst.unsettled_seat) verdict.nearest.known = Known::kNot;
+  if (worst.unsettled_seat || worst.out_of_time) verdict.nearest.known = Known::kNot;
+  if (worst.out_of_time) verdict.slides.clear();
   if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {
     verdict.finding = finding_text(checked, worst);
   }
@@ -362,7 +411,7 @@ Json stretch_json(const CheckedPath& checked, double from_s, double to_s) {
 
 Json seated_json(const CheckedPath& checked, const clearance::SeatedStretch& stretch) {
   Json json = stretch_json(checked, stretch.from_s, stretch.to_s);
-  json["way_m"] = stretch.way_m;
+  json["travel_m"] = stretch.travel_m;
   json.update(moment_json(checked, stretch.nearest, stretch.clearance_m));
   return json;
 }

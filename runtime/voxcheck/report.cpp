@@ -81,6 +81,7 @@ Json violation_json(const Report& report, const Violation& v) {
   json["pushed_into_seat"] = v.pushed_into_seat;
   json["seat_not_settled"] = v.unsettled_seat;
   json["object_inside"] = v.object_inside;
+  if (v.out_of_time) json["out_of_time"] = true;
   if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report.checked, v)) {
     if (v.depth_m > 0) json["max_depth_m"] = exact->max_depth_m;
@@ -118,7 +119,8 @@ std::string seat_mend(const Report& report) {
   const bool begins = any([&](const Violation& v) { return v.from_s <= first.time_s; });
   const bool ends = any([&](const Violation& v) { return v.to_s >= last.time_s; });
   if (!begins && !ends) return "";
-  return text("if it is installed at the path's %s, give --seat ", begins ? "beginning" : "end") +
+  return text("if the part is installed at the path's %s, give --seat ",
+              begins ? "beginning" : "end") +
          seat_of(begins ? first : last);
 }
 
@@ -147,23 +149,29 @@ std::string seat_depth_text(const Report& report) {
   if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
     return "in contact, the part goes nowhere deeper than installed";
   }
-  // Beyond the allowed depth no more is known than the deepest place that was looked at.
-  const char* bound = deeper(*deepest) > allowed_m ? "at least " : "at most ";
-  return std::string("in contact, the part goes ") + bound +
-         length_text(std::max(0.0, deeper(*deepest))) + " deeper than installed, into " + object +
+  // The deepest position of some moments is known. That none is deeper than allowed is proven.
+  const std::string found = length_text(std::max(0.0, deeper(*deepest)));
+  if (deeper(*deepest) <= allowed_m) {
+    return "in contact, the part goes at most " + length_text(allowed_m) +
+           " deeper than installed, as allowed; the deepest that was found is " + found +
+           ", into " + object;
+  }
+  return "in contact, the part goes at least " + found + " deeper than installed, into " + object +
          "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
          " allowed";
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
   if (verdict.kind == command::VerdictKind::kNeverNear) {
-    return "check the units of the path, and whose path and part they are";
+    return "check the units of the path, and whether path, part and scene belong together";
   }
   if (command::is_yes(verdict.kind)) return "";
   const Violation& worst = worst_of(report.checked);
+  if (worst.out_of_time) return "give a longer --time, or check a part of the path";
   if (worst.unsettled_seat) {
-    return report.exact ? "repair a mesh, or accept with --felt-seat"
-                        : "settle with --exact, or accept with --felt-seat";
+    return report.exact
+               ? "close one of the two meshes there and bake again, or accept with --felt-seat"
+               : "check with --exact, or accept with --felt-seat";
   }
   const std::string mend = seat_mend(report);
   if (!mend.empty()) return mend;
@@ -193,7 +201,7 @@ command::Verdict verdict_of(const Report& report) {
   notes.insert(notes.end(), verdict.remarks.begin(), verdict.remarks.end());
   if (std::string line = seat_depth_text(report); !line.empty()) notes.push_back(std::move(line));
   if (const double within_m = hidden_within_m(report); within_m > 0) {
-    notes.push_back(hidden_text(within_m));
+    notes.push_back(hidden_text(within_m) + "; add --exact");
   }
   return verdict;
 }
@@ -223,7 +231,7 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
   }
   json["missing_faces"] = missing_faces(report.checked.scene, report.checked.part);
   json["poses"] = r.poses;
-  json["way_m"] = r.way_m;
+  json["travel_m"] = r.travel_m;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;
   json["violations"] = Json::array();

@@ -38,7 +38,8 @@ bool is_never_near(const clearance::CheckResult& result, const Pshell& part,
 }
 
 std::string never_near_text(const char* given) {
-  return text("the part is never near the scene: is it the part and the %s of this scene?", given);
+  return text("the part is never near the scene: check that part and %s belong to this scene",
+              given);
 }
 
 double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result,
@@ -50,7 +51,7 @@ double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result
 }
 
 std::string hidden_text(double within_m) {
-  return text("objects less than %.4g mm behind an ignored one were not checked; add --exact",
+  return text("objects less than %.4g mm behind an ignored object were not checked",
               1e3 * within_m);
 }
 

@@ -26,16 +26,16 @@ Pose resting_handle(const Options& options) {
   return *start.world_from_part * inverse(start.handle_from_part.value_or(Pose{}));
 }
 
-// From rest to rest along `way_m`, with the least jerk.
-devices::MotionScript pulled(const Pose& from, const glm::dvec3& way_m) {
+// From rest to rest along `shift_m`, with the least jerk.
+devices::MotionScript pulled(const Pose& from, const glm::dvec3& shift_m) {
   constexpr double kRestS = 0.3, kEndS = 0.2, kMinS = 2, kMeanMps = 0.05, kRowsPerS = 100;
-  const double move_s = std::max(kMinS, glm::length(way_m) / kMeanMps);
+  const double move_s = std::max(kMinS, glm::length(shift_m) / kMeanMps);
   std::vector<devices::MotionScript::Row> rows = {{0, from}};
   const auto count = static_cast<int>(std::ceil(move_s * kRowsPerS));
   for (int n = 0; n <= count; ++n) {
     const double t = static_cast<double>(n) / count;
     const double fraction = t * t * t * (10 - 15 * t + 6 * t * t);
-    rows.push_back({kRestS + t * move_s, {from.position_m + fraction * way_m, from.orientation}});
+    rows.push_back({kRestS + t * move_s, {from.position_m + fraction * shift_m, from.orientation}});
   }
   rows.push_back({kRestS + move_s + kEndS, rows.back().world_from_handle});
   return devices::MotionScript(std::move(rows));
@@ -73,8 +73,8 @@ double watch_s(const Options& options) {
 // The device's side takes the motors to zero between the frames of a slower loop.
 Status check_rate(const Options& options) {
   if (watch_s(options) <= kStaleCeilingS) return {};
-  return Error{ErrorCode::kUsage, "", "--rate", "is too slow for a device with motors",
-               "give 50 or more"};
+  return Error{ErrorCode::kUsage, "", "--set rate_hz", "is too slow for a device with motors",
+               "use 50 Hz or more"};
 }
 
 Result<ChosenDevice> make_device(const Options& options, const std::atomic<int>& stop) {
@@ -111,11 +111,10 @@ Status check_watchdog(const Options& options, const DeviceCapabilities& device) 
   const bool safe =
       device.actuated_axes == 0 || (device.watchdog_s > 0 && device.watchdog_s <= kMaxWatchdogS);
   if (safe || options.without_watchdog) return {};
-  return Error{
-      ErrorCode::kDeviceRefused, "", device.name,
-      "has motors and no watchdog of its own, or one above 100 ms: when its driver dies, its "
-      "last force stays",
-      "add without-watchdog to --device if somebody stands at its switch"};
+  return Error{ErrorCode::kDeviceRefused, "", device.name,
+               "has motors, but its watchdog is missing or above 100 ms: if the driver fails, the "
+               "last force stays",
+               "add without-watchdog to --device if somebody is ready to switch the device off"};
 }
 
 // A reading that a run can begin with.
@@ -134,12 +133,12 @@ Error no_usable_reading(const devices::Device& device, const DeviceSample& last,
   if (last.present && fresh) {
     return {ErrorCode::kDeviceRefused, "", name,
             "reports no pose: its numbers are not finite, or its quaternion is not of length 1",
-            "look at the device's driver"};
+            "check the device's driver"};
   }
   const devices::DeviceTrouble trouble = device.trouble();
   return {ErrorCode::kDeviceFailed, "", name,
           "gives no readings" + (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
-          trouble.mend.empty() ? "look at plug and power" : trouble.mend};
+          trouble.mend.empty() ? "check plug and power" : trouble.mend};
 }
 
 }  // namespace

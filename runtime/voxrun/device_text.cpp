@@ -16,21 +16,25 @@ Error usage(std::string_view where, std::string_view what, std::string_view mend
   return {ErrorCode::kUsage, "", where, what, mend};
 }
 
-Status read_buttons(const std::string& text, Options& options) {
-  constexpr double kNone = -1;
-  double numbers[] = {kNone, kNone, kNone};
-  const command::Bounds bounds{0, kMaxButton};
-  const command::ValueName names[] = {{.name = "clutch", .number = &numbers[0], .bounds = bounds},
-                                      {.name = "scene", .number = &numbers[1], .bounds = bounds},
-                                      {.name = "guide", .number = &numbers[2], .bounds = bounds}};
-  if (Status read = command::read_values("--buttons", text, names); !read) return read;
-  std::optional<unsigned>* const buttons[] = {&options.clutch_button, &options.scene_button,
-                                              &options.guide_button};
-  for (int n = 0; n < 3; ++n) {
-    if (numbers[n] == kNone) continue;
-    *buttons[n] = static_cast<unsigned>(numbers[n]);
-    if (**buttons[n] != numbers[n]) {
-      return usage("--buttons", std::string(names[n].name) + " is not a whole number", "");
+// The buttons of a device by their numbers; kNone for one that is not given.
+struct Buttons {
+  static constexpr double kNone = -1;
+  double clutch = kNone, scene = kNone, guide = kNone;
+};
+
+Status take_buttons(const Buttons& buttons, Options& options) {
+  const struct {
+    const char* name;
+    double number;
+    std::optional<unsigned>& button;
+  } all[] = {{"clutch", buttons.clutch, options.clutch_button},
+             {"scene", buttons.scene, options.scene_button},
+             {"guide", buttons.guide, options.guide_button}};
+  for (const auto& one : all) {
+    if (one.number == Buttons::kNone) continue;
+    one.button = static_cast<unsigned>(one.number);
+    if (*one.button != one.number) {
+      return usage("--device", std::string(one.name) + " is not a whole number", "");
     }
   }
   return {};
@@ -38,41 +42,42 @@ Status read_buttons(const std::string& text, Options& options) {
 
 }  // namespace
 
-void add_device_options(CLI::App& app, DeviceTexts& texts) {
-  command::name_value(
-      command::add_text(app, "--device", texts.device,
-                        "the device, sim (a simulated hand) by default; its options follow behind "
-                        "a colon, as NAME=VALUE,...: see below"),
-      "sim|hid|spacemouse|plugin");
-  command::name_value(
-      command::add_text(app, "--buttons", texts.buttons,
-                        "buttons of the device, numbered from 0 to 31: clutch holds the part "
-                        "while the hand moves (default of hardware: 0), scene asks for the next "
-                        "scene of --scene-next, or for the last file anew, guide switches --guide "
-                        "off and on"),
-      "clutch=N,scene=N,guide=N");
+void add_device_options(CLI::App& app, std::string& text) {
+  command::name_value(command::add_text(app, "--device", text,
+                                        "the device; default sim, a simulated hand. Its options "
+                                        "follow a colon, as NAME=VALUE,... (see below)"),
+                      "sim|hid|spacemouse|plugin");
   command::add_help_table(
       app, "Options of --device (a comma in a value is written twice)",
-      "hid:id=ID\tchoose a device: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN; "
-      "spacemouse "
-      "has it too\n"
-      "hid:without-watchdog\tuse a device with motors that does not stop by itself; plugin has it "
-      "too\n"
+      "sim:hand=WORD\tfirm or loose: a hand that feels the force, and tries to follow --motion; "
+      "default: a hand that feels nothing\n"
+      "hid:clutch=N\tbutton, 0 to 31, that holds the part while the hand moves, default 0; also "
+      "for "
+      "spacemouse and plugin\n"
+      "hid:scene=N\tbutton that changes to the next scene of --scene-next, or reads the last file "
+      "again; also for spacemouse and plugin\n"
+      "hid:guide=N\tbutton that switches --guide off and on; also for spacemouse and plugin\n"
+      "hid:id=ID\tchoose a device: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN; also "
+      "for spacemouse\n"
+      "hid:without-watchdog\taccept a device with motors that does not stop by itself; also for "
+      "plugin\n"
       "plugin:library=FILE\tthe plugin's shared library\n"
       "plugin:args=TEXT\ttext for the plugin\n"
       "plugin:trust\tlet the plugin write files and start programs\n"
-      "spacemouse:control=WORD\trate: deflection is a speed (default); position: it is a place\n"
-      "spacemouse:dead-zone=N\tshare of full deflection that is rest, default 0.05\n"
-      "spacemouse:speed=N\tm/s at full deflection in rate control, default 0.1; turn-speed=N: "
+      "spacemouse:control=WORD\trate (default): the deflection sets the speed; position: it sets "
+      "the position\n"
+      "spacemouse:dead-zone=N\tfraction of the full deflection that counts as rest, default 0.05\n"
+      "spacemouse:speed=N\tspeed at full deflection with rate, m/s, default 0.1; turn-speed=N: in "
       "rad/s, default 1\n"
-      "spacemouse:reach=N\tm at full deflection in position control, default 0.05; turn=N: rad, "
-      "default 0.8\n");
+      "spacemouse:reach=N\tdistance at full deflection with position, m, default 0.05; turn=N: "
+      "angle, rad, default 0.8\n");
 }
 
-Status read_device(const DeviceTexts& texts, Options& options) {
-  const std::string& text = texts.device;
+Status read_device(const std::string& text, Options& options) {
   std::string id, control;
   devices::SpaceMouseOptions& cap = options.spacemouse;
+  Buttons buttons;
+  const command::Bounds numbers{0, kMaxButton};
   // Each kind takes some of them, one after the other.
   const command::ValueName names[] = {
       {.name = "dead-zone", .number = &cap.dead_zone, .bounds = {0, 0.9}},
@@ -82,20 +87,26 @@ Status read_device(const DeviceTexts& texts, Options& options) {
       {.name = "turn", .number = &cap.reach_rad, .bounds = {1e-6, 6.3}},
       {.name = "control", .text = &control},
       {.name = "id", .text = &id},
+      {.name = "clutch", .number = &buttons.clutch, .bounds = numbers},
+      {.name = "scene", .number = &buttons.scene, .bounds = numbers},
+      {.name = "guide", .number = &buttons.guide, .bounds = numbers},
       {.name = "without-watchdog", .is_given = &options.without_watchdog},
       {.name = "library", .text = &options.plugin},
       {.name = "args", .text = &options.plugin_args},
-      {.name = "trust", .is_given = &options.trust_plugin}};
+      {.name = "trust", .is_given = &options.trust_plugin},
+      {.name = "hand", .text = &options.hand}};
   const std::span<const command::ValueName> all(names);
   options.device = text.substr(0, text.find(':'));
   std::span<const command::ValueName> known;
   if (options.device == "spacemouse") {
-    known = all.first(7);
+    known = all.first(10);
   } else if (options.device == "hid") {
-    known = all.subspan(6, 2);
+    known = all.subspan(6, 5);
   } else if (options.device == "plugin") {
-    known = all.last(4);
-  } else if (options.device != "sim") {
+    known = all.subspan(7, 7);
+  } else if (options.device == "sim") {
+    known = all.last(1);
+  } else {
     return usage("--device", "'" + options.device + "' is not a kind of device",
                  options.device == "replay" ? "give --replay FILE alone"
                                             : "give sim, hid, spacemouse or plugin");
@@ -116,7 +127,10 @@ Status read_device(const DeviceTexts& texts, Options& options) {
   if (options.device == "plugin" && options.plugin.empty()) {
     return usage("--device", "plugin needs the plugin's library", "write plugin:library=FILE");
   }
-  return read_buttons(texts.buttons, options);
+  if (!options.hand.empty() && options.hand != "firm" && options.hand != "loose") {
+    return usage("--device", "hand '" + options.hand + "' is not known", "give firm or loose");
+  }
+  return take_buttons(buttons, options);
 }
 
 }  // namespace forcelayer::voxrun

@@ -1,7 +1,6 @@
 // voxrun: runs the haptic loop between a baked scene and a baked part.
 #include <signal.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -22,26 +21,11 @@
 
 namespace {
 
-std::atomic<int> stop_signal{0};
+std::atomic<int> stop_signal{0};   // the loop ends; also set where a frame cannot be written
 std::atomic<int> scene_signal{0};  // SIGUSR1: the next scene
 
-std::atomic<long> stopped_at_ms{0};
-
-long now_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1000 + now.tv_nsec / 1'000'000;
-}
-
-// The first ends the loop. Another one, when a person has had time to mean it, ends the process:
-// who signals a whole group reaches us twice at once.
 extern "C" void stop_on_signal(int number) {
-  constexpr long kAgainMs = 300;
-  if (stop_signal.exchange(number) == 0) {
-    stopped_at_ms.store(now_ms());
-  } else if (now_ms() - stopped_at_ms.load() >= kAgainMs) {
-    forcelayer::command::end_on_signal(number);
-  }
+  if (forcelayer::command::is_first_stop(number)) stop_signal = number;
 }
 
 extern "C" void ask_for_scene(int) { scene_signal.store(1, std::memory_order_relaxed); }
@@ -84,20 +68,17 @@ void arrange(CLI::App& app) {
   command::set_version(app, std::string("vectors ") + query::kernel_target());
   command::arrange_help(
       app,
-      {{"Device",
-        {"--device", "--buttons", "--motion", "--hand", "--world-from-device", "--motion-scale",
-         "--pull", "--after-trip"}},
+      {{"Device", {"--device", "--motion", "--world-from-device", "--pull", "--after-trip"}},
        {"Part and scene",
         {"--start", "--seat", "--grip", "--without-guarantee", "--fail-on", "--scene-next",
          "--guide", "--expect"}},
        {"Loop",
-        {"--duration", "--rate", "--threads", "--as-fast-as-possible", "--model", "--force",
-         "--set"}},
+        {"--duration", "--threads", "--as-fast-as-possible", "--model", "--force", "--set"}},
        {"Output", {"--trace", "--save-path", "--record", "--replay", "--on-new-scene", "--udp"}}},
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
-      "  voxrun opened.vox cover.pshell --guide lift.csv --hand loose --duration 30s\n"
+      "  voxrun opened.vox cover.pshell --guide lift.csv --device sim:hand=loose --duration 30s\n"
       "  voxrun bay.vox part.pshell --replay run.flr                     again, bit for bit\n"
       "  voxrun doctor                                                   looks at the machine");
 }
@@ -111,7 +92,7 @@ int start_doctor(char** argv) {
   return forcelayer::command::run_command("voxrun", [&]() -> forcelayer::Status {
     return forcelayer::Error{forcelayer::ErrorCode::kFileNotFound, doctor.string(), "",
                              std::string("cannot be started: ") + strerror(errno),
-                             "voxrun-doctor is installed beside voxrun"};
+                             "install voxrun-doctor in the same folder as voxrun"};
   });
 }
 
@@ -121,7 +102,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "doctor") return start_doctor(argv + 1);
   const auto made = forcelayer::command::make_app(
       "Runs the haptic loop between a .vox scene and a .pshell part", "voxrun",
-      "voxrun doctor lists what on this machine can disturb the 1000 Hz loop.");
+      "voxrun doctor lists the settings of this machine that can disturb the 1000 Hz loop.");
   CLI::App& app = *made;
   forcelayer::voxrun::OptionParser parser(app);
   arrange(app);
@@ -137,6 +118,6 @@ int main(int argc, char** argv) {
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;
   std::fprintf(stderr, "voxrun: ended by signal %d (%s)%s\n", ended_by, strsignal(ended_by),
-               began ? "; its files hold the run up to here" : " before the run began");
+               began ? "; its files contain the run up to this point" : " before the run began");
   return 128 + ended_by;
 }

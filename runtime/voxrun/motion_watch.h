@@ -12,7 +12,7 @@ struct Followed {
   double off_m = 0, off_rad = 0;  // of the part's center; about it, in the same frame
   double time_s = 0;
   loop::TouchedInFrame touched{};  // what the part pushed against there
-  bool all_the_way() const { return off_m == 0 && off_rad == 0; }
+  bool is_followed() const { return off_m == 0 && off_rad == 0; }
 };
 
 // Watches frames in order. A part is held off in a frame in which the hand feels a force, and in

@@ -34,11 +34,11 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 
 Status check_scene_change(const Options& options, const char* asked_by) {
   if (options.as_fast_as_possible) {
-    return usage(asked_by, "needs a clock: a scene is read while the run goes on",
+    return usage(asked_by, "needs a clock, because the next scene is read during the run",
                  "leave out --as-fast-as-possible");
   }
   if (!options.record.empty() || !options.replay.empty()) {
-    return usage(asked_by, "has no place in a recording, which is of one scene",
+    return usage(asked_by, "cannot be recorded or replayed: a recording has only one scene",
                  "leave out --record and --replay");
   }
   return {};
@@ -49,8 +49,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_required(app, "part", texts_.part, "the moving part, a .pshell file");
   add_device_options(app, texts_.device);
   command::add_text(app, "--duration", texts_.duration,
-                    "how long to run, like 10s or 2min, to 10000h; default: as long as --motion");
-  command::add_number(app, "--rate", options_.run.rate_hz, "frames a second", bounds_of(kRatesHz));
+                    "duration of the run, such as 10s or 2min, at most 10000h; default: the "
+                    "duration of --motion");
   command::add_count(app, "--threads", options_.run.threads,
                      "threads of the contact query, default 1", static_cast<int>(kThreads.smallest),
                      static_cast<int>(kThreads.largest));
@@ -59,67 +59,59 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(app, "--force", texts_.force,
                     "force field: tangent-plane, level or distance; default: the model's own");
   command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
-                    "no clock: every frame follows the last at once");
-  command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the sim device");
+                    "run without a clock: each frame begins when the previous frame has ended");
+  command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the simulated hand");
   command::add_text(app, "--pull", texts_.pull,
-                    "x,y,z: instead of --motion: the hand rests for 0.3 s and then pulls the part "
-                    "straight by this displacement, such as 0,0,60mm, at 5 cm/s or in two seconds");
-  command::add_choice(
-      app, "--hand", options_.hand, {"firm", "loose"},
-      "a simulated hand that feels the sim device: firm or loose; --motion is then where "
-      "it wants to be; default: a hand that feels nothing");
-  command::add_text(
-      app, "--start", texts_.start,
-      "world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the hand's, else 0,0,0m");
+                    "x,y,z: displacement by which the simulated hand pulls the part straight, "
+                    "instead of --motion, such as 0,0,60mm. The hand first rests for 0.3 s. It "
+                    "then moves at 5 cm/s on average, but for at least two seconds");
+  command::add_text(app, "--start", texts_.start,
+                    "pose world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the pose of "
+                    "the hand, or 0,0,0m without a hand");
   command::add_text(
       app, "--seat", texts_.seat,
-      "world_from_part where the part is installed: it may touch there what it touches, "
-      "until it has left those objects (where it starts)");
+      "pose world_from_part in which the part is installed. The part may touch the objects that it "
+      "touches in this pose, until it has left these objects. Default: the start pose");
   command::add_text(app, "--grip", texts_.grip,
-                    "handle_from_part, in the same format: the origin of the handle is where the "
-                    "hand holds the part; default: the origin of the part's frame");
+                    "pose handle_from_part. The hand holds the part at the origin of the handle. "
+                    "Default: the origin of the part's frame");
   command::add_text(app, "--world-from-device", texts_.world_from_device,
-                    "place of the device; default 0,0,0m");
-  command::add_number(
-      app, "--motion-scale", options_.run.placement.motion_scale,
-      "scene meters a meter of the device; the hand feels the scene's force times that",
-      bounds_of(kMotionScales));
+                    "pose of the device in the scene; default 0,0,0m");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
-      "penetration (in any case), contact (but in the seat), outside (of the map), seat (not left) "
-      "or held (off --motion, or short of the end of --pull): end with status 6 where it "
-      "happened; repeatable");
+      "end with status 6 if this happened, repeatable: penetration (always checked), contact "
+      "(outside of the seat), outside (beyond the map), seat (not left at the end), held (the part "
+      "did not follow --motion or did not reach the end of --pull)");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
-      "FILE or FILE@TIME: a .vox file that follows the scene while the run goes on, at "
-      "that time (2.5s), or at the button or SIGUSR1; the force fades out and in; "
-      "repeatable");
+      "FILE or FILE@TIME: a .vox file that replaces the scene during the run, at this time "
+      "(such as 2.5s), at the button, or at the signal SIGUSR1. The force fades out and in. "
+      "Repeatable");
   command::add_text(
       app, "--guide", options_.guide,
-      "a path of the part, as of voxplan, that leads the hand: a weak spring to it and "
-      "along it, until it is switched off");
-  command::add_texts(
-      app, "--expect", texts_.expect, ',',
-      "SHA-256 that a baked file may have, as sha256sum and voxinfo print it; scene and "
-      "part must both be among those given; repeatable");
-  command::add_text(app, "--json", options_.json, "write a report");
-  command::add_text(app, "--trace", options_.trace, "write a CSV line a frame");
+      "a path of the part, such as a path that voxplan wrote. A weak spring pulls the "
+      "hand to the path and along the path, until the guide is switched off");
+  command::add_texts(app, "--expect", texts_.expect, ',',
+                     "expected SHA-256 of a baked file, as sha256sum and voxinfo print it. Give "
+                     "one digest for the scene and one for the part; repeatable");
+  command::add_text(app, "--json", options_.json, "write a report to this file");
+  command::add_text(app, "--trace", options_.trace, "write a CSV with one line for each frame");
   command::add_text(app, "--save-path", options_.save_path,
                     "write the part's path, a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
   command::add_text(app, "--replay", options_.replay,
-                    "repeat a recording bit for bit, in place of a device");
+                    "repeat a recording bit for bit, instead of a device");
   command::add_flag(app, "--on-new-scene", options_.on_new_scene,
-                    "of a recording replay the inputs alone, on another bake");
+                    "replay only the inputs of the recording, on another bake");
   command::add_text(app, "--udp", options_.udp,
                     "send the pose stream to [HOST:]PORT[@RATE], RATE datagrams a second, default "
                     "60 (1 to 100000)");
   command::add_flag(app, "--without-guarantee", options_.run.without_guarantee,
-                    "start even where no separation is guaranteed");
+                    "start even if no separation is guaranteed");
   command::add_choice(
       app, "--after-trip", texts_.after_trip, {"end", "wait", "rearm"},
-      "when the output had to go to zero: end the run, wait for the clutch, or (sim) "
-      "rearm; the default is end, for sim and replay rearm");
+      "after the output was set to zero: end the run, wait for the clutch, or "
+      "rearm (only for simulated hands). Default: end, but rearm for sim and replays");
   command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
   add_settings(app, texts_.settings);
 }
@@ -185,7 +177,7 @@ Status OptionParser::read_fail_on(Options& options) const {
       if (name == word) bit = kind;
     }
     if (bit == 0) {
-      return usage("--fail-on", "'" + std::string(word) + "' is nothing that a run is checked for",
+      return usage("--fail-on", "'" + std::string(word) + "' is not a condition",
                    "give penetration, contact, outside, seat or held");
     }
     options.fail_on |= bit;
@@ -214,7 +206,8 @@ Status OptionParser::read_scenes(Options& options) const {
     if (at != std::string_view::npos && time_s) {
       next = {std::string(text.substr(0, at)), *time_s};
       if (*time_s < last_s) {
-        return usage("--scene-next", "'" + std::string(text) + "' comes before the one before it",
+        return usage("--scene-next",
+                     "'" + std::string(text) + "' is earlier than the scene before it",
                      "give the scenes in the order of their times");
       }
       last_s = *time_s;
@@ -226,44 +219,43 @@ Status OptionParser::read_scenes(Options& options) const {
 
 Status OptionParser::read_pull(Options& options) const {
   if (texts_.pull.empty()) return {};
-  const auto way = command::parse_point(texts_.pull);
-  if (!way) return about("--pull", way.error());
-  options.pull_m = {(*way)[0], (*way)[1], (*way)[2]};
+  const auto pull = command::parse_point(texts_.pull);
+  if (!pull) return about("--pull", pull.error());
+  options.pull_m = {(*pull)[0], (*pull)[1], (*pull)[2]};
   const double length_m = glm::length(*options.pull_m);
   if (!(length_m > 0 && length_m <= kLongestPullM)) {
-    return usage("--pull", "must not be zero, and at most 1000 m long", "write it like 0,0,60mm");
+    return usage("--pull", "must be longer than zero and at most 1000 m", "write it like 0,0,60mm");
   }
   return {};
 }
 
 Status OptionParser::check(const Options& options) const {
   if (!options.scene_next.empty() || options.scene_button) {
-    const char* const option = options.scene_button ? "--buttons scene" : "--scene-next";
+    const char* const option = options.scene_button ? "--device scene" : "--scene-next";
     if (Status can = check_scene_change(options, option); !can) return can;
   }
   if (options.guide.empty() && (options.guide_button || options.guide_force_n)) {
-    return usage(options.guide_button ? "--buttons guide" : "--set guide_force_n",
-                 "has no effect without --guide", "give --guide, a path");
+    return usage(options.guide_button ? "--device guide" : "--set guide_force_n",
+                 "has no effect without --guide", "add --guide with a path");
   }
   const bool simulated = options.device == "sim" || options.device == "replay";
   if (options.after_trip == AfterTrip::kRearm && !simulated) {
-    return usage("--after-trip", "rearm is for simulated hands", "give end or wait");
+    return usage("--after-trip", "rearm is only for simulated hands", "use end or wait");
   }
   if (!options.motion.empty() && options.device != "sim") {
-    return usage("--motion", "is for the sim device", "leave out --device");
+    return usage("--motion", "is only for the sim device", "leave out --device");
   }
   if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
-    return usage("--pull", "is a motion of the sim device", "leave out --device and --motion");
+    return usage("--pull", "is only for the sim device, without --motion",
+                 "leave out --device and --motion");
   }
   if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m && options.motion.empty()) {
-    return usage("--fail-on", "held needs a motion that the part should follow",
-                 "give --motion or --pull, or leave held out");
-  }
-  if (!options.hand.empty() && options.device != "sim") {
-    return usage("--hand", "is for the sim device", "leave out --device");
+    return usage("--fail-on", "held has no effect without --motion or --pull",
+                 "add --motion or --pull, or leave out held");
   }
   if (options.start.world_from_seat && options.run.model == Model::kPaper) {
-    return usage("--seat", "is for --model default: the paper's has no seat", "leave it out");
+    return usage("--seat", "is only for --model default: the paper's model has no seat",
+                 "leave it out");
   }
   if (options.on_new_scene && options.replay.empty()) {
     return usage("--on-new-scene", "requires --replay", "give both");
@@ -271,21 +263,21 @@ Status OptionParser::check(const Options& options) const {
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;
     if (options.as_fast_as_possible && endless) {
-      return usage("--as-fast-as-possible", "would never end",
-                   "give --duration, --motion or --pull");
+      return usage("--as-fast-as-possible", "the run would never end",
+                   "add --duration, --motion or --pull");
     }
     return {};
   }
-  const char* const fixed[] = {
-      "--model",       "--force", "--rate", "--start", "--seat", "--grip", "--world-from-device",
-      "--motion-scale"};
+  const char* const fixed[] = {"--model", "--force", "--start",
+                               "--seat",  "--grip",  "--world-from-device"};
   for (const char* option : fixed) {
     if (command::is_given(app_, option)) {
       return usage(option, "is part of the recording", "leave it out with --replay");
     }
   }
   if (!options.run.settings.empty() || !options.run.braking) {
-    return usage("--set", "names a parameter that the recording has", "leave it out with --replay");
+    return usage("--set", "sets a parameter that the recording already sets",
+                 "leave it out with --replay");
   }
   return {};
 }
@@ -297,7 +289,7 @@ Status OptionParser::finish() {
   if (Status read = read_device(texts_.device, options); !read) return read;
   if (!options.replay.empty()) {
     if (command::is_given(app_, "--device")) {
-      return usage("--replay", "is in place of a device", "leave out --device");
+      return usage("--replay", "replaces the device", "leave out --device");
     }
     options.device = "replay";
   }

@@ -31,11 +31,6 @@ enum FailOn : std::uint32_t {
   kFailOnHeld = 16,        // a part off its motion, or short of the end of its pull
 };
 
-// The texts that were typed.
-struct DeviceTexts {
-  std::string device = "sim", buttons;
-};
-
 // A scene that follows while the run goes on.
 struct NextScene {
   std::string path;
@@ -56,7 +51,7 @@ struct Options {
   devices::SpaceMouseOptions spacemouse;
   std::string hand;  // that holds the sim device; empty: the script moves it, whatever it feels
   std::string motion, json, trace, save_path, record, replay, udp;
-  std::optional<glm::dvec3> pull_m;  // --pull: a hand's way, world axes
+  std::optional<glm::dvec3> pull_m;  // --pull: displacement of the hand, world axes
   double udp_rate_hz = 60;
   PartStart start;                             // --start and --grip
   std::uint32_t fail_on = kFailOnPenetration;  // FailOn bits
@@ -87,7 +82,7 @@ class OptionParser {
   struct Texts {
     std::string scene, part, duration, model, force, start, seat, grip, world_from_device, fail_on,
         after_trip, settings, scene_next, pull, expect;
-    DeviceTexts device;
+    std::string device = "sim";
   };
   Status read_texts(Options& options) const;
   Status read_safety(Options& options) const;

@@ -18,7 +18,8 @@ void OutputEvents::see(const Frame& frame) {
   const bool near = step.interior + step.surface + step.proximity > 0;
   if (near && frame.output == OutputState::kWaiting && frame.time_s >= kPatienceS && !waited_) {
     add(frame.time_s,
-        std::string("output waits: the part is in contact, or close to it; move it free") +
+        std::string(
+            "output waits: the part is in contact or close to the scene; move the part away") +
             (has_clutch_ ? ", or press and release the clutch" : ""),
         true);
     waited_ = true;
@@ -28,7 +29,7 @@ void OutputEvents::see(const Frame& frame) {
   state_ = frame.output;
   if (state_ == OutputState::kTripped) {
     last_trip_s_ = frame.time_s;
-    add(frame.time_s, std::string("output to zero: ") + to_text(frame.last_trip), true);
+    add(frame.time_s, std::string("output set to zero: ") + to_text(frame.last_trip), true);
   } else if (state_ == OutputState::kArmed) {
     add(frame.time_s, "output armed", again);
   }

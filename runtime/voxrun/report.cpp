@@ -121,7 +121,7 @@ std::string capabilities_text(const DeviceCapabilities& c) {
       text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m",
            escaped(c.name).c_str(), std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
            drives_force(c) ? c.max_force_n : 0, drives_torque(c) ? c.max_torque_nm : 0);
-  if (c.workspace_radius_m > 0) line += text(", workspace %.3g m about it", c.workspace_radius_m);
+  if (c.workspace_radius_m > 0) line += text(", workspace radius %.3g m", c.workspace_radius_m);
   if (c.rate_hz > 0) line += text(", %.6g Hz", c.rate_hz);
   if (c.hardware && c.watchdog_s > 0) line += text(", watchdog %.3g ms", c.watchdog_s * 1000);
   return line + "\n";
@@ -303,10 +303,10 @@ Json motion_json(const Scenes& scenes, const RunFacts& facts) {
   if (!facts.outcome.motion) return nullptr;
   const Followed& motion = *facts.outcome.motion;
   Json json;
-  put(json, "followed", motion.all_the_way());
+  put(json, "followed", motion.is_followed());
   put(json, "held_off_m", motion.off_m);
   put(json, "held_off_rad", motion.off_rad);
-  put(json, "t_s", motion.all_the_way() ? Json(nullptr) : Json(motion.time_s));
+  put(json, "t_s", motion.is_followed() ? Json(nullptr) : Json(motion.time_s));
   put(json, "against", names_json(scenes, motion.touched));
   return json;
 }
@@ -351,17 +351,17 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
   return text(
-      "%s%s\nwhile it is there, rods and ribs of %s narrower than %.3g mm may pass between its "
-      "points, and objects hidden behind are not felt\n",
+      "%s%s\nwhile the part is there, rods and ribs of %s narrower than %.3g mm may pass between "
+      "its points, and objects behind the seat are not felt\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
       seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(),
-      scenes.seat().size() == 1 ? "it" : "them", 1000 * narrowest_felt_m(scenes));
+      scenes.seat().size() == 1 ? "this object" : "these objects", 1000 * narrowest_felt_m(scenes));
 }
 
 // When the guarantee holds; where nothing is guarded, it is no fact about every frame.
 const char* guarantee_title(const Scenes& scenes) {
   if (scenes.parameters().model == Model::kPaper) {
-    return "guaranteed separation, where no point penetrates (this model has no guard): ";
+    return "guaranteed separation while no point penetrates (this model has no guard): ";
   }
   return scenes.seat().empty() ? "guaranteed separation: "
                                : "guaranteed separation, once the part has left its seat: ";
@@ -393,7 +393,7 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
-      text("frames %llu, in the force layer %llu, penetrating %llu, PR %s\n",
+      text("frames %llu, in the force layer %llu, penetrating %llu, penetration ratio %s\n",
            static_cast<unsigned long long>(s.frames),
            static_cast<unsigned long long>(s.force_layer_frames),
            static_cast<unsigned long long>(s.penetration_frames),
@@ -406,14 +406,15 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
            s.generated_j, static_cast<unsigned long long>(s.contact_episodes),
            s.worst_episode_generated_j);
   if (!facts.options.guide.empty()) {
-    lines += text("guided in %llu frames by up to %.3g N; it gave the hand %.3g of %.3g J\n",
-                  static_cast<unsigned long long>(s.guided_frames), s.max_guide_force_n,
-                  s.guide_given_j, s.guide_allowed_j);
+    lines += text(
+        "guided in %llu frames by up to %.3g N; the guide gave the hand %.3g J of at most %.3g J\n",
+        static_cast<unsigned long long>(s.guided_frames), s.max_guide_force_n, s.guide_given_j,
+        s.guide_allowed_j);
   }
   const auto mib = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   lines += text("scene in memory %.3g MiB\n", mib(facts.scene_file_bytes));
   if (!facts.options.as_fast_as_possible) {
-    lines += text("deadline misses %llu, woke late by p99 %.1f us, max %.1f us\n",
+    lines += text("deadline misses %llu, wake-up delay p99 %.1f us, max %.1f us\n",
                   static_cast<unsigned long long>(s.deadline_misses),
                   us(s.wakeup.quantile_ns(0.99)), us(s.wakeup.max_ns()));
     if (s.deadline_misses > 0) lines += misses_text(s);
@@ -442,7 +443,9 @@ Json report_json(const Scenes& scenes, const RunFacts& facts, const loop::LoopSt
   put(json, "penetration_frames", s.penetration_frames);
   const command::Verdict verdict = verdict_of(scenes, facts.outcome, s);
   put(json, "verdict", run_word(verdict));
+  put(json, "kind", command::to_text(verdict.kind));
   put(json, "sentence", command::sentence(verdict));
+  put(json, "blocked_by", verdict.blocked_by);
   put(json, "pull", pull_json(scenes, facts, s));
   put(json, "motion", motion_json(scenes, facts));
   put(json, "penetration_ratio", number(penetration_ratio(s)));

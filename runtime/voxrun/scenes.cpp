@@ -139,7 +139,7 @@ std::vector<std::string> SceneChange::see(const Frame& frame) {
     scene_ = frame.scene;
     scenes_.begins(scene_, frame.time_s);
     const std::string seat = seat_text(scenes_, 0.1 * scenes_.parameters().voxel_size_m);
-    events.push_back("the scene is " + escaped(scenes_.last().path) +
+    events.push_back("the scene is now " + escaped(scenes_.last().path) +
                      (seat.empty() ? "" : "; the part is seated on " + seat) +
                      "; guaranteed separation: " + guarantee_text(scenes_.last().guarantee));
   }
@@ -161,7 +161,7 @@ void SceneChange::run() {
     lock.unlock();
     const Status done = change();
     servo_->set_hold(false);
-    if (!done) say("the scene stays: " + to_line(done.error()));
+    if (!done) say("the scene is not replaced: " + to_line(done.error()));
     lock.lock();
     if (!done && missed_ && is_listed(asked_)) missed_ = done;
     asked_.clear();
@@ -177,7 +177,8 @@ bool SceneChange::is_listed(const std::string& path) const {
 Status SceneChange::wait_until_held(std::unique_lock<std::mutex>& lock) {
   if (!changed_.wait_for(lock, kHoldTimeout, [&] { return ended_ || is_held_; })) {
     return Error{ErrorCode::kDeviceFailed, "", "",
-                 "the device gives no reading to hold the part by", "try again once it does"};
+                 "the device gives no reading, so the part cannot be held",
+                 "try again when the device gives readings"};
   }
   return {};
 }

@@ -74,7 +74,7 @@ Status make_input(const Options& options, Session& session) {
       options.after_trip.value_or(known.hardware ? AfterTrip::kEnd : AfterTrip::kRearm);
   if (known.hardware && options.as_fast_as_possible) {
     return Error{ErrorCode::kUsage, "", "--as-fast-as-possible",
-                 "makes no sense with " + known.name + ", which has a clock of its own", ""};
+                 "cannot be combined with " + known.name + ", which has a clock of its own", ""};
   }
   if (options.clutch_button) {
     session.clutch_buttons = 1u << *options.clutch_button;
@@ -89,8 +89,8 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
   auto recording = stream::Recording::open(options.replay);
   if (!recording) return recording.error();
   if (options.on_new_scene) {
-    session.facts.warnings.push_back("--on-new-scene: the inputs of " + options.replay +
-                                     " alone; what comes of them is not compared");
+    session.facts.warnings.push_back("--on-new-scene: only the inputs of " + options.replay +
+                                     " are used; the outcomes are not compared");
   } else if (Status same = recording->check_files(voxmap, shell); !same) {
     return same;
   }
@@ -191,7 +191,7 @@ Status prepare_run(const Options& options, Session& session) {
     warn({sound.error().where + ": " + sound.error().what}, session.facts.warnings);
   }
   if (options.start.world_from_seat && simulation.seat().empty()) {
-    warn({"--seat: the part touches nothing there"}, session.facts.warnings);
+    warn({"--seat: the part touches nothing at this pose"}, session.facts.warnings);
   }
   const std::uint64_t touching = guard::points_in_seat(simulation.seat());
   if (const auto warning = part_in_scene_warning(simulation.shell(), touching)) {
@@ -238,8 +238,8 @@ void warn_of_early_end(const Options& options, const std::optional<std::uint64_t
   }
   for (const NextScene& next : options.scene_next) {
     if (!next.at_s || *frames > frames_of(*next.at_s, session)) continue;
-    warnings.push_back(
-        command::text("--scene-next: %s: the run ends before its time", next.path.c_str()));
+    warnings.push_back(command::text("--scene-next: %s: the run ends before the time of this scene",
+                                     next.path.c_str()));
   }
 }
 
@@ -340,7 +340,7 @@ Status check_output(const RunFacts& facts) {
   char when[32];
   std::snprintf(when, sizeof when, "at %.3f s", facts.last_trip_s);
   return Error{ErrorCode::kDeviceFailed, facts.device, when,
-               std::string("output to zero: ") + to_text(facts.last_trip) +
+               std::string("output set to zero: ") + to_text(facts.last_trip) +
                    (trouble.what.empty() ? "" : " (" + trouble.what + ")"),
                trouble.mend.empty() ? how_to_mend(facts.last_trip) : trouble.mend};
 }

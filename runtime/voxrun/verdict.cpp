@@ -72,7 +72,8 @@ bool is_stopped(const std::optional<Pull>& pull, const LoopStatistics& s) {
 // "pulled 60 mm, it went 37.1 mm" where it went less.
 std::string pull_part(const std::optional<Pull>& pull) {
   if (!is_short(pull)) return "";
-  return text("pulled %.4g mm, it went %.3g mm", 1e3 * pull->led_m, 1e3 * pull->went_m);
+  return text("pulled %.4g mm, the part moved %.3g mm", 1e3 * pull->led_m,
+              1e3 * std::max(0.0, pull->went_m));
 }
 
 bool seat_open(const Scenes& scenes, const LoopStatistics& s) {
@@ -88,7 +89,7 @@ std::uint64_t unproven_frames(const LoopStatistics& s) {
 bool is_too_fast(const Scenes& scenes, const LoopStatistics& s) {
   const Parameters& p = scenes.parameters();
   return p.model == Model::kPaper &&
-         s.longest_way_m + p.part_radius_m * s.longest_turn_rad > 0.5 * p.voxel_size_m;
+         s.longest_shift_m + p.part_radius_m * s.longest_turn_rad > 0.5 * p.voxel_size_m;
 }
 
 // Frames in which the exact surfaces may have touched, although no point was in the interior.
@@ -111,15 +112,13 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
     return text("seated on %s until %.3f s; then ", seat.c_str(), *s.guarantee_from_s);
   }
   if (s.seated_frames == 0) {
-    return text(
-        "its seat on %s is open, and it was never there: no separation from that is "
-        "guaranteed; ",
-        seat.c_str());
+    return text("the part was never at its seat on %s: no separation from the seat is guaranteed; ",
+                seat.c_str());
   }
   const std::string pulled = pull_part(pull);
   return text(
-      "seated on %s to the end: it has not left its seat, and no separation is "
-      "guaranteed; %s%s%s%s; ",
+      "seated on %s to the end: the part has not left its seat, and no separation is guaranteed; "
+      "%s%s%s%s; ",
       seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
       is_stopped(pull, s) ? "held" : "nothing holds it",
       against(scenes, s.touched_last, true).c_str());
@@ -153,10 +152,11 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
 std::string motion_part(const Scenes& scenes, const Outcome& outcome) {
   if (!outcome.motion) return "";
   const Followed& motion = *outcome.motion;
-  if (motion.all_the_way()) return "; followed";
+  if (motion.is_followed()) return is_short(outcome.pull) ? "" : "; the part followed the motion";
   constexpr double kDegrees = 180 / std::numbers::pi, kSaidRad = 0.01;
   return text(
-      "; did not follow: held off by up to %.3g mm%s at %.3f s%s", 1e3 * motion.off_m,
+      "; the part did not follow the motion: held back by up to %.3g mm%s at %.3f s%s",
+      1e3 * motion.off_m,
       motion.off_rad > kSaidRad ? text(" and %.3g degrees", kDegrees * motion.off_rad).c_str() : "",
       motion.time_s, named(scenes, motion.touched, " by ", true).c_str());
 }
@@ -165,7 +165,7 @@ std::string motion_part(const Scenes& scenes, const Outcome& outcome) {
 // its way out the part may slide along its neighbors.
 bool is_held(const Outcome& outcome) {
   if (is_short(outcome.pull)) return true;
-  return !outcome.pull && outcome.motion && !outcome.motion->all_the_way();
+  return !outcome.pull && outcome.motion && !outcome.motion->is_followed();
 }
 
 // The names of what the part pushed against in a frame.
@@ -182,16 +182,17 @@ std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopS
   if (s.frames == 0) return "no frame was run";
   std::string line;
   const auto add = [&](const std::string& doubt) { line += (line.empty() ? "" : "; ") + doubt; };
-  if (outcome.scene_missed) add("a scene of --scene-next did not come");
+  if (outcome.scene_missed) add("a scene of --scene-next was never used");
   if (is_unfinished(scenes, outcome.pull, s)) {
     add(pull_part(outcome.pull) + ", and nothing holds it");
   }
   if (s.first_outside_map) {
-    add(text("from %.3f s on it was beyond a cropped side of the scene, where nothing is known",
-             s.first_outside_map->time_s));
+    add(text(
+        "from %.3f s on the part was beyond a cropped side of the scene, where nothing is known",
+        s.first_outside_map->time_s));
   }
-  if (s.barred_frames > 0) add("it was nearer than the guard allows");
-  if (is_too_fast(scenes, s)) add("it moved more than half a voxel in a frame");
+  if (s.barred_frames > 0) add("the part was nearer than the guard allows");
+  if (is_too_fast(scenes, s)) add("the part moved more than half a voxel in a frame");
   return line;
 }
 
@@ -244,20 +245,21 @@ command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const 
     verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.finding = is_short(pull)
                           ? pull_part(pull)
-                          : "it is still where it is installed, on " + seat_text(scenes, INFINITY);
+                          : "the part is still installed on " + seat_text(scenes, INFINITY);
     if (is_stopped(pull, s)) verdict.blocked_by = names_of(scenes, s.touched_last);
     if (!is_stopped(pull, s)) verdict.finding += ", and nothing holds it";
   } else if (is_held(outcome)) {
     verdict.kind = VerdictKind::kHeld;
     const bool is_pulled = is_short(pull);
-    verdict.finding = is_pulled ? pull_part(pull)
-                                : text("it is up to %.3g mm off its motion, at %.3f s",
-                                       1e3 * outcome.motion->off_m, outcome.motion->time_s);
+    verdict.finding =
+        is_pulled ? pull_part(pull)
+                  : text("the part is up to %.3g mm away from the scripted motion, at %.3f s",
+                         1e3 * outcome.motion->off_m, outcome.motion->time_s);
     verdict.blocked_by = names_of(scenes, is_pulled ? s.touched_last : outcome.motion->touched);
   } else {
     const bool leaves = !scenes.seat().empty();
     verdict.kind = leaves ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
-    verdict.finding = (leaves ? text("it leaves %s after %.3f s, and from then on ",
+    verdict.finding = (leaves ? text("the part leaves %s after %.3f s, and from then on ",
                                      seat_text(scenes, INFINITY).c_str(), *s.guarantee_from_s)
                               : std::string()) +
                       stays_text(scenes, s);
@@ -286,16 +288,12 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
   if (s.frames == 0) return first;
   const std::optional<Pull>& pull = outcome.pull;
   std::string line = first + seat_part(scenes, pull, s);
-  const bool loose = is_unfinished(scenes, pull, s);
-  if (s.penetration_frames > 0) {
-    line += "PENETRATED: ";
-  } else if (loose || outcome.scene_missed || is_doubtful(scenes, s)) {
-    line += "not proven: ";
-    if (outcome.scene_missed) line += "a scene of --scene-next did not come; ";
-    if (loose) line += text("%s, nothing holds it; ", pull_part(pull).c_str());
-  } else if (!seat_open(scenes, s) && is_short(pull)) {
-    line += text("held: %s%s; ", pull_part(pull).c_str(),
-                 against(scenes, s.touched_last, true).c_str());
+  if (outcome.scene_missed) line += "a scene of --scene-next was never used; ";
+  if (!seat_open(scenes, s) && is_short(pull)) {
+    line += pull_part(pull) +
+            (is_unfinished(scenes, pull, s) ? std::string(", nothing holds it")
+                                            : against(scenes, s.touched_last, true)) +
+            "; ";
   }
   if (s.first_outside_map) {
     line += text("%llu frame%s beyond a cropped side of the scene, the first at %.3f s; ",
@@ -306,7 +304,7 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
     line += text("%llu frame%s nearer than the guard allows; ", printable(s.barred_frames),
                  ending(s.barred_frames));
   }
-  if (is_too_fast(scenes, s)) line += "points may have gone more than half a voxel in a frame; ";
+  if (is_too_fast(scenes, s)) line += "points may have moved more than half a voxel in a frame; ";
   const std::string last = motion_part(scenes, outcome) + "\n";
   if (!s.first_penetration) {
     return line + clearance_part(scenes, s) + "; 0 penetration frames" + last;
@@ -320,29 +318,25 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
 
 Status check_verdict(const Options& options, const Scenes& scenes, const Outcome& outcome,
                      const LoopStatistics& s) {
+  const command::Verdict verdict = verdict_of(scenes, outcome, s);
   std::optional<double> first_s;
   std::string what;
-  const auto see = [&](FailOn kind, const std::optional<FirstFrame>& first, const char* did,
+  const auto see = [&](FailOn kind, const std::optional<FirstFrame>& first, const std::string& did,
                        bool with_seat) {
     if ((options.fail_on & kind) == 0 || !first || (first_s && *first_s <= first->time_s)) return;
     first_s = first->time_s;
-    what = did + against(scenes, first->touched, with_seat);
+    what = did.empty() ? command::gist(verdict) : did + against(scenes, first->touched, with_seat);
   };
-  see(kFailOnPenetration, s.first_penetration, "the part penetrated the scene", true);
+  see(kFailOnPenetration, s.first_penetration, "", true);
   const bool seat_closed =
       s.guarantee_from_s && s.first_contact && s.first_contact->time_s >= *s.guarantee_from_s;
   see(kFailOnContact, s.first_contact, "the part touched the scene", seat_closed);
   see(kFailOnOutside, s.first_outside_map, "the part went beyond a cropped side of the scene",
       true);
-  if (!first_s && (options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) {
-    what = "the part has not left its seat on " + seat_text(scenes, INFINITY);
-  } else if (!first_s && (options.fail_on & kFailOnHeld) != 0 && is_held(outcome)) {
-    const std::optional<Pull>& pull = outcome.pull;
-    what = !is_short(pull)
-               ? "the part" + motion_part(scenes, outcome).substr(1)
-               : (is_stopped(pull, s) ? "the part is held: " : "the part stopped short: ") +
-                     pull_part(pull) + against(scenes, s.touched_last, true);
-  }
+  // In the words of the verdict, whatever it says of such a run.
+  const bool fails_at_end = ((options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) ||
+                            ((options.fail_on & kFailOnHeld) != 0 && is_held(outcome));
+  if (!first_s && fails_at_end) what = command::gist(verdict);
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),
                first_s ? text("at %.3f s", *first_s) : "at the end", what,

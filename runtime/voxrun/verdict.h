@@ -14,7 +14,7 @@ namespace forcelayer::voxrun {
 
 // A pull that was carried out to its end.
 struct Pull {
-  double led_m = 0;   // the way of the hand
+  double led_m = 0;   // displacement of the hand
   double went_m = 0;  // of the part along that, by its center
   bool short_of_end() const;
 };

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Bakes a scene in shards on many nodes, and proves on as many that the part keeps its clearance along every saved path.
-# Run it in the repository's folder, on a file system that all nodes share; README.md beside it says what to change.
+# Run it in the repository's folder, on a file system that all nodes share; docs/ci.md says what to change.
 # It waits for its jobs; status 0: every path is clear, 6: one is not.
 set -eu
 

@@ -50,7 +50,8 @@ FILES = {
                                              **times("wall_s", "proof_s")}),
     "query": (("motion", "points", "method"), {**times("p50_us"), "points_in_band": 1.5}),
     "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
-    "wrench_commanded": (("voxel_m", "compared"), {}),
+    "wrench_hand": (("voxel_m", "covering_voxels", "contacts", "motion", "n"), {"p50": 1.6}),
+    "wrench_hand_cases": (("voxel_m", "covering_voxels", "contacts", "cases"), {}),
     "motion_drift": (("model", "frames"), {}),
     "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_fraction": 1.3}),
     "stability_field": (("factor",), {"penetration_ratio": 1.5}),

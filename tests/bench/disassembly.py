@@ -81,7 +81,7 @@ class Assembly:
         checked = self.run("voxcheck", *files, at / "way.csv", "--clearance", clearance, "--seat", "0,0,0m",
                            *(meshes if self.exact else ("--felt-seat",)))
         least = report["min_clearance"]
-        row.update(out="yes", way_mm=1e3 * report["way_m"], clearance_mm=1e3 * least["clearance_m"], nearest=least["object"],
+        row.update(out="yes", way_mm=1e3 * report["length_m"], clearance_mm=1e3 * least["clearance_m"], nearest=least["object"],
                    verdict="clear" if checked.returncode == 0 else self.said(checked))
         return row, ""
 
@@ -89,7 +89,7 @@ class Assembly:
         depths, voxels, clearance = list(RANGES), [self.voxel_mm * share for share in SMALLER], self.clearance
         while True:
             row, refused = self.attempt(part, clearance, depths[0], voxels[0])
-            near = "nearer there than --clearance" in refused
+            near = "than --clearance" in refused
             if "--range" in refused and len(depths) > 1:
                 depths.pop(0)
             elif near and clearance != "0mm":

@@ -148,7 +148,7 @@ def summary():
             "voxelize: aircraft", "pointshell: dragon", "pointshell: counter", "query: everything")), "", "cores",
          measured("cores", cores["query: everything"])],
         ["30 minutes at 1 kHz, all cores busy: late frames",
-         f"{loop['deadline_misses']} late and {loop['skipped_ticks']:,} left out of {loop['frames'] + loop['skipped_ticks']:,}; "
+         f"{loop['deadline_misses']} late and {loop['skipped_ticks']:,} skipped, of {loop['frames'] + loop['skipped_ticks']:,}; "
          f"the output went to zero {loop['output_trips']} times; wake-up p99 {digits(loop['wakeup_p99_us'])} us, "
          f"most {loop['wakeup_max_us'] / 1e3:.0f} ms", "", "loop", measured("loop", rows("loop")[0])]]
     return list(markdown(["figure", "Forcelayer", "beside", "page", "measured"],

@@ -2,7 +2,7 @@
 // points and mesh colliders: every method on the same contacts, poses and offset surface.
 //
 //   wrench_bench [--contact NAME]... [--s S]... [--orientations N] [--pair-cases N]
-//                [--models FOLDER] [--json FILE]
+//                [--hand-only] [--covering RADIUS] [--models FOLDER] [--json FILE]
 //
 // S are voxel sizes in units of 10 mm. README.md says what the truth is.
 #include <oneapi/tbb/global_control.h>
@@ -19,15 +19,17 @@
 #include "runtime/field/tangent_plane.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/spread.h"
-#include "tests/bench/wrench_bench_commanded.h"
 #include "tests/bench/wrench_bench_contacts.h"
 #include "tests/bench/wrench_bench_frame.h"
+#include "tests/bench/wrench_bench_hand.h"
 #include "tests/bench/wrench_bench_level_set.h"
 #include "tests/bench/wrench_bench_meshes.h"
 #include "tests/bench/wrench_bench_pairs.h"
 #include "tests/bench/wrench_bench_peers.h"
 #include "tests/stress/baked.h"
+#include "tests/stress/shapes.h"
 #include "tests/support/places.h"
+#include "tests/support/random_numbers.h"
 
 namespace forcelayer::bench {
 namespace {
@@ -212,10 +214,39 @@ DenseDistances distances_of(const ContactCase& contact) {
   return box;
 }
 
+struct Choice {
+  std::vector<double> sizes = {1, 0.5, 0.25};
+  int orientations = 1, pair_cases = 4;
+  double covering_voxels = kPaperCover;
+  bool hand_only = false;
+  std::vector<std::string> only;
+  std::string models = test::source_path("../shared/models"), json;
+
+  bool wants(const std::string& name) const {
+    return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+  }
+};
+
 constexpr const char* kGroups[] = {"flush and smooth", "corners and wedges", "mesh pairs"};
 
+using Hands = std::map<std::string, Hand>;  // by group of contacts
+
+// The exact surfaces of the truth are meshes that deviate by so little that no figure shows it.
+constexpr double kTruthDeviationM = 1e-5;
+
+void see_hand(const Combination& combination, const ContactCase& contact, const Pshell& pshell,
+              Hand& hand) {
+  const mesh::Mesh scene = offset_mesh(contact.body(), 0, kTruthDeviationM),
+                   part = part_mesh(combination.part, kTruthDeviationM);
+  const auto slide = contact.slide();
+  const Pose first = pose_of(slide.front()), last = pose_of(slide.back());
+  hand.see({contact.voxmap(), pshell, scene, part, first, -contact.out(),
+            glm::normalize(last.position_m - first.position_m)},
+           hand.seen());
+}
+
 void judge(const Combination& combination, const PartShells& shells, const Pshell& pshell, double s,
-           std::mt19937_64& random, Samples& samples, Commanded& commanded) {
+           std::mt19937_64& random, Samples& samples, Hand& hand) {
   std::map<std::size_t, Quality> qualities;
   std::map<std::size_t, double> frames_us;
   const std::mt19937_64 same = random;
@@ -242,8 +273,7 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
       run(m, [&frame = *frame](const Pose& pose) { return frame.at(pose); });
     }
     if (kind != VoxelKind::kFull) continue;
-    const glm::dvec3 out = maps.all().at(kDistances)->at(slide.front()).force_n;
-    commanded.see(contact.voxmap(), pshell, slide.front(), -glm::normalize(out));
+    see_hand(combination, contact, pshell, hand);
     const LevelSetFrame level_set(distances, shells.tested, s, contact.middle_m());
     run(kLevelSet, [&](const Pose& pose) { return level_set.at(pose); });
     const double deviation_m = kDeviationVoxels * s;
@@ -257,6 +287,20 @@ void judge(const Combination& combination, const PartShells& shells, const Pshel
     collide(kFclDistance, fcl_distance(part, contact.middle_m()), 0);
   }
   samples.add(kGroups[combination.smooth ? 0 : 1], combination.name, qualities, frames_us);
+}
+
+void see_hand(const MeshPair& pair, const PairPart& part, const PairContact& contact, Hand& hand) {
+  mesh::Mesh scene;
+  stress::append(scene, pair.scene, contact.world_from_scene(0));
+  const std::vector<Pose> line = contact.frames(VoxelKind::kFull);
+  const glm::dvec3 in = glm::normalize(line.back().position_m - line.front().position_m);
+  test::Random random(hand.seen());
+  const glm::dvec3 along = glm::normalize(glm::cross(in, test::random_direction(random)));
+  const Voxmap voxmap = contact.bake(VoxelKind::kFull, 0, true);
+  const auto& c = part.shell.header().center_m;
+  Pose above = line.front();
+  above.position_m -= above.orientation * glm::dvec3(c[0], c[1], c[2]);
+  hand.see({voxmap, part.shell, scene, part.mesh, above, in, along}, hand.seen());
 }
 
 // The colliders of a pair: they know the scene in its own frame.
@@ -328,29 +372,27 @@ constexpr int kTimedEvery = 10;  // cases
 constexpr std::size_t kCheckedPlaces = 200;
 
 // The deviation of the colliders' offset surfaces is returned, in voxels.
-double judge(const MeshPair& pair, double s, int cases, std::uint64_t seed, Samples& samples,
-             Commanded& commanded) {
+double judge(const MeshPair& pair, double s, const Choice& choice, std::uint64_t seed,
+             Samples& samples, Hand& hand) {
   std::mt19937_64 random(seed);
-  const PairPart part(pair, s);
+  const PairPart part(pair, s,
+                      choice.covering_voxels == kPaperCover ? 0 : choice.covering_voxels * s);
   const ExactDistance distance(pair.scene);
   distance.check(kCheckedPlaces, 10 * s, random);
   std::optional<PairColliders> colliders;
   double deviation_m = 0;
-  for (int number = 0; number < cases; ++number) {
+  for (int number = 0; number < choice.pair_cases; ++number) {
     const PairContact contact(pair.scene, distance, part, s, random);
+    const bool timed = number % kTimedEvery == 0;
+    if (timed || choice.hand_only) see_hand(pair, part, contact, hand);
+    if (choice.hand_only) continue;
     if (!colliders) colliders.emplace(pair, part, contact.offset_m(VoxelKind::kFull));
     const mesh::Mesh offset_mesh = contact.offset_mesh();
     colliders->contacts->set_scene(offset_mesh);
-    const bool timed = number % kTimedEvery == 0;
     std::map<std::size_t, Quality> qualities, cropped;
     std::map<std::size_t, double> frames_us;
     judge(contact, part, *colliders, s, timed, qualities, frames_us);
     if (timed) deviation_m = std::max(deviation_m, contact.offset_mesh_deviation_m(offset_mesh));
-    if (timed) {
-      const std::vector<Pose> line = contact.frames(VoxelKind::kFull);
-      commanded.see(contact.bake(VoxelKind::kFull, 0, true), part.shell, line.front(),
-                    glm::normalize(line.back().position_m - line.front().position_m));
-    }
     if (number == 0) {  // a map around the contact tells what the whole one does
       judge(contact, part, *colliders, s, false, cropped, frames_us);
       for (const auto& [m, quality] : cropped) {
@@ -390,16 +432,40 @@ void print(const std::string& group, const Values& methods) {
 
 constexpr Part kParts[] = {Part::kSphere, Part::kBox, Part::kCylinder, Part::kCone, Part::kTorus};
 
-struct Choice {
-  std::vector<double> sizes = {1, 0.5, 0.25};
-  int orientations = 1, pair_cases = 4;
-  std::vector<std::string> only;
-  std::string models = test::source_path("../shared/models"), json;
-
-  bool wants(const std::string& name) const {
-    return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+// Rows of what the hand felt.
+void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const char* group,
+              Json& results) {
+  for (std::size_t motion = 0; motion < Hand::kMotions; ++motion) {
+    const std::vector<double>& errors = hand.errors(motion);
+    if (errors.empty()) continue;
+    const Spread s = spread(errors);
+    const double max = *std::max_element(errors.begin(), errors.end());
+    std::printf("  E_hand %-20s %-8s n %4zu: median %.2f%%, p95 %.2f%%, max %.1f%%\n", group,
+                Hand::kNames[motion], s.n, 100 * s.p50, 100 * s.p95, 100 * max);
+    results["wrench_hand"].push_back({{"voxel_m", voxel_m},
+                                      {"covering_voxels", covering_voxels},
+                                      {"contacts", group},
+                                      {"motion", Hand::kNames[motion]},
+                                      {"n", s.n},
+                                      {"p50", s.p50},
+                                      {"p95", s.p95},
+                                      {"max", max}});
   }
-};
+  const double off = hand.off().empty() ? 0 : *std::ranges::max_element(hand.off());
+  std::printf(
+      "  E_hand %s: %zu cases, %zu not at rest; %zu poses unsolved, %zu outside the map; off by "
+      "at most %.1g, %zu of more than ten contacts\n",
+      group, hand.seen(), hand.restless(), hand.unsolved(), hand.outside(), off, hand.many());
+  results["wrench_hand_cases"].push_back({{"voxel_m", voxel_m},
+                                          {"covering_voxels", covering_voxels},
+                                          {"contacts", group},
+                                          {"cases", hand.seen()},
+                                          {"restless", hand.restless()},
+                                          {"unsolved", hand.unsolved()},
+                                          {"outside", hand.outside()},
+                                          {"many_contacts", hand.many()},
+                                          {"off_max", off}});
+}
 
 void judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double units,
                 Json& results) {
@@ -407,38 +473,36 @@ void judge_size(const Choice& choice, const std::vector<MeshPair>& pairs, double
   std::map<Part, PartShells> shells;
   std::map<Part, Pshell> pshells;
   for (const Part part : kParts) {
-    shells[part] = shells_of(part, s, kPaperCover);
+    shells[part] = shells_of(part, s, choice.covering_voxels);
     pshells.emplace(part, pshell_of(shells[part].tested, s));
   }
   Samples samples;
-  Commanded commanded;
+  Hands hands;
   std::mt19937_64 random(20260101);
   for (const Combination& combination : combinations()) {
     if (!choice.wants(combination.name)) continue;
     for (int i = 0; i < choice.orientations; ++i) {
-      judge(combination, shells[combination.part], pshells.at(combination.part), s, random, samples,
-            commanded);
+      const PartShells& of_part = shells[combination.part];
+      const Pshell& pshell = pshells.at(combination.part);
+      Hand& hand = hands[kGroups[combination.smooth ? 0 : 1]];
+      if (choice.hand_only) {
+        const ContactCase contact(combination, of_part, s, random, VoxelKind::kFull);
+        see_hand(combination, contact, pshell, hand);
+      } else {
+        judge(combination, of_part, pshell, s, random, samples, hand);
+      }
     }
   }
   double deviation_voxels = 0;
   for (const MeshPair& pair : pairs) {
     // One seed, so that every choice of sizes, pairs and cases begins with the same contacts.
-    const double deviated = judge(pair, s, choice.pair_cases, 20260101, samples, commanded);
+    const double deviated = judge(pair, s, choice, 20260101, samples, hands[kGroups[2]]);
     deviation_voxels = std::max(deviation_voxels, deviated);
   }
   std::printf("s = %g (%g mm); the offset surfaces of the pairs deviate by %.2g voxels\n", units,
               1000 * s, deviation_voxels);
-  if (const std::vector<double>& off = commanded.off(); !off.empty()) {
-    const Percentiles p = percentiles(off);
-    std::printf(
-        "the step's wrench at rest, %zu times, %zu of more than ten contacts: off by %.1g, at most "
-        "%.1g\n",
-        off.size(), commanded.many(), p.p50, p.max);
-    results["wrench_commanded"].push_back({{"voxel_m", s},
-                                           {"compared", off.size()},
-                                           {"many_contacts", commanded.many()},
-                                           {"off_p50", p.p50},
-                                           {"off_max", p.max}});
+  for (const char* group : kGroups) {
+    if (hands.contains(group)) add_hand(hands[group], s, choice.covering_voxels, group, results);
   }
   for (const char* group : kGroups) {
     if (samples.groups.contains(group)) print(group, samples.groups[group]);
@@ -460,6 +524,9 @@ int run(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--pair-cases", choice.pair_cases, "of each pair of meshes")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--covering", choice.covering_voxels, "covering radius of the shells, voxels")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--hand-only", choice.hand_only, "E_hand alone, of every case");
   app.add_option("--models", choice.models, "folder of the models");
   app.add_option("--json", choice.json, "where to write the figures");
   CLI11_PARSE(app, argc, argv);

@@ -245,6 +245,11 @@ std::vector<ContactCase::Placed> ContactCase::slide() const {
   return frames;
 }
 
+glm::dvec3 ContactCase::out() const {
+  const auto [a, b] = along_slide(0);
+  return body_.rotation * symmetry(a, b) * approach_;
+}
+
 Quality ContactCase::judge(const WrenchAt& wrench_at, std::size_t shifts, LoadOfTruth load) const {
   Measured measured(kDepths);
   for (std::size_t d = 0; d < kDepths; ++d)

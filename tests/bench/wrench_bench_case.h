@@ -54,6 +54,7 @@ class ContactCase {
                 LoadOfTruth load = LoadOfTruth::kWhole) const;
 
   std::vector<Placed> slide() const;  // the frames of the slide
+  glm::dvec3 out() const;             // the way out at its first frame, world
   const AnalyticStatic& body() const { return body_; }
   const Voxmap& voxmap() const { return *voxmap_; }
   const DenseFields& dense() const { return *dense_; }

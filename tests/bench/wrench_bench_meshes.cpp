@@ -16,6 +16,7 @@ constexpr double kReachM = 0.5;
 
 // Segments of a circle whose chords are at most that far inside it.
 int segments_of(double radius_m, double deviation_m) {
+  if (radius_m <= deviation_m) return 12;
   return std::max(12, static_cast<int>(std::ceil(M_PI / std::acos(1 - deviation_m / radius_m))));
 }
 

@@ -114,8 +114,8 @@ MeshPair mesh_pair(const std::string& name, const std::string& models) {
   throw std::runtime_error("no pair of meshes is named " + name);
 }
 
-PairPart::PairPart(const MeshPair& pair, double voxel_size_m)
-    : mesh(pair.part), shell(stress::BakedPart(pair.part, voxel_size_m).open()) {
+PairPart::PairPart(const MeshPair& pair, double voxel_size_m, double covering_radius_m)
+    : mesh(pair.part), shell(stress::BakedPart(pair.part, voxel_size_m, covering_radius_m).open()) {
   const PshellView view = shell.view();
   const auto& center = shell.header().center_m;
   for (mesh::Vec3d& v : mesh.vertices) {

@@ -36,7 +36,7 @@ MeshPair mesh_pair(const std::string& name, const std::string& models);
 
 // A part as this bench needs it, for one voxel size.
 struct PairPart {
-  PairPart(const MeshPair& pair, double voxel_size_m);
+  PairPart(const MeshPair& pair, double voxel_size_m, double covering_radius_m);
 
   // Points of the exact surface that lie near each other, and a sphere around them.
   struct Block {

@@ -19,7 +19,7 @@ embed() {
   grep -q 'trips 0' embed.txt || { echo "held up: a trip" >>embed.txt; return 1; }
 }
 in_time embed.txt embed || true
-grep -qE 'largest force [1-8]\.[0-9]+ N, [1-9][0-9]* of 1000 frames in contact, 0 penetrating' embed.txt ||
+grep -qE 'peak force [1-8]\.[0-9]+ N, [1-9][0-9]* of 1000 frames in contact, 0 penetrating' embed.txt ||
   fail "$(cat embed.txt)"
 status=0
 "$bin/example_embed" none.vox ball.pshell 2>error.txt || status=$?
@@ -30,7 +30,7 @@ embed_c() {
   grep -q 'last trip none' embed_c.txt || { echo "held up: a trip" >>embed_c.txt; return 1; }
 }
 in_time embed_c.txt embed_c || true
-grep -qE 'before: output 1, largest force [1-9]' embed_c.txt || fail "$(cat embed_c.txt)"
+grep -qE 'at 0.8 s: output 1, peak force [1-9]' embed_c.txt || fail "$(cat embed_c.txt)"
 # Swapped in at z = 60 mm, away from the floor, and armed again.
 grep -qE 'at the end: output 1, part at z = 0\.060 m, last trip none' embed_c.txt ||
   fail "$(cat embed_c.txt)"

@@ -21,7 +21,7 @@ keeps() {
     ln -sf mine linked
     "$bin/$1" "${@:2}" >out 2>err </dev/null
     [ $? = 2 ] || fail "status of $*: $(cat err)"
-    [ "$(wc -l <err)" = 1 ] && grep -q "is there already, and is not" err || fail "$*: $(cat err)"
+    [ "$(wc -l <err)" = 1 ] && grep -q "already exists and is not" err || fail "$*: $(cat err)"
     [ "$(cat mine)" = "# a day of work" ] || fail "$* has replaced a file"
     set -- "${@//mine/linked}"
   done

@@ -220,13 +220,13 @@ def check_paths(scene, part, run):
     told = json.load(open("seated.json"))["seated"]
     seated = scene.check(part, [0, 1], out, 0.005, world_from_seat=out[0], felt_seat=True)["seated"]
     assert len(seated) == len(told) == 1, (seated, told)
-    for key in ("from_s", "to_s", "way_m", "clearance_m"):
+    for key in ("from_s", "to_s", "travel_m", "clearance_m"):
         assert abs(seated[0][key] - told[0][key]) < 1e-9, (key, seated, told)
-    assert seated[0]["nearest"]["object"] == told[0]["object"] and 0 < seated[0]["way_m"] < 0.02, seated
+    assert seated[0]["nearest"]["object"] == told[0]["object"] and 0 < seated[0]["travel_m"] < 0.02, seated
     one, two = (scene.check(part, frames["t_s"], frames["world_from_part"], 0.012, threads=n) for n in (1, 2))
     assert one["curve"].tobytes() == two["curve"].tobytes() and one["violations"] == two["violations"]
     expect_error(lambda: scene.check(part, [0, 0], frames["world_from_part"][:2]), "t_s: row 1 is not later")
-    expect_error(lambda: scene.check(part, [0], frames["world_from_part"][:2]), "t_s: has another length")
+    expect_error(lambda: scene.check(part, [0], frames["world_from_part"][:2]), "t_s: is empty, or its length differs from the length of poses")
     expect_error(lambda: scene.check(part, [0, 1], frames["world_from_part"][:2], allow=["nothing"]), "no object 'nothing'")
 
 

@@ -102,7 +102,7 @@ END
   rm report.json
 done
 # So is a wrong command line, and what a command refuses before it looks at its files.
-for call in "voxrun floor.vox ball.pshell --rate 0" "voxrun floor.vox ball.pshell --pull 1,2,3" "voxcheck floor.vox" \
+for call in "voxrun floor.vox ball.pshell --set rate_hz=0" "voxrun floor.vox ball.pshell --pull 1,2,3" "voxcheck floor.vox" \
   "voxinfo floor.vox --nothing" "voxrun floor.vox ball.pshell --trace run.stl"; do
   read -r name words <<<"$call"
   rm -f report.json
@@ -127,7 +127,7 @@ for call in "voxrun floor.vox ball.pshell --start 0.1m,0.1m,0.2m --as-fast-as-po
     fail "$call >/dev/full: status $status: $(cat err.txt)"
 done
 # The help that is named is that of the command that lacks something.
-for call in "voxinfo path" "forcelayer study a.glb#Pin -o study"; do
+for call in "voxinfo path" "forcelayer study a.glb#Pin"; do
   read -r name word words <<<"$call"
   # shellcheck disable=SC2086  # words
   "$bin/$name" "$word" $words 2>err.txt
@@ -191,7 +191,7 @@ for n in range(int(times)):
 words = run.communicate()[1]
 print(words, run.returncode, os.listdir())
 assert run.returncode == 130
-assert "its files hold the run up to here" in words and open("run.csv").readline().startswith("t_s,")
+assert "its files contain the run up to this point" in words and open("run.csv").readline().startswith("t_s,")
 assert not [name for name in os.listdir() if name.endswith(".tmp")]
 END
 done
@@ -216,7 +216,7 @@ interrupted("doctor", ["voxrun", "doctor", "--clock", "600"], measures)
 if os.path.exists(bin + "/voxelize"):
     told = interrupted("study", ["forcelayer", "study", data + "/gearbox.glb#Pin", "--voxel-size", "1mm", "--pull", "0,0,60mm",
                                  "-o", "pin"], lambda pid: os.path.exists("pin"))
-    assert "forcelayer: pin holds the steps that are finished; the same command goes on from there" in told
+    assert "forcelayer: pin contains the finished steps; the same command continues from there" in told
 END
 
 # On a terminal: an error is colored, unless that is not wanted.

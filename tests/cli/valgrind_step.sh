@@ -14,11 +14,11 @@ cd "$scratch"
 check() {
   valgrind --quiet --error-exitcode=9 \
     --leak-check=full --errors-for-leak-kinds=definite,indirect "$FORCELAYER_BIN_DIR/voxrun" \
-    floor.vox ball.pshell --device sim --motion press.csv --as-fast-as-possible --quiet "$@"
+    floor.vox ball.pshell --motion press.csv --as-fast-as-possible --quiet "$@"
 }
 check --json run.json --trace run.csv --record run.flr
 check --model paper
-check --force tangent-plane --hand firm --threads 2
+check --force tangent-plane --device sim:hand=firm --threads 2
 check --duration 100ms --udp 127.0.0.1:9
 python3 -c 'import json; r = json.load(open("run.json")); assert r["force_layer_frames"] > 100, r'
 echo "no error in four runs"

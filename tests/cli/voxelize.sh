@@ -139,7 +139,7 @@ done
 grep -q '"layers": 0' report.json || fail "a standoff has no layers"
 "$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
 "$bin/voxinfo" near.vox --json facts.json >facts
-grep -q "standoff          1.3 mm" facts && grep -q "2.6 mm of room" facts && grep -q "proven then" facts ||
+grep -q "standoff          1.3 mm" facts && grep -q "through a gap that is 2.6 mm wider" facts && grep -q "in such a gap" facts ||
   fail "voxinfo does not say the standoff: $(cat facts)"
 python3 - <<'EOF' || fail "the facts of a standoff"
 import json
@@ -158,11 +158,11 @@ for option in "--kind lean" "--kind paper"; do
   expect 2 "--standoff: needs stored distances" cube.obj --units cm --voxel-size 1mm --standoff 2mm $option -o scene.vox
 done
 expect 2 "--lean: is an old spelling; write --kind lean" cube.obj --units cm --voxel-size 1mm --lean -o scene.vox
-expect 2 "--standoff: says where the force begins, and so does --layers" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
+expect 2 "--standoff: cannot be combined with --layers, because both set where the force begins" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
   --layers 2 -o scene.vox
-expect 2 "standoff: is 0.5 mm, not between 0.9672 and 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
-expect 2 "use a smaller one, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
-expect 2 "not between 2.867 and 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
+expect 2 "standoff: is 0.5 mm, but must be from 0.9672 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
+expect 2 "use a smaller standoff, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
+expect 2 "must be from 2.867 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 0mm -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 2 -o scene.vox
 expect 2 "--voxel-size" cube.obj --units cm -o scene.vox
@@ -198,12 +198,12 @@ expect 3 "no triangles" empty.stl --units mm --voxel-size 1mm -o scene.vox
 printf '{"parts": [{"mesh": "cube.obj", "units": "mm"}, {"mesh": "cube.obj", "units": "mm", "translation": ["100km", 0, 0]}]}' >bad.json
 expect 3 "directory" bad.json --voxel-size 1um -o scene.vox
 grep -q "use --voxel-size .*m or more" err || fail "no voxel size that would fit: $(cat err)"
-expect 3 "at 0.001 mm the scene takes at least 3.6e+10 GB of memory; this process can have" cube.obj --units km --voxel-size 1um -o scene.vox
-grep -q "; the scene is 1000 m across: --units mm? Else use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
+expect 3 "at 0.001 mm the scene takes at least 3.6e+10 GB of memory, but this process can have" cube.obj --units km --voxel-size 1um -o scene.vox
+grep -q "; the scene is 1000 m across; if its unit is the millimeter, add --units mm; otherwise use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
 expect 3 "free seed" cube.obj --units cm --voxel-size 1mm --free-seed 0,5mm,5mm -o scene.vox
 # A manifest states its units: --units does not, which is said, and an error sends nobody in a circle.
 printf '{"parts": [{"mesh": "cube.obj"}]}' >scene.json
-expect 3 'parts[0] of scene.json: this format does not say which unit its numbers are; add them there, for example "units": "mm"' \
+expect 3 'parts[0] of scene.json: this file format does not state the unit of length; add the unit to this part, for example "units": "mm"' \
   scene.json --units cm --voxel-size 1mm -o scene.vox
 printf '{"parts": [{"mesh": "cube.obj", "units": "cm"}]}' >scene.json
 "$bin/voxelize" scene.json --units in --voxel-size 1mm -o scene.vox --json report.json >out 2>err || fail "a manifest's unit: $(cat err)"
@@ -212,8 +212,8 @@ grep -q '^scene: 1 object, 10 x 10 x 10 mm$' out || fail "a manifest's unit: $(c
 
 # A region in another unit holds nothing, and the file too.
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm --roi=10m,0,0,11m,5m,5m -o scene.vox --json report.json >out 2>err || fail "$(cat err)"
-grep -qx 'voxelize: warning: nothing of the scene is in --roi, or near it: check its unit' err || fail "an empty region: $(cat err)"
-grep -q 'nothing of the scene is in --roi' report.json || fail "an empty region is not in the report"
+grep -qx 'voxelize: warning: no object of the scene is in --roi or near it: check the unit of --roi' err || fail "an empty region: $(cat err)"
+grep -q 'no object of the scene is in --roi' report.json || fail "an empty region is not in the report"
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm --roi 4mm,4mm,4mm,5mm,5mm,5mm -o scene.vox >out 2>err || fail "$(cat err)"
 [ ! -s err ] || fail "a region inside of a solid: $(cat err)"
 rm -f scene.vox
@@ -230,15 +230,15 @@ manifest_error() {
   printf '%s' "$2" >bad.json
   expect 3 "$1" bad.json --voxel-size 1mm -o scene.vox
 }
-manifest_error "beyond 1e9m" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
+manifest_error "is more than 1e9m" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
 printf '%s' '{"parts": [{"mesh": "cube.obj", "units": "mm", "translation": ["1e9m", 0, 0]}]}' >bad.json
 expect 3 "2^52" bad.json --voxel-size 0.0001mm -o scene.vox --quiet
 for key in '"roi": [0, 0, 0, "1m", 5, "1m"]' '"free_seeds": [[0, 5, 0]]' '"voxel_size": 5'; do
-  manifest_error 'is 5, without a unit; write it like "5mm"' "{$key, \"parts\": [{\"mesh\": \"cube.obj\", \"units\": \"cm\"}]}"
+  manifest_error 'is 5 without a unit; write it like "5mm"' "{$key, \"parts\": [{\"mesh\": \"cube.obj\", \"units\": \"cm\"}]}"
 done
-manifest_error 'parts[0].translation[1]: is 5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": [0, 5, 0]}]}'
-manifest_error 'parts[0].matrix[1][3]: is 5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,5],[0,0,1,0],[0,0,0,1]]}]}'
-manifest_error 'parts[0].mesh_deviation: is 0.5, without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "mesh_deviation": 0.5}]}'
+manifest_error 'parts[0].translation[1]: is 5 without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": [0, 5, 0]}]}'
+manifest_error 'parts[0].matrix[1][3]: is 5 without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "matrix": [[1,0,0,0],[0,1,0,5],[0,0,1,0],[0,0,0,1]]}]}'
+manifest_error 'parts[0].mesh_deviation: is 0.5 without a unit' '{"parts": [{"mesh": "cube.obj", "units": "cm", "mesh_deviation": 0.5}]}'
 manifest_error 'without: is not a list of names' '{"without": "b", "parts": [{"mesh": "cube.obj", "units": "cm"}]}'
 manifest_error "byte" '{"parts": ['
 manifest_error "parts: " '{"voxel_size": "1mm"}'

@@ -68,7 +68,7 @@ PYTHON
   # Beside each distance stands the object that it is from, by its name in the list.
   "$bin/voxinfo" verify opened.vox --quiet || fail "the opened gearbox is not valid"
   "$bin/voxinfo" opened.vox --objects --json objects.json >out || fail "objects"
-  grep -q "^  objects           8, nearest ones in [1-9][0-9]* bytes$" out || fail "no number of objects: $(cat out)"
+  grep -q "^  objects           8; the nearest objects are stored in [1-9][0-9]* bytes$" out || fail "no number of objects: $(cat out)"
   python3 - opened.json objects.json <<'PYTHON' || fail "the objects of the file: $(cat objects.json)"
 import json, sys
 baked, file = (json.load(open(name)) for name in sys.argv[1:])
@@ -81,7 +81,7 @@ PYTHON
   [ "$(cut -f4 out | paste -sd' ')" = "Gearbox/Pin Gearbox/Housing " ] || fail "nearest objects: $(cat out)"
 
   shell cover "$file#Cover"
-  grep -qxF "cover.pshell: at the identity pose it stands where it is installed in $file" out ||
+  grep -qxF "cover.pshell: at pose 0,0,0 the part is where it is installed in $file" out ||
     fail "no word of where the part stands: $(cat out)"
   python3 - "$("$bin/voxinfo" cover.pshell --json - 2>/dev/null)" <<'PYTHON' || fail "the cover is elsewhere"
 import json, sys
@@ -122,33 +122,33 @@ JSON
     fail "what was left out is not in the report"
 
   # Mistakes.
-  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" voxelize "$file#Covr" --voxel-size 1mm -o no.vox
-  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" pointshell "$file#Covr" --voxel-size 1mm -o no.pshell
-  refuses 3 "#Covr: no node of this name; the nearest are: Gearbox/Lid/Cover" voxelize --list "$file#Covr"
+  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" voxelize "$file#Covr" --voxel-size 1mm -o no.vox
+  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" pointshell "$file#Covr" --voxel-size 1mm -o no.pshell
+  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" voxelize --list "$file#Covr"
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" voxelize "$file" --without Covr --voxel-size 1mm -o no.vox
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
   refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
   # Siblings that are called alike: nobody means the first alone without to say so.
-  alike="several siblings are called so: Gearbox/Lid/Bolt, Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
+  alike="several siblings have this name: Gearbox/Lid/Bolt, Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
   refuses 3 "$file: --without Bolt: $alike" voxelize "$file" --without Bolt --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" voxelize "$file#Bolt" --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" pointshell "$file#Bolt" --voxel-size 1mm -o no.pshell
   refuses 3 "$file: #Bolt: $alike" voxelize --list "$file#Bolt"
-  refuses 3 "write Gearbox/Lid/Bolt[1] for the first alone, Gearbox/Lid/Bolt* for all" \
+  refuses 3 "write Gearbox/Lid/Bolt[1] for the first one only, Gearbox/Lid/Bolt* for all" \
     voxelize "$file#Gearbox/Lid/Bolt" --voxel-size 1mm -o no.vox --cache no.cache
   bake one "$file#Bolt[1]" "$file#Lid/Bolt[3]" --without 'Bolt[3]' --without Half*
   [ "$(names one)" = "Gearbox/Lid/Bolt" ] || fail "the first of four bolts: $(names one)"
-  refuses 3 "#Screw*: no node of this name" voxelize "$file#{Cover,Screw*}" --voxel-size 1mm -o no.vox
+  refuses 3 "#Screw*: no node has this name" voxelize "$file#{Cover,Screw*}" --voxel-size 1mm -o no.vox
   # No name, as of "$file#$PART" with nothing in PART, is not the whole file.
-  refuses 3 "$file: #: no name stands behind it; name a node, as voxelize --list prints them, or leave the # out" \
+  refuses 3 "$file: #: no name follows the #; name a node that voxelize --list prints, or leave out the #" \
     pointshell "$file#" --voxel-size 1mm -o no.pshell
-  refuses 3 "$file: #: no name stands behind it" voxelize "$file#Pin" "$file#" --voxel-size 1mm -o no.vox
-  refuses 3 "$file: #: no name stands behind it" voxelize "$file#" --voxel-size 1mm -o no.vox --sandbox --cache no.cache
-  refuses 3 "$file: #: no name stands behind it" voxelize --list "$file#"
+  refuses 3 "$file: #: no name follows the #" voxelize "$file#Pin" "$file#" --voxel-size 1mm -o no.vox
+  refuses 3 "$file: #: no name follows the #" voxelize "$file#" --voxel-size 1mm -o no.vox --sandbox --cache no.cache
+  refuses 3 "$file: #: no name follows the #" voxelize --list "$file#"
   printf '{"parts": [{"mesh": "%s#"}]}' "$file" >bad.json
-  refuses 3 "parts[0] of bad.json, #: no name stands behind it" voxelize bad.json --voxel-size 1mm -o no.vox
+  refuses 3 "parts[0] of bad.json, #: no name follows the #" voxelize bad.json --voxel-size 1mm -o no.vox
   printf '{"parts": [{"mesh": "%s#Pin"}, {"mesh": "%s#Pim"}]}' "$file" "$file" >bad.json
-  refuses 3 "parts[1] of bad.json, #Pim: no node of this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
+  refuses 3 "parts[1] of bad.json, #Pim: no node has this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
   # Names of a manifest's parts. Of parts of one name each is meant, and the second has a number in the bake.
   refuses 3 "no file has a node called 'boxx'; the nearest are: box, " voxelize scene.json --without boxx --voxel-size 1mm -o no.vox
   sed 's/"pin"/"box"/' scene.json >double.json
@@ -156,13 +156,43 @@ JSON
   [ "$(names twice)" = "box box#2" ] || fail "two parts of one name: $(names twice)"
   bake fewer double.json --without box
   case " $(names fewer)" in *" box"*) fail "one of two boxes is left: $(names fewer)" ;; esac
-  refuses 3 "no node with a mesh is left" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
+  refuses 3 "--without leaves no node with a mesh" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
 }
 
 check_assembly gearbox.glb
-refuses 2 "--list: takes no manifest" voxelize --list scene.json
-refuses 2 "--output: has no meaning with --list" voxelize --list gearbox.glb -o no.vox
-refuses 2 "--list: has no meaning with --plan" voxelize --list gearbox.glb --plan
+refuses 2 "--list: is not possible for a folder" voxelize --list .
+# A manifest's parts where it places them, and one of them by name.
+python3 - "$FORCELAYER_SOURCE_DIR/tests/support" <<'END' || fail "the bore"
+import sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+from bore import bore
+bore()
+END
+"$bin/voxelize" --list bore.json --json list.json >out && grep -q "2 instances, 192 triangles, 100 x 100 x 60 mm, closed; unit 1 m$" out ||
+  fail "a manifest is listed: $(cat out)"
+python3 - <<'END' || fail "the parts of a manifest: $(cat list.json)"
+import json
+[listed] = json.load(open("list.json"))["files"]
+plate, pin = listed["nodes"]
+assert plate["node"] == "plate" and pin["node"] == "pin" and pin["triangles"] == 64 and pin["closed"]
+for corner, expected in ("low_m", (-0.01, -0.01, 0)), ("high_m", (0.01, 0.01, 0.06)):
+    assert max(abs(a - b) for a, b in zip(pin[corner], expected)) < 1e-8, pin
+END
+"$bin/voxelize" --list 'bore.json#pin' >out && grep -q '^bore.json: 1 instance, 64 triangles, 20 x 20 x 60 mm' out || fail "one part is listed: $(cat out)"
+# The same part from the file itself, which has it upright and in millimeters, and from the manifest, turned and moved.
+"$bin/pointshell" 'bore.json#pin' --voxel-size 1mm --quiet -o placed.pshell --json placed.json || fail "a part of a manifest"
+"$bin/pointshell" pin.obj --units mm --voxel-size 1mm --quiet -o plain.pshell --json plain.json || fail "the part alone"
+python3 - <<'END' || fail "not where the manifest places it: $(cat placed.json)"
+import json
+placed, plain = json.load(open("placed.json")), json.load(open("plain.json"))
+assert max(abs(a - b) for a, b in zip(placed["center_m"], plain["center_m"])) < 1e-8, placed
+assert abs(placed["area_m2"] / plain["area_m2"] - 1) < 1e-6 and abs(placed["volume_m3"] / plain["volume_m3"] - 1) < 1e-6
+END
+refuses 3 'bore.json: #pim: no part of this manifest has this "name"; name one of its parts, such as plate, pin' \
+  pointshell 'bore.json#pim' --voxel-size 1mm -o no.pshell
+refuses 2 "--output: has no effect with --list" voxelize --list gearbox.glb -o no.vox
+refuses 2 "--list: cannot be combined with --plan" voxelize --list gearbox.glb --plan
 cp "$data/skin.stl" .
 "$bin/voxelize" --list skin.stl | grep -q "no unit in this format: add --units$" || fail "a format without units"
 "$bin/voxelize" --list skin.stl --units mm | grep -q "1200 x 800.8 x 44.58 mm" || fail "a list with --units"
@@ -188,12 +218,12 @@ for n in $(seq 12); do cp gearbox.glb "copy_$n.glb"; done
 "$bin/voxelize" 'copy_1.glb#Pin' 'copy_1.glb#Bolt*' 'copy_1.glb#Clip' --units mm --voxel-size 1mm -o copies.vox >out 2>err
 [ "$(grep -c "1 m of the file is read as 1 mm" err)" = 1 ] || fail "not one warning for three nodes of a file: $(cat err)"
 # One that is too small is warned of, too.
-small="warning: the scene is 0.11 mm across, less than a voxel: --units? Else use a smaller --voxel-size"
+small="warning: the scene is 0.11 mm across, less than a voxel: check --units; if the unit is right, use a smaller --voxel-size"
 "$bin/voxelize" gearbox.glb --units mm --voxel-size 1mm -o small.vox --json small.json >out 2>err && grep -qxF "voxelize: $small" err ||
   fail "a scene of less than a voxel: $(cat err)"
 grep -qF "${small#warning: }" small.json || fail "the report of a scene of less than a voxel: $(cat small.json)"
 "$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 20mm -o small.pshell >out 2>err &&
-  grep -qxF "pointshell: warning: the part is 60 mm across, 3 voxels: --units? Else use a smaller --voxel-size" err ||
+  grep -qxF "pointshell: warning: the part is 60 mm across, 3 voxels: check --units; if the unit is right, use a smaller --voxel-size" err ||
   fail "a part of three voxels: $(cat err)"
 "$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 14mm -o small.pshell >out 2>err && [ ! -s err ] || fail "a part of four voxels: $(cat err)"
 
@@ -219,10 +249,10 @@ text = json.dumps(document).encode()
 text += b" " * (-len(text) % 4)
 open("far.glb", "wb").write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
 PYTHON
-"$bin/voxelize" --list far.glb >out 2>err && grep -qxF "voxelize: warning: far.glb: it is 1100 m across: --units mm?" err || fail "list: $(cat err)"
-"$bin/voxelize" far.glb --plan --voxel-size 8m >out 2>err && grep -qxF "voxelize: warning: the scene is 1100 m across: --units mm?" err ||
+"$bin/voxelize" --list far.glb >out 2>err && grep -qxF "voxelize: warning: far.glb: the model is 1100 m across; if its unit is the millimeter, add --units mm" err || fail "list: $(cat err)"
+"$bin/voxelize" far.glb --plan --voxel-size 8m >out 2>err && grep -qxF "voxelize: warning: the scene is 1100 m across; if its unit is the millimeter, add --units mm" err ||
   fail "plan: $(cat err)"
-refuses 3 "the scene is 1100 m across: --units mm?" voxelize far.glb --voxel-size 0.1mm -o no.vox
+refuses 3 "the scene is 1100 m across; if its unit is the millimeter, add --units mm" voxelize far.glb --voxel-size 0.1mm -o no.vox
 "$bin/voxelize" --list far.glb --units m >out 2>err && [ ! -s err ] || fail "a question about a unit that was stated: $(cat err)"
 for call in "--list" "--plan --voxel-size 8mm" "--voxel-size 8mm -o far.vox"; do
   "$bin/voxelize" far.glb --units mm $call >out 2>err || fail "far.glb --units mm $call: $(cat err)"

@@ -42,7 +42,7 @@ expect 0 "" "${vox[@]}" --missing-faces 1 --quiet && mv out.vox scene.vox
 expect 0 "" "${part[@]}" --missing-faces 1 --quiet && mv out.pshell part.pshell
 for file in scene.vox part.pshell; do
   expect 0 "" voxinfo $file --json $file.json
-  grep -q "1 face is missing from it, and no guarantee covers it" out || fail "voxinfo $file: $(cat out)"
+  grep -q "1 face is missing from its mesh, and no guarantee covers it" out || fail "voxinfo $file: $(cat out)"
 done
 # The picture marks what scene and part lack, by their meshes or by what the baked files say.
 if [ -x "$bin/voxview" ] && command -v xvfb-run >tool; then
@@ -71,7 +71,7 @@ if [ -x "$bin/voxplan" ]; then
   "$bin/voxplan" scene.vox part.pshell --time 0.1s -o plan.csv >out 2>err
   grep -q "voxplan: warning: scene.vox: 1 face is missing from it" err || fail "voxplan: $(cat err)"
 fi
-study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clearance 1mm --no-pictures -o study)
+study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o study)
 "$bin/${study[0]}" "${study[@]:1}" >out 2>err && fail "a study of a scene that cannot be read"
 expect 0 "" "${study[@]}" --missing-faces 1
 grep -q "faces missing from scene and part</th><td>1; the verdict does not cover them" study/report.html || fail "the page does not say what is missing"
@@ -92,7 +92,7 @@ for bake in vox part; do
   declare -n call=$bake
   expect 3 "tray/cube: OpenCASCADE could not read 1 solid: #99999 CSG_SOLID 'lid'" "${call[@]}"
   grep -q -- ", or accept the holes with --missing-faces 1" err || fail "$bake: no way out: $(cat err)"
-  [ "$(grep -c -- "leave their node out with --without" err)" = $([ $bake = vox ] && echo 1 || echo 0) ] ||
+  [ "$(grep -c -- "leave out their node with --without" err)" = $([ $bake = vox ] && echo 1 || echo 0) ] ||
     fail "$bake: leaving its only node out leaves nothing, one of several the others: $(cat err)"
   expect 0 "CSG_SOLID 'lid' is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
 done
@@ -115,9 +115,9 @@ expect 0 "" "${vox[@]}" --without bad --sandbox
 cmp -s out.vox bad.vox || fail "--without in a sandbox gives other bytes"
 expect 3 "nearest are: tray/seam" voxelize tray.step --voxel-size 2mm -o out.vox --without sem --missing-faces 1
 expect 3 "no node of this file is called 'sem'" "${vox[@]}" --without sem
-expect 3 "no faces are left" "${vox[@]}" --without tray
+expect 3 "--without leaves no faces in this file; a scene needs at least one other part" "${vox[@]}" --without tray
 printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n' >one.obj
-expect 3 "no file has a node called 'bad'" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
+expect 3 "no file has a node called 'bad'; a file of this format is one part" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
 expect 0 "" voxelize one.obj tray.step#seam tray.step#cube --units mm --voxel-size 2mm -o out.vox --without bad
 printf '{"voxel_size": "2mm", "parts": [{"mesh": "tray.step"}, {"mesh": "one.obj", "units": "mm"}]}' >scene.json
 expect 0 "" voxelize scene.json -o out.vox --without bad

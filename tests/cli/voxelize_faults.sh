@@ -50,7 +50,7 @@ disk_full_tmpfs() {
     mount -t tmpfs -o size=64k none small && cd small || exit 1
     head -c 56000 /dev/zero >ballast
     refused "No space left on device"
-    expect 0 "nothing was kept in the cache" "$voxelize" "$data/bay.json" --voxel-size 20mm -o ../other.vox --cache cache
+    expect 0 "nothing was stored in the cache" "$voxelize" "$data/bay.json" --voxel-size 20mm -o ../other.vox --cache cache
     rm ballast' || fail "in the namespace"
   same other.vox good.vox "with a full disk under the cache"
 }
@@ -140,7 +140,7 @@ address_space_limit() {
 # A triangle of 45 bytes that no machine holds: refused before memory is taken.
 immense_triangle() {
   printf 'v 0 0 0\nv 3e6 0 0\nv 0 3e6 0.5\nf 1 2 3\n' >immense.obj
-  expect 3 'at 1 mm the scene takes at least 2.7e+04 GB of memory; this process can have' "$voxelize" immense.obj --units mm --voxel-size 1mm --quiet -o out.vox
+  expect 3 'at 1 mm the scene takes at least 2.7e+04 GB of memory, but this process can have' "$voxelize" immense.obj --units mm --voxel-size 1mm --quiet -o out.vox
   [ ! -e out.vox ] || fail "a file was written"
 }
 

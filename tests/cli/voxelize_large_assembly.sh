@@ -73,7 +73,7 @@ PYTHON
 "$bin/voxelize" flat.ply --units mm --voxel-size 5mm -o flat.vox --json flat.json >out 2>err || fail "flat: $(cat err)"
 "$bin/voxelize" assembly.glb --without 'level_[0-3]' --voxel-size 5mm -o no.vox 2>err && fail "brackets are no wildcard"
 "$bin/voxelize" assembly.glb --without 'right' --voxel-size 5mm -o no.vox 2>err
-grep -q "several nodes of this name; use one of: rack/level_0/right, rack/level_1/right" err || fail "$(cat err)"
+grep -q "several nodes have this name; use one of: rack/level_0/right, rack/level_1/right" err || fail "$(cat err)"
 "$bin/voxelize" assembly.glb --without 'level_?/right' --without '{level_1,level_2,level_3,level_4}' --voxel-size 5mm \
   -o half.vox --json half.json --quiet || fail "half a level"
 python3 - <<'PYTHON' || fail "voxels"

@@ -35,7 +35,7 @@ assert 0.65 < promised / part["points"] < 1.25, (promised, part["points"])
 EOF
 # A standoff: twice as much is passed, and a separation is proven for every usual shell. The file says what the plan said.
 "$bin/voxelize" "$data/bay.json" --plan --voxel-size 10mm --standoff 90mm --json plan.json >out
-grep -q "the standoff is beyond 30 voxels" out || fail "a standoff of 36 voxels: $(cat out)"
+grep -q "the standoff is above 30 voxels" out || fail "a standoff of 36 voxels: $(cat out)"
 "$bin/voxelize" "$data/bay.json" --plan --voxel-size 5mm --standoff 6.5mm --json plan.json >out
 "$bin/voxelize" "$data/bay.json" --voxel-size 5mm --standoff 6.5mm -o near.vox --quiet
 "$bin/voxinfo" near.vox --json near.json >facts

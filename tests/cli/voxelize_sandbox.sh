@@ -48,13 +48,13 @@ fresh() {  # a sound mesh, written long ago; not in place of the two that are ma
 both 3 'crash.stl: its reader crashed (Segmentation fault)' crash.stl
 both 3 'abort.stl: its reader crashed (Aborted)' abort.stl
 both 3 'quit.stl: its reader ended with status 9' quit.stl
-both 3 "hang.stl: reading it takes longer than the sandbox's 0.5 s" hang.stl --sandbox=time=500ms
+both 3 "hang.stl: reading it takes longer than the sandbox's limit of 0.5 s" hang.stl --sandbox=time=500ms
 # A limit asks for the sandbox.
 fresh hang.stl
-expect 3 "reading it takes longer than the sandbox's 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
+expect 3 "reading it takes longer than the sandbox's limit of 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
   --sandbox=time=500ms
 both 3 'mute.stl: its reader' mute.stl
-both 3 'nonsense.stl: its reader sent no sound mesh' nonsense.stl
+both 3 'nonsense.stl: its reader sent a damaged mesh' nonsense.stl
 both 1 'changed.stl: has changed while it was being read; start again' changed.stl
 printf 'solid nothing\nendsolid nothing\n' >empty.stl
 both 3 'no triangles' empty.stl
@@ -69,7 +69,7 @@ if ! grep -aq __asan_init "$bin/voxelize"; then
   # Four million triangles of nothing, in a file that takes no disk.
   { head -c 80 /dev/zero; printf '\x00\x09\x3d\x00'; } >huge.stl
   truncate -s $((84 + 50 * 4000000)) huge.stl
-  both 3 "huge.stl: reading it takes more than the sandbox's 0.375 GiB" huge.stl --sandbox=memory=384MiB
+  both 3 "huge.stl: reading it takes more than the sandbox's limit of 0.375 GiB" huge.stl --sandbox=memory=384MiB
 fi
 fresh changed.stl
 expect 1 'has changed while it was being read' "$bin/voxelize" changed.stl --units mm --voxel-size 20mm -o out.vox

@@ -127,7 +127,7 @@ done
 mv external/rod.stp external/home
 "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
 "$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --method fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
-[ "$(grep -c "warning: .*its file '../rod.stp' was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
+[ "$(grep -c "warning: .*the file '../rod.stp' that it names was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
 "$bin/voxelize" $part --voxel-size 4mm --plan --json plan.json >out 2>err || fail "plan: $(cat err)"
 python3 - <<'PYTHON' || fail "warnings of the reports"
 import json
@@ -175,18 +175,18 @@ for more in "" --quiet; do
   timeout 23 "$bin/voxelize" wavy.step --voxel-size 5mm -o no.vox $more 2>err_$more >out &
 done
 wait
-grep -q "has been read for 20 s: its surfaces are tessellated to 0.05 mm (in a bake a hundredth of a voxel); coarser is faster" err_ || fail "a slow file: $(cat err_)"
-grep -q "wavy.step will be some 3.1 million triangles, which take about 0.57 minutes and up to 6.3 GB" err_ || fail "no forecast: $(cat err_)"
-[ "$(grep -n "will be some" err_ | cut -d: -f1)" -lt "$(grep -n "has been read for" err_ | cut -d: -f1)" ] || fail "the forecast came late"
-! grep -q "will be some\|has been read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"
+grep -q "is still being read after 20 s: its surfaces are tessellated to 0.05 mm (in a bake: a hundredth of a voxel); a coarser tessellation is faster" err_ || fail "a slow file: $(cat err_)"
+grep -q "wavy.step becomes about 3.1 million triangles, which take about 0.57 minutes and up to 6.3 GB" err_ || fail "no forecast: $(cat err_)"
+[ "$(grep -n "becomes about" err_ | cut -d: -f1)" -lt "$(grep -n "is still being read after" err_ | cut -d: -f1)" ] || fail "the forecast came late"
+! grep -q "becomes about\|is still being read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"
 
 # A file of more than 100 MB is forecast before it is parsed.
 "$bin/make_box_file" large.step || exit 1
 head -c 130000000 /dev/zero | tr '\0' ' ' >>large.step
 "$bin/voxelize" large.step --voxel-size 4mm -o no.vox 2>err >out
-grep -q "large.step has 130 MB, which take about 0.69 minutes and 1.3 GB to parse; Ctrl-C stops it" err || fail "no forecast of a large file: $(cat err)"
+grep -q "large.step: parsing its 130 MB takes about 0.69 minutes and 1.3 GB of memory; Ctrl-C stops it" err || fail "no forecast of a large file: $(cat err)"
 "$bin/voxelize" large.step --voxel-size 4mm -o no.vox --quiet 2>err >out
-! grep -q "to parse" err || fail "--quiet is not: $(cat err)"
+! grep -q "parsing its" err || fail "--quiet is not: $(cat err)"
 rm -f large.step no.vox
 
 # OpenCASCADE crashes on a surface model without shells: one line, and nothing written.

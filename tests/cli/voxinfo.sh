@@ -44,7 +44,7 @@ grep -q 'distances         none' facts || fail "v2.vox has no distances"
 "$voxinfo" "$golden/v2_distances.vox" --objects --json full.json >facts
 grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
 grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 560 bytes' facts || fail "distances: $(cat facts)"
-grep -q 'objects           2, nearest ones in 1040 bytes' facts || fail "objects: $(cat facts)"
+grep -q 'objects           2; the nearest objects are stored in 1040 bytes' facts || fail "objects: $(cat facts)"
 # The number of each object's voxels with a measured distance.
 of_object() {
   LC_ALL=C join -t' ' <(reader "$golden/$1.vox" --objects | sed 's/,\([0-9]*\)$/ \1/' | LC_ALL=C sort) \
@@ -87,9 +87,9 @@ for scene in $scenes; do
   { echo i,j,k,value; reader "$golden/$scene.vox" --rows; } | cmp - "$scene.csv" || fail "$scene.csv"
 done
 expect_equal verify "$("$voxinfo" verify "$golden/v2.vox" | cut -d: -f2-)" \
-  " valid; structure and checksums hold, counts, box, clearances and layers are true"
-expect_equal verify "$("$voxinfo" verify "$golden/v2_distances.vox" | cut -d, -f4-)" \
-  " clearances and layers are true, distances are possible, objects are there"
+  " valid: structure and checksums are correct; counts, box, clearances and layers are correct"
+expect_equal verify "$("$voxinfo" verify "$golden/v2_distances.vox" | cut -d, -f3-)" \
+  " clearances and layers are correct, distances are plausible, objects exist"
 "$voxinfo" verify "$golden/v2.pshell" | grep -q valid || fail "verify v2.pshell"
 "$voxinfo" export "$golden/v2.pshell" shell.ply
 reader "$golden/v2.pshell" --rows >rows
@@ -152,7 +152,7 @@ fi
 printf '%s\n' '-1.25 0.04 0.04' '-1.2812 0.04 0.04' '-1.2838,0.04,0.04' '-1.3 0 0' '0 0 0' '' '+1e30 0 0' '-1.28 0.04 0.04' |
   "$voxinfo" sample "$golden/v2.vox" >values 2>warning
 expect_equal samples "$(paste -sd' ' values)" "1 2 3 0 0 0 1"
-grep -q '2 points lie beyond a cropped side' warning || fail "no warning: $(cat warning)"
+grep -q '2 points are beyond a cropped side' warning || fail "no warning: $(cat warning)"
 # Value, least and most distance of the voxel's center, nearest object: the voxels (3, 3, 3), (1, 3, 3)
 # and (7, 7, 7), one beside the brick, and one outside of the directory.
 printf '%s\n' '.0035 .0035 .0035' '.0015 .0035 .0035' '.0075 .0075 .0075' '.01 0 0' '-1 0 0' |
@@ -242,20 +242,20 @@ import json, math, re, subprocess, sys
 report = json.load(open("pivot.json"))
 x, y, z = report["point_m"]
 way_m = math.sqrt(2) * math.hypot(x, y)
-assert way_m > 1e-3 and abs(report["way_m"] - way_m) < 1e-12 and report["high_m"][2] == report["low_m"][2], report
+assert way_m > 1e-3 and abs(report["length_m"] - way_m) < 1e-12 and report["high_m"][2] == report["low_m"][2], report
 told = re.search("the centroid travels ([0-9.]+) m", open("out").read())[1]
 assert abs(float(told) - way_m) < 1e-5 * way_m, told
 PYTHON
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err
 expect_equal "no warning" "$(cat err)" ""
 "$voxinfo" path pivot.csv --resample 500ms -o about.csv --json about.json >out 2>err
-grep -q "^voxinfo: warning: between rows the frame's origin goes straight; voxcheck has .* give --part" err || fail "origin: $(cat err)"
-grep -q 'give --part for that' about.json || fail "the report does not warn"
+grep -q "^voxinfo: warning: between rows the frame's origin moves straight, but voxcheck moves .* give --part" err || fail "origin: $(cat err)"
+grep -q 'give --part to move the centroid straight here too' about.json || fail "the report does not warn"
 expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 [ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
 "$voxinfo" path path.csv --resample 10s -o coarse.csv --quiet 2>err
 expect_equal "no warning without turns" "$(cat err)" ""
-expect_refused 2 "goes with --of part alone" "$voxinfo" path pivot.csv --of handle --part "$golden/v2.pshell"
+expect_refused 2 "has no effect without --of part" "$voxinfo" path pivot.csv --of handle --part "$golden/v2.pshell"
 # Other files are named by their kind.
 expect_refused 2 "is a .vox" "$voxinfo" path "$golden/v2.vox"
 expect_refused 2 "is JSON" "$voxinfo" path pivot.json

@@ -75,7 +75,7 @@ plan() {
 "$bin/pointshell" clip.obj --units mm --voxel-size 1mm -o clip.pshell --quiet
 meshes=(--exact tab.obj --part clip.obj --units mm)
 plan 0 tab.vox clip.pshell --clearance 2mm "${meshes[@]}" --threads 2 -o up.csv --json up.json
-grep -q '^  contact is settled by the meshes: no surface passes through another$' out.txt || fail "$(cat out.txt)"
+grep -q '^  contact was checked with the meshes: no surface passes through another$' out.txt || fail "$(cat out.txt)"
 python3 - <<'END' || fail "not straight up: $(cat up.csv)"
 import json
 assert json.load(open("up.json"))["settled_by"] == "meshes"
@@ -96,7 +96,7 @@ plan 6 caged.vox clip.pshell --clearance 0.2mm --exact tab.obj --exact cage.obj 
 [ ! -e no.csv ] && grep -q 'no path found' err.txt || fail "$(cat out.txt err.txt)"
 
 # A study searches by the meshes, and its verdict is theirs.
-"$bin/forcelayer" study 'rig.gltf#Clip' --voxel-size 1mm --clearance 2mm -o study --no-pictures >out.txt 2>err.txt ||
+"$bin/forcelayer" study 'rig.gltf#Clip' --voxel-size 1mm --clearance 2mm -o study >out.txt 2>err.txt ||
   fail "the study: $(cat out.txt err.txt)"
 grep -q '^\$ voxplan .*--exact rig.gltf --part .rig.gltf#Clip. --without Clip' out.txt || fail "no meshes: $(cat out.txt)"
 grep -q '^Comes out, .*: slides along .*, otherwise stays .* away or more (measured to ' study/verdict.txt || fail "$(cat study/verdict.txt)"
@@ -114,12 +114,12 @@ END
 "$bin/voxelize" sheet.obj --units mm --voxel-size 1mm -o sheet.vox --quiet
 "$bin/pointshell" tray.obj --units mm --voxel-size 1mm -o tray.pshell --quiet
 plan 6 sheet.vox tray.pshell --clearance 1mm --exact sheet.obj --part tray.obj --units mm --time 60s -o no.csv
-grep -q 'neither mesh is closed, so the meshes settle no path; close one of the meshes' err.txt || fail "$(cat err.txt)"
+grep -q 'neither of the two meshes is closed, so the meshes cannot prove a path; close one of the two meshes' err.txt || fail "$(cat err.txt)"
 
 plan 2 tab.vox clip.pshell --exact tab.obj -o x.csv
 grep -q '^voxplan: --part: is missing' err.txt || fail "$(cat err.txt)"
 plan 2 tab.vox clip.pshell --seat-depth 1mm -o x.csv
-grep -q '^voxplan: --seat-depth: goes with --exact alone' err.txt || fail "$(cat err.txt)"
+grep -q '^voxplan: --seat-depth: has no effect without --exact' err.txt || fail "$(cat err.txt)"
 plan 4 tab.vox clip.pshell --clearance 2mm --exact clip.obj --part clip.obj --units mm -o x.csv
 grep -q 'was not baked from these meshes' err.txt || fail "$(cat err.txt)"
 [ ! -e x.csv ] || fail "x.csv is there"

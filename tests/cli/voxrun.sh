@@ -21,10 +21,10 @@ expect() {
   grep -qE -e "$pattern" err.txt out.txt || { cat out.txt err.txt; fail "no '$pattern': $*"; }
 }
 
-fast=(--device sim --motion press.csv --as-fast-as-possible)
+fast=(--motion press.csv --as-fast-as-possible)
 expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" \
   --json run.json --trace run.csv --record run.flr
-expect 0 'PR' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
+expect 0 'penetration ratio' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
   --json again.json --trace again.csv
 
 python3 - <<'PYTHON'
@@ -81,7 +81,7 @@ expect 0 'frames' floor.vox ball.pshell "${still[@]}" --start 0.1m,0.1m,0.15m --
 
 # A hand that feels the loop gives way, where one that feels nothing goes on to where it wants to be.
 for hand in firm loose; do
-  expect 0 'contact episodes' floor.vox ball.pshell "${fast[@]}" --hand $hand \
+  expect 0 'contact episodes' floor.vox ball.pshell "${fast[@]}" --device sim:hand=$hand \
     --set passivity_damping_ns_per_m=1.5 --json hand.json --trace hand.csv
   python3 - <<'PYTHON'
 import csv, json
@@ -93,7 +93,9 @@ lowest = [min(float(r["handle_z_m"]) for r in csv.DictReader(open(f))) for f in 
 assert lowest[0] > lowest[1] + 0.0002, lowest
 PYTHON
 done
-expect 2 'is for the sim device' floor.vox ball.pshell --replay run.flr --hand firm
+expect 2 'replaces the device' floor.vox ball.pshell --replay run.flr --device sim:hand=firm
+expect 2 'already sets; leave it out with --replay' floor.vox ball.pshell --replay run.flr --set motion_scale=2
+expect 2 "--device: hand 'soft' is not known; give firm or loose" floor.vox ball.pshell --device sim:hand=soft
 
 # The clock: half a second in real time, neither much less nor more.
 begin=$(date +%s%N)
@@ -111,7 +113,7 @@ expect 0 'coarser' floor.vox coarse.pshell "${fast[@]}" --without-guarantee
 expect 2 'required' floor.vox
 expect 2 '--model' floor.vox ball.pshell --model fancy
 expect 2 'not a force field' floor.vox ball.pshell --force fancy
-expect 2 'tangent-plane force only' floor.vox ball.pshell --model paper --force level
+expect 2 'can only use the tangent-plane force' floor.vox ball.pshell --model paper --force level
 expect 2 'no offset layers' unlayered.vox ball.pshell "${fast[@]}" --force level --without-guarantee
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --force tangent-plane
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --force tangent-plane
@@ -121,23 +123,24 @@ grep -q '"max_turn_radps": 20.0' limits.json || fail "no limit of the turning in
 expect 2 "--set stale_s: '0.051' is outside" floor.vox ball.pshell "${fast[@]}" --set stale_s=0.051
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --set stale_s=0.05 --set mass_kg=0.02,look_ups=3 --json set.json
 grep -q '"mass_kg": 0.02' set.json && grep -q '"look_ups": 3.0' set.json || fail "no settings in the report"
-expect 2 '--rate: is too slow for a device with motors' floor.vox ball.pshell --device plugin:library=none.so --rate 49
+expect 2 '--set rate_hz: is too slow for a device with motors' floor.vox ball.pshell --device plugin:library=none.so --set rate_hz=49
 # The options of a device follow its kind.
 expect 2 "--device: 'phantom' is not a kind of device; give sim, hid, spacemouse or plugin" floor.vox ball.pshell --device phantom
 expect 2 "--device: 'replay' is not a kind of device; give --replay FILE alone" floor.vox ball.pshell --device replay --replay run.flr
-expect 2 '--replay: is in place of a device' floor.vox ball.pshell --device sim --replay run.flr
+expect 2 '--replay: replaces the device' floor.vox ball.pshell --device sim --replay run.flr
 expect 2 '--device: plugin needs the plugin.s library; write plugin:library=FILE' floor.vox ball.pshell --device plugin
 expect 2 "--device: 'libary' is not a known name; the nearest known name is library" floor.vox ball.pshell --device plugin:libary=a.so
 for wrong in hid:dead-zone=0.1 hid:library=a.so spacemouse:without-watchdog plugin:id=16c0:0486 sim:id=16c0:0486; do
   expect 2 '--device: .* is not a known name' floor.vox ball.pshell --device $wrong
 done
 expect 5 'a,b:c.so: no such file' floor.vox ball.pshell --device plugin:library=./a,,b:c.so,args=x=1
-expect 2 '--device id: .nonsense. names no HID device' floor.vox ball.pshell --device hid:id=nonsense
+expect 2 '--device id: .nonsense. is not a HID device' floor.vox ball.pshell --device hid:id=nonsense
 expect 2 "--device: control 'fast' is not known; give rate or position" floor.vox ball.pshell --device spacemouse:control=fast
 expect 2 "--device dead-zone: '1' is outside" floor.vox ball.pshell --device spacemouse:dead-zone=1
-expect 2 "--buttons clutch: '32' is outside" floor.vox ball.pshell "${fast[@]}" --buttons clutch=32
-expect 2 '--buttons: scene is not a whole number' floor.vox ball.pshell "${fast[@]}" --buttons scene=1.5
-expect 2 '^voxrun: --clutch-button: is an old spelling; write --buttons clutch=N$' floor.vox ball.pshell --clutch-button 1
+expect 2 "--device clutch: '32' is outside" floor.vox ball.pshell --device hid:clutch=32
+expect 2 '--device: scene is not a whole number' floor.vox ball.pshell --device spacemouse:scene=1.5
+expect 2 '^voxrun: --clutch-button: is an old spelling; write --device KIND:clutch=N$' floor.vox ball.pshell --clutch-button 1
+expect 2 '^voxrun: --hand: is an old spelling; write --device sim:hand=firm|loose$' floor.vox ball.pshell --hand firm
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 "--set: 'mas_kg' is not a known name; the nearest known name is mass_kg" floor.vox ball.pshell "${fast[@]}" --set mas_kg=1
 expect 2 "--set: 'mass_kg' needs a value" floor.vox ball.pshell "${fast[@]}" --set mass_kg
@@ -145,8 +148,8 @@ expect 2 "--set: 'mass_kg' is given more than once" floor.vox ball.pshell "${fas
 expect 2 '--set braking: must be 0 or 1' floor.vox ball.pshell "${fast[@]}" --set braking=0.5
 expect 0 'frames' floor.vox ball.pshell "${fast[@]}" --model paper --set braking=0 --json unbraked.json
 grep -q '"braking": false' unbraked.json || fail "--set braking=0 brakes"
-for setting in mass_kg=0.02 braking=0; do
-  expect 2 '--set: names a parameter that the recording has' floor.vox ball.pshell --replay run.flr --set $setting
+for setting in mass_kg=0.02 braking=0 rate_hz=500 motion_scale=2; do
+  expect 2 '--set: sets a parameter that the recording already sets' floor.vox ball.pshell --replay run.flr --set $setting
 done
 # An option that has another name now: at its place in the command line, with and without a value.
 expect 2 '^voxrun: --mass: is an old spelling; write --set mass_kg=VALUE$' floor.vox ball.pshell "${fast[@]}" --mass 1
@@ -154,7 +157,7 @@ expect 2 '^voxrun: --no-braking: is an old spelling; write --set braking=0$' --n
 # Every option and every name of --set that takes a number: not finite, and far outside.
 numbers=$("$bin/voxrun" --help | sed -nE 's/^ +(--[a-z-]+) NUMBER.*/\1/p')
 settings=$("$bin/voxrun" --help | sed -nE '/^Names of --set/,/^$/s/^  ([a-z_]+) .*/\1/p;/^Names of --set/,/^$/s/^  ([a-z_]+)$/\1/p')
-[ "$(wc -w <<<"$settings")" -eq 21 ] || fail "names of --set: $settings"
+[ "$(wc -w <<<"$settings")" -eq 23 ] || fail "names of --set: $settings"
 for name in $settings; do
   for number in nan -nan inf; do
     expect 2 "--set $name: '$number' is not a finite number" floor.vox ball.pshell "${fast[@]}" --set $name=$number
@@ -176,13 +179,13 @@ for time in nans infs 1e300s 1e400s; do
   expect 2 "--duration: " floor.vox ball.pshell "${fast[@]}" --duration $time
 done
 for way in 0,0,1001m 0,0,1e9m -1e8,1e8,0m; do
-  expect 2 '--pull: must not be zero, and at most 1000 m long' floor.vox ball.pshell --as-fast-as-possible --pull=$way
+  expect 2 '--pull: must be longer than zero and at most 1000 m' floor.vox ball.pshell --as-fast-as-possible --pull=$way
 done
 expect 2 'line 3' floor.vox ball.pshell --motion <(printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n') --as-fast-as-possible
 expect 2 'recording' floor.vox ball.pshell --replay run.flr --model paper
 if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.txt"; then
   (ulimit -v 600000
-    expect 1 'threads: 256 cannot be started: .*ask for fewer' floor.vox ball.pshell "${fast[@]}" --threads 256)
+    expect 1 'threads: 256 cannot be started: .*use fewer threads' floor.vox ball.pshell "${fast[@]}" --threads 256)
 fi
 head -c 5000 run.flr >cut.flr
 expect 4 'cut off' floor.vox ball.pshell --replay cut.flr
@@ -236,7 +239,7 @@ if [ -z "${FORCELAYER_SANITIZED:-}" ]; then
   [ "$(ls -A early)" = run.json ] && cmp -s early/run.json signal.json || fail "files of a run that never began: $(ls -A early)"
 fi
 
-# docs/voxrun_report.md has every key of the report, those inside too, and the parameters with their ranges; no others.
+# docs/voxrun_report.md has every key of the report, those inside too, and no others. The help has every parameter with its range.
 expect 0 'followed' floor.vox ball.pshell --start 0.1m,0.1m,0.2m --pull 0,0,10mm --as-fast-as-possible --json keys.json
 "$bin/voxrun" --help | tr -s ' \n' ' ' >help.txt
 python3 - "$FORCELAYER_SOURCE_DIR/docs/voxrun_report.md" "$FORCELAYER_SOURCE_DIR/docs/commands.md" <<'PYTHON'
@@ -252,15 +255,13 @@ def keys(value):
 for named in ("device_capabilities", "miss_causes"):  # by other pages
     report[named] = None
 named = set(re.findall(r"`(\w+)`", page + common.split("\n## Reports")[1]))
-assert set(keys(report)) <= named, set(keys(report)) - named
-rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in re.findall(r"^\| `.*", page, re.MULTILINE)]
-tops = {key for row in rows for key in row} - set(report["parameters"])
+parameters = set(report["parameter_reasons"])
+assert set(keys(report)) - parameters <= named, set(keys(report)) - parameters - named
+tops = {key for row in re.findall(r"^- (`.*?):", page, re.MULTILINE) for key in re.findall(r"`(\w+)`", row)}
 assert tops - {"device_counters"} <= set(report), tops - set(report)
-parameters = re.findall(r"^\| `(\w+)` \| (\S+ to \S+) \| (.*) \|$", page, re.MULTILINE)
-assert {name for name, *_ in parameters} == set(report["parameter_reasons"]), parameters
-told = open("help.txt").read()
-for name, range_text, meaning in parameters:
-    assert re.search(rf" {name} [^(]*(\([^)]*\)[^(]*)?\({re.escape(range_text)}\)", told), (name, range_text)
+told = open("help.txt").read().split("Names of --set")[1]
+for name in parameters:
+    assert re.search(rf" {name} [^(]*(\([^)]*\)[^(]*)?\(\S+ to \S+\)", told), name
 PYTHON
 
 # The pose stream: something arrives while the loop runs.

@@ -9,7 +9,7 @@ gearbox=$data/gearbox.glb
 "$bin/voxplan" rest.vox pin.pshell --clearance 1mm -o way.csv --quiet || fail "no way"
 # run NAME ARGUMENTS...: a loose hand that wants to stay where the pin is
 run() {
-  "$bin/voxrun" rest.vox pin.pshell --hand loose --duration 4s --as-fast-as-possible --quiet --json "$1.json" \
+  "$bin/voxrun" rest.vox pin.pshell --device sim:hand=loose --duration 4s --as-fast-as-possible --quiet --json "$1.json" \
     --trace "$1.csv" "${@:2}" 2>err || fail "$*: status $?: $(cat err)"
 }
 run alone
@@ -50,8 +50,8 @@ assert forces("led.csv") == forces("again.csv")
 END
 
 # The text at the end says it, where there is one.
-"$bin/voxrun" rest.vox pin.pshell --hand loose --duration 1s --as-fast-as-possible --guide way.csv >out || fail "status $?"
-grep -qE '^guided in [0-9]+ frames by up to 0\.[0-9]+ N; it gave the hand [0-9.e-]+ of [0-9.e-]+ J$' out || fail "$(cat out)"
+"$bin/voxrun" rest.vox pin.pshell --device sim:hand=loose --duration 1s --as-fast-as-possible --guide way.csv >out || fail "status $?"
+grep -qE '^guided in [0-9]+ frames by up to 0\.[0-9]+ N; the guide gave the hand [0-9.e-]+ J of at most [0-9.e-]+ J$' out || fail "$(cat out)"
 
 # A button of a device: it pulls upward until the button is pressed, and not from then on.
 by_button() {
@@ -59,7 +59,7 @@ by_button() {
   motors=$(mktemp -u motors.XXXXXX)  # the device of a try before this one may still write
   printf '%s\n' t_s,x_m,y_m,z_m 0,0,0,0 1,0,0,0.1 >up.csv
   "$bin/voxrun" rest.vox pin.pshell --start 0,0,0.2m --guide up.csv --set guide_force_n=1 \
-    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors below fault=button at=1.7" --buttons guide=1,clutch=5 \
+    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors below fault=button at=1.7,guide=1,clutch=5" \
     --duration 3s --json button.json >out 2>err || return 1
   for wait in $(seq 200); do [ -e $motors ] && break; sleep 0.1; done
   python3 - $motors 2>>err <<'PYTHON'
@@ -78,7 +78,7 @@ if ! grep -q '^CMAKE_CXX_FLAGS:.*-fsanitize' "$FORCELAYER_BUILD_DIR/CMakeCache.t
 fi
 
 refuses() {  # refuses STATUS TEXT ARGUMENTS...
-  "$bin/voxrun" rest.vox pin.pshell --hand loose --duration 1s "${@:3}" >out 2>err
+  "$bin/voxrun" rest.vox pin.pshell --duration 1s "${@:3}" >out 2>err
   [ $? = "$1" ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$2" err || fail "no '$2': ${*:3}: $(cat err)"
 }
 printf '%s\n' t_s,x_m,y_m,z_m 1,0,0,0 0,0,0,1 >back.csv
@@ -86,6 +86,6 @@ refuses 1 "none.csv" --guide none.csv
 refuses 2 "back.csv" --guide back.csv
 refuses 2 "--set guide_force_n" --guide way.csv --set guide_force_n=1.1
 refuses 2 "--set guide_force_n: has no effect without --guide" --set guide_force_n=0.5
-refuses 2 "--buttons guide: has no effect without --guide" --buttons guide=1
+refuses 2 "--device guide: has no effect without --guide" --device hid:guide=1
 refuses 2 "--json: is an input of this command" --guide way.csv --json way.csv
 finish

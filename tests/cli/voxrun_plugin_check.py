@@ -51,7 +51,7 @@ def said(process):
 
 
 # A busy machine's effects on a loop, which is late by more than the stale limit (as tests/support/in_time.sh).
-LATE = "the loop was late", "took the motors to zero by itself", "no fresh reading"
+LATE = "the loop was late", "set the motors to zero by itself", "no fresh reading"
 
 
 class HeldUp(AssertionError):
@@ -146,15 +146,15 @@ def events(name):
 
 
 FAULTS = {
-    "unplug": "does not answer (the plugin lost its device); look at plug and power",
+    "unplug": "does not answer (the plugin lost its device); check plug and power",
     "freeze": "no fresh reading",
     "nan": "not finite",
     "absurd": "units",
     "uncalibrated": "not calibrated",
     "crash": "does not answer (the plugin crashed: its process was ended by signal",
-    "hang": "no fresh reading from the device (the plugin hung and was killed); one of its",
-    "wild": "does not answer (the plugin wrote over the memory that it shares with the loop)",
-    "wild-index": "does not answer (the plugin wrote over the memory that it shares with the loop)",
+    "hang": "no fresh reading from the device (the plugin hung and was killed); check the plugin and its SDK",
+    "wild": "does not answer (the plugin damaged the memory that it shares with the loop)",
+    "wild-index": "does not answer (the plugin damaged the memory that it shares with the loop)",
 }
 
 
@@ -162,10 +162,10 @@ def tripped(name, process, text):
     """How it ended: with `text` and in order. Its events."""
     error = finish(process, 5)
     last = error.strip().splitlines()[-1]
-    assert text in last and "output to zero" in last, (name, error)
+    assert text in last and "output set to zero" in last, (name, error)
     assert json.load(open(f"{name}.json"))["ended_tripped"], name
     happened = events(name)
-    assert happened[-1].startswith("output to zero"), (name, happened)
+    assert happened[-1].startswith("output set to zero"), (name, happened)
     return happened
 
 
@@ -209,7 +209,7 @@ def memory_that_cannot_be_cut():
 def forces_that_are_written_over():
     """The motors get none beyond their ratings, whatever stands in the shared memory, and no others between: the output trips."""
     error = finish(start("wild-force", "fault=wild-force at=0.3", ["--duration", "6s"]), 5)
-    assert "took the motors to zero by itself" in error, error
+    assert "set the motors to zero by itself" in error, error
     felt = [(abs(force), fault) for _, force, fault in motors("wild-force")]
     assert max(force for force, _ in felt) <= 8.001, max(felt)
     assert max(force for force, fault in felt if not fault) > 0.5
@@ -413,11 +413,11 @@ def refusals():
             ("old-abi", 5, "version"),
             ("no-watchdog", 5, "add without-watchdog to --device"),
             ("late-watchdog", 5, "above 100 ms"),
-            ("huge-force", 5, "a rating that no device in a hand has: max_force_n "),
+            ("huge-force", 5, "a rating that no hand-held device has: max_force_n "),
             ("slow-motors", 5, "at least 50 Hz"),
             ("no-axes", 5, "senses no axis"),
-            ("seventh-axis", 5, "one beyond the six"),
-            ("silent", 5, "gives no readings; look at plug and power"),
+            ("seventh-axis", 5, "more than the six axes"),
+            ("silent", 5, "gives no readings; check plug and power"),
             ("no-pose", 5, "reports no pose"),
             ("fault=unplug below", 5, "gives no readings (the plugin lost its device)"),
             ("fault=mm", 5, "millimeters")):
@@ -425,7 +425,7 @@ def refusals():
         error = finish(start(name, arguments), status)
         assert text in error and len(error.splitlines()) <= 1 + error.count("warning"), error
         assert all(force == 0 for _, force, _ in motors(name)), name
-    assert "does not open: it does not say why" in finish(start("mute", "open-mute"), 5)
+    assert "does not open its device: the plugin gives no reason" in finish(start("mute", "open-mute"), 5)
     finish(start("allowed", "no-watchdog,without-watchdog", ["--duration", "100ms"]), 0)
     for plugin, text in (("none.so", "no such file"), ("floor.vox", "cannot be loaded")):
         process = run(command("x", "", library=plugin))

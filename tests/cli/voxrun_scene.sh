@@ -62,7 +62,7 @@ PYTHON
 }
 at_a_time() {
   "${run[@]}" --scene-next open.vox@0.6s --json timed.json --trace timed.csv >out 2>err || return 1
-  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is open.vox; guaranteed separation: [0-9.]+ mm" err || return 1
+  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is now open.vox; guaranteed separation: [0-9.]+ mm" err || return 1
   check timed first.vox open.vox
 }
 in_time err at_a_time || fail "at a time: $(cat err)"
@@ -72,6 +72,7 @@ in_time err at_a_time || fail "at a time: $(cat err)"
 at_a_signal() {
   local running wait
   cp plate.vox old.vox && mv old.vox first.vox
+  rm -f asked.json asked.csv  # of a try before, rewritten below
   "${run[@]}" --json asked.json --trace asked.csv >out 2>err &
   running=$!
   for wait in $(seq 200); do [ -s out ] && break; sleep 0.05; done
@@ -79,7 +80,7 @@ at_a_signal() {
   cp open.vox next.vox && mv next.vox first.vox
   for wait in $(seq 100); do
     kill -USR1 $running 2>/dev/null
-    grep -q "the scene is" err && break
+    grep -q "the scene is now" err && break
     sleep 0.05
   done
   wait $running || return 1
@@ -109,10 +110,10 @@ stays() {
   rm gone.vox
   wait $running
   [ $? = 1 ] || return 1
-  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene stays: gone.vox: " err || return 1
-  [ "$(grep -c "^voxrun: at [01]\.[0-9]* s: the scene stays: " err)" = 2 ] || return 1
+  grep -qE "^voxrun: at [01]\.[0-9]+ s: the scene is not replaced: gone.vox: " err || return 1
+  [ "$(grep -c "^voxrun: at [01]\.[0-9]* s: the scene is not replaced: " err)" = 2 ] || return 1
   tail -n 1 err | grep -q "^voxrun: gone.vox: no such file" || return 1
-  tail -n 1 out | grep -q "^not proven: a scene of --scene-next did not come; " || return 1
+  tail -n 1 out | grep -q "^a scene of --scene-next was never used; " || return 1
   python3 -c 'import json; r = json.load(open("stays.json")); assert len(r["scenes"]) == 1 and r["verdict"] == "unknown", r' 2>>err
 }
 cp plate.vox first.vox
@@ -124,7 +125,7 @@ by_button() {
   local motors wait
   motors=$(mktemp -u motors.XXXXXX)  # the device of a try before this one may still write
   "$bin/voxrun" first.vox part.pshell --world-from-device 0,0,35mm --duration 2s \
-    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors fault=button at=0.3" --buttons scene=1 \
+    --device "plugin:library=$bin/fault_plugin.so,args=log=$motors fault=button at=0.3,scene=1" \
     --scene-next open.vox --json button.json >out 2>err || {
     grep -q "the part starts" err && echo "held up: the hand, which has a clock of its own, was there before" >>err
     return 1
@@ -149,16 +150,16 @@ fi
 
 "$bin/voxrun" first.vox part.pshell --motion press.csv --duration 0.1s --scene-next open.vox@0.1s >out 2>err ||
   fail "a scene for later: $(cat err)"
-grep -q '^voxrun: warning: --scene-next: open.vox: the run ends before its time$' err || fail "no warning: $(cat err)"
+grep -q '^voxrun: warning: --scene-next: open.vox: the run ends before the time of this scene$' err || fail "no warning: $(cat err)"
 
 refuses() {  # refuses TEXT ARGUMENTS...
   "$bin/voxrun" first.vox part.pshell --motion press.csv "${@:2}" >out 2>err
   [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"
 }
 refuses "--scene-next: needs a clock" --scene-next open.vox --as-fast-as-possible
-refuses "--scene-next: has no place in a recording" --scene-next open.vox --record run.flr
-refuses "--scene-next: 'open.vox@1s' comes before the one before it" --scene-next plate.vox@2s --scene-next open.vox@1s
-refuses "--buttons scene: needs a clock" --buttons scene=1 --as-fast-as-possible
+refuses "--scene-next: cannot be recorded or replayed" --scene-next open.vox --record run.flr
+refuses "--scene-next: 'open.vox@1s' is earlier than the scene before it" --scene-next plate.vox@2s --scene-next open.vox@1s
+refuses "--device scene: needs a clock" --device hid:scene=1 --as-fast-as-possible
 refuses "--json: is an input of this command" --scene-next open.vox --json open.vox
 # A recording on another bake: the same hand, which the plate no longer holds; not where it begins in metal.
 replay() { "$bin/voxrun" "$1.vox" part.pshell --replay pressed.flr --as-fast-as-possible "${@:2}" >out 2>err; }
@@ -167,7 +168,7 @@ replay() { "$bin/voxrun" "$1.vox" part.pshell --replay pressed.flr --as-fast-as-
 replay open && fail "a recording on another scene without --on-new-scene"
 replay plate --on-new-scene --json again.json || fail "on its own scene: $(cat err)"
 replay open --on-new-scene --json opened.json --trace opened.csv --save-path opened_path.csv || fail "on another: $(cat err)"
-grep -q 'warning: --on-new-scene: the inputs of pressed.flr alone' err || fail "not said: $(cat err)"
+grep -q 'warning: --on-new-scene: only the inputs of pressed.flr are used' err || fail "not said: $(cat err)"
 replay buried --on-new-scene && fail "a start in metal"
 [ "$(wc -l <err)" = 1 ] || fail "$(cat err)"
 python3 - <<'PYTHON' || fail "the replays"

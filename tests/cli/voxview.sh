@@ -331,8 +331,8 @@ expect 2 'not a picture size' bay.vox --size 10
 expect 2 'is not a cut' bay.vox --cut z200
 expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
-expect 2 'nothing to show'
-expect 2 'the run has no 99 s' bay.vox part.pshell --trace trace.csv --at 99s
+expect 2 'no file to show is given'
+expect 2 'the run does not contain the time 99 s' bay.vox part.pshell --trace trace.csv --at 99s
 expect 2 'the nearest are: hydraulic_line' bay.vox --hide hydraulic_lin
 # A first sibling has no number, but may be named by it, as to the bakes: the same picture.
 for first in 'Half' 'Clip[1]/Half[1]'; do

@@ -141,7 +141,7 @@ TEST_F(HidVm, AFrozenDeviceGivesNoFreshPoseAndItsReason) {
     const char* reason;
   } cases[] = {{Fault::kSilent, "sends no reports"},
                {Fault::kRepeating, "repeats its reports"},
-               {Fault::kDamaged, "not sound"}};
+               {Fault::kDamaged, "are damaged"}};
   for (const auto& c : cases) {
     unit.device.set_fault(c.fault);
     ASSERT_TRUE(host_runs(

@@ -92,9 +92,9 @@ TEST(DamagedGltf, NamesTheElementThatIsMissing) {
 
 TEST(DamagedGltf, ChecksCountsAgainstTheBytes) {
   expect_error(read_changed(R"("count":8)", R"("count":9)"), kIncomplete, "accessors[0]",
-               "more than its buffer view holds");
+               "but its buffer view is too small");
   expect_error(read_changed(R"("count":8)", R"("count":18446744073709551615)"), kIncomplete,
-               "accessors[0]", "more than its buffer view holds");
+               "accessors[0]", "but its buffer view is too small");
   expect_error(read_changed(R"("bufferView":0,)", ""), kIncomplete, "accessors[0]", "without data");
   const std::string sparse = R"("sparse":{"count":0},"count":4000000000})";
   expect_error(read_changed(R"({"bufferView":0,"componentType":5126,"type":"VEC3","count":8})",
@@ -107,11 +107,11 @@ TEST(DamagedGltf, ChecksCountsAgainstTheBytes) {
   expect_error(read_changed(R"("byteLength":96})", R"("byteLength":96,"byteStride":4})"),
                kUnreadable, "accessors[0]", "overlap");
   expect_error(read_changed(R"("count":36)", R"("count":35)"), kIncomplete,
-               "meshes[0].primitives[0]", "35 corners make no whole number");
+               "meshes[0].primitives[0]", "35 corners do not make a whole number");
   expect_error(read_changed(R"("type":"VEC3")", R"("type":"VEC2")"), kUnreadable, "accessors[0]",
                "2 components instead of 3");
   expect_error(read_changed(R"("componentType":5125)", R"("componentType":5126)"), kUnreadable,
-               "accessors[1]", "not a list of vertex numbers");
+               "accessors[1]", "must be a list of vertex numbers");
   expect_error(read_changed(R"("componentType":5125)", R"("componentType":5130)"), kUnreadable,
                "accessors[1]", "unknown type");
 }
@@ -157,9 +157,9 @@ TEST(DamagedGltf, SaysWhichNodesThereAre) {
   const std::string nodes = R"([{"name":"root","children":[1,2]},{"name":"a","mesh":0},
                                 {"name":"b","children":[3]},{"name":"a","mesh":0}])";
   expect_error(read_nodes(nodes, "c"), ErrorCode::kSceneInvalid, "#c",
-               "no node of this name; the nearest are: root/a, root/b, root/b/a, root");
+               "no node has this name; the nearest are: root/a, root/b, root/b/a, root");
   expect_error(read_nodes(nodes, "a"), ErrorCode::kSceneInvalid, "#a",
-               "several nodes of this name; use one of: root/a, root/b/a");
+               "several nodes have this name; use one of: root/a, root/b/a");
 }
 
 // The paths of many nodes below many long names are the product of both: 300 MB for a file of 1 MB.
@@ -213,7 +213,7 @@ TEST(DamagedGltf, NamesTheBufferThatIsMissing) {
   EXPECT_TRUE(missing.error().where.starts_with("buffers[0] of ")) << missing.error().where;
   EXPECT_TRUE(missing.error().where.ends_with(".gltf")) << missing.error().where;
   expect_error(with_uri("https://example.org/a.bin"), kUnsupported, "buffers[0]", "local file");
-  expect_error(with_uri("data:;base64,!!!!"), kUnreadable, "buffers[0]", "not base64");
+  expect_error(with_uri("data:;base64,!!!!"), kUnreadable, "buffers[0]", "not valid base64");
   expect_error(with_uri("data:;base64,AAAA"), kIncomplete, "buffers[0]", "has 3");
   expect_error(read_bytes(gltf_json(cube()), ".gltf"), kIncomplete, "buffers[0]", "has 0");
 }

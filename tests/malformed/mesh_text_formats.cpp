@@ -39,8 +39,9 @@ TEST(DamagedObj, NamesTheLineOfABadFace) {
   expect_error(kVertices + "f 1 2 4\n", ".obj", kIncomplete, "line 4", "uses vertex 4 of 3");
   expect_error(kVertices + "f 1 2 -4\n", ".obj", kUnreadable, "line 4", "before the first vertex");
   expect_error(kVertices + "f 0 1 2\n", ".obj", kUnreadable, "line 4", "before the first vertex");
-  expect_error(kVertices + "\nf 1 2\n", ".obj", kUnreadable, "line 5", "2 corners make no face");
-  expect_error(kVertices + "f\n", ".obj", kUnreadable, "line 4", "0 corners make no face");
+  expect_error(kVertices + "\nf 1 2\n", ".obj", kUnreadable, "line 5",
+               "2 corners do not make a face");
+  expect_error(kVertices + "f\n", ".obj", kUnreadable, "line 4", "0 corners do not make a face");
   expect_error(kVertices + "f a b c\n", ".obj", kUnreadable, "line 4", "not a vertex number");
   expect_error(kVertices + "f 1.5 2 3\n", ".obj", kUnreadable, "line 4", "not a vertex number");
   expect_error(kVertices + "f 1/1/1/1 2 3\n", ".obj", kUnreadable, "line 4", "not a vertex");
@@ -73,22 +74,22 @@ TEST(DamagedOff, NamesTheLine) {
   expect_error("OFF\n3 1 0\n" + kOffVertices + "3 0 1 3\n", ".off", kUnreadable, "line 6",
                "uses vertex 3 of 3");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "2 0 1\n", ".off", kUnreadable, "line 6",
-               "2 corners make no face");
+               "2 corners do not make a face");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "99999999 0 1 2\n", ".off", kUnreadable, "line 6",
-               "corners make no face");
+               "corners do not make a face");
 }
 
 TEST(DamagedOff, CountsWhatIsThere) {
   expect_error("OFF\n3 2 0\n" + kOffVertices + "3 0 1 2\n", ".off", kIncomplete, "line 7",
-               "ends in face 1 of 2");
+               "ends before the end of face 1 of 2");
   expect_error("OFF\n4 1 0\n" + kOffVertices + "# the fourth is missing\n", ".off", kIncomplete,
-               "line 7", "ends in vertex 3 of 4");
+               "line 7", "ends before the end of vertex 3 of 4");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "3 0 1 2\n3 2 1 0\n", ".off", kIncomplete, "line 7",
                "more data");
   expect_error("OFF\n3000000000 1 0\n" + kOffVertices, ".off", kIncomplete, "line 2",
-               "more than the file has room for");
+               "but the file is too short for them");
   expect_error("OFF\n3 3000000000 0\n" + kOffVertices, ".off", kIncomplete, "line 2",
-               "more than the file has room for");
+               "but the file is too short for them");
 }
 
 const std::string kFacet =
@@ -99,13 +100,13 @@ TEST(DamagedAsciiStl, NamesTheLine) {
   expect_error("solid\n" + kFacet, ".stl", kIncomplete, "line 9", "after 1 facet: 'facet' or");
   expect_error("solid\n" + kFacet.substr(0, 40), ".stl", kIncomplete, "line 4", "the file ends");
   expect_error("solid\n" + kFacet + "endfacet\nendsolid\n", ".stl", kUnreadable, "line 9",
-               "'endfacet' where 'facet' or 'endsolid' should stand");
+               "'endfacet' is not 'facet' or 'endsolid'");
   expect_error("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
-               ".stl", kUnreadable, "line 6", "'endloop' where 'vertex' should stand");
+               ".stl", kUnreadable, "line 6", "'endloop' is not 'vertex'");
   expect_error("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", ".stl", kUnreadable,
                "line 4", "'x' is not a number");
   expect_error("solid a\n" + kFacet + "endsolid a\nfacet\n", ".stl", kUnreadable, "line 10",
-               "'facet' where 'solid' should stand");
+               "'facet' is not 'solid'");
 }
 
 std::string ply(const std::string& elements, const std::string& data) {
@@ -128,7 +129,7 @@ TEST(DamagedPly, NamesTheHeadersLine) {
   expect_error(ply("element vertex 3\nproperty quad x\n", ""), ".ply", kUnreadable, "line 4",
                "unknown type 'quad'");
   expect_error(ply("element vertex 3\nproperty list float int x\n", ""), ".ply", kUnreadable,
-               "line 4", "count that is not an integer");
+               "line 4", "the count of a list is not an integer");
   expect_error("ply\nformat ascii 1.0\nhello\n", ".ply", kUnreadable, "line 3", "'hello' is no");
   expect_error("ply\nformat ascii 1.0\nelement vertex 3\n", ".ply", kIncomplete, "line 4",
                "before 'end_header'");
@@ -136,7 +137,7 @@ TEST(DamagedPly, NamesTheHeadersLine) {
                ".ply", kUnreadable, "line 3", "lacks x, y or z");
   expect_error(ply(kPlyVertices + "element face 1\nproperty list uchar int corners\n",
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-               ".ply", kUnreadable, "line 7", "lacks vertex_indices");
+               ".ply", kUnreadable, "line 7", "has no vertex_indices");
   expect_error(ply(kPlyVertices + "element face 1\nproperty list uchar float vertex_indices\n",
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
                ".ply", kUnreadable, "line 7", "not a list of integers");
@@ -156,7 +157,7 @@ TEST(DamagedPly, NamesTheDatasLine) {
   expect_error(faces("3 0 1 1.5\n"), ".ply", kUnreadable, "line 13", "whole number");
   expect_error(faces("3 0 1 1e300\n"), ".ply", kUnreadable, "line 13", "whole number");
   expect_error(faces("3 0 1\n"), ".ply", kUnreadable, "line 13", "is missing");
-  expect_error(faces("3 0 1 2 2\n"), ".ply", kUnreadable, "line 13", "more values on this line");
+  expect_error(faces("3 0 1 2 2\n"), ".ply", kUnreadable, "line 13", "this line has more values");
   expect_error(faces("3 0 1 2\n3 0 1 2\n"), ".ply", kIncomplete, "line 14", "more data");
   expect_error(faces(""), ".ply", kIncomplete, "line 13", "ends before face 0 of 1");
   expect_error(ply(header, "0 0 0\n1 0 0\nnan 1 0\n3 0 1 2\n"), ".ply", kUnreadable, "vertex 2",
@@ -169,7 +170,7 @@ TEST(DamagedPly, TakesNoMoreMemoryThanItsSizeAllows) {
                                  " 4000000000\nproperty float x\nproperty float y\n"
                                  "property float z\nproperty list uchar int vertex_indices\n";
     expect_error(ply(elements, "0 0 0\n"), ".ply", kIncomplete, "line 3",
-                 "more than the file has room for");
+                 "but the file is too short for them");
   }
 }
 

@@ -200,8 +200,7 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
   std::string mixed = bytes;
   mixed[28] = 0;  // the paper's model
   mixed[32] = 1;  // the level field
-  EXPECT_EQ(open_bytes(mixed).error().what,
-            "names a force that its model, the paper's, does not know");
+  EXPECT_EQ(open_bytes(mixed).error().what, "has a force field that the paper's model cannot use");
   std::string newer = bytes;
   newer[14] = 9;  // a higher minor version is read
   EXPECT_TRUE(open_bytes(newer));

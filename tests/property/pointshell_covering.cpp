@@ -1,6 +1,8 @@
 // Shells cover the surface within their radius, and the certificate notices when they do not.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "pointshell/bake.h"
 #include "pointshell/certificate/certificate.h"
 #include "pointshell/certificate/point_grid.h"
@@ -145,14 +147,14 @@ mesh::Mesh grooved_mesh(double side, double pitch, double depth, double height) 
   return mesh;
 }
 
-// Patches stand for the grooves: few pieces are looked at, and nothing is proven too much.
-TEST(Covering, HoldsOverDetailFarFinerThanTheRadius) {
-  const Case c{"grooves", part_of(grooved_mesh(2, 0.004, 0.003, 0.1)), 0.1};
+// Few pieces are looked at, and nothing is proven too much.
+void expect_detail_is_proven_as_a_whole(const Case& c, std::uint64_t pieces_per_point) {
+  SCOPED_TRACE(c.name);
   const pointshell::BakedShell shell = bake(c, ShellMethod::kSurface);
   EXPECT_EQ(shell.header.mass_source, static_cast<std::uint32_t>(MassSource::kVolume));
   expect_sampled_covering(c.part, shell, samples());
-  // One by one the strips would need a piece for each point that is near each of them.
-  EXPECT_LT(shell.certificate_pieces, 100 * shell.header.point_count);
+  // One by one the triangles would need a piece for each point that is near each of them.
+  EXPECT_LT(shell.certificate_pieces, pieces_per_point * shell.header.point_count);
   EXPECT_LT(shell.loss_pieces, 400 * shell.header.point_count);
   const Pshell file = stored(shell);
   EXPECT_TRUE(pointshell::verify_shell(file, c.part).proven);
@@ -177,6 +179,13 @@ TEST(Covering, HoldsOverDetailFarFinerThanTheRadius) {
   EXPECT_GT(needed, 10);
 }
 
+// Patches stand for the grooves, boxes for the rods.
+TEST(Covering, HoldsOverDetailFarFinerThanTheRadius) {
+  expect_detail_is_proven_as_a_whole({"grooves", part_of(grooved_mesh(2, 0.004, 0.003, 0.1)), 0.1},
+                                     100);
+  expect_detail_is_proven_as_a_whole({"bundle", part_of(bundle_mesh(16, 0.01, 1, 12)), 0.1}, 400);
+}
+
 // A triangle that reaches far out costs what its length costs, not more.
 TEST(Covering, OfANeedleTakesPointsAlongItsLength) {
   mesh::Mesh mesh = box_mesh(1, 1, 1);
@@ -187,6 +196,64 @@ TEST(Covering, OfANeedleTakesPointsAlongItsLength) {
   expect_sampled_covering(c.part, shell, samples());
   EXPECT_LT(shell.header.point_count, 500 / 0.2 + 400);
   EXPECT_LT(shell.certificate_pieces, 20 * shell.header.point_count);
+}
+
+// A box, and triangles without area all around it: corners in a line (exactly, or but for
+// rounding), two equal corners, one position.
+mesh::Mesh box_with_lines(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<int> whole(-40, 40), length(1, 24);
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  for (int n = 0; n < 24; ++n) {
+    const double x = whole(random), y = whole(random), z = whole(random);
+    mesh::Vec3d from{x / 16, y / 16, z / 16}, along{0, 0, 0};
+    for (int d = 0; d < 3; ++d) {
+      if (n % 3 == 0 && d != n / 3 % 3) continue;  // along an axis
+      along[d] = whole(random) < 0 ? -length(random) / 16.0 : length(random) / 16.0;
+      if (n % 4 == 3) along[d] /= 3;
+    }
+    const double fraction = length(random) / (n % 2 == 0 ? 32.0 : 25.0);
+    const double fractions[] = {fraction, fraction, 0, 1};
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const double way : {0.0, 1.0, fractions[n % 4]}) {
+      mesh.vertices.push_back(
+          {from[0] + way * along[0], from[1] + way * along[1], from[2] + way * along[2]});
+    }
+    mesh.triangles.push_back({first + n % 3, first + (n + 1) % 3, first + (n + 2) % 3});
+    if (n % 8 == 0) mesh.triangles.push_back({first, first, first});
+  }
+  return mesh;
+}
+
+TEST(Covering, OfTrianglesWithoutAreaHoldsAllAlongThem) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Case c{"box with lines", part_of(box_with_lines(seed)), seed % 2 == 0 ? 0.1 : 0.06};
+    ASSERT_GT(c.part.degenerate_triangles, 10u);
+    for (const auto& [method, effort] : {std::pair(ShellMethod::kSurface, sample::Effort::kFull),
+                                         {ShellMethod::kSurface, sample::Effort::kFast},
+                                         {ShellMethod::kVoxelCenters, sample::Effort::kFull}}) {
+      SCOPED_TRACE(pointshell::method_name(method));
+      const pointshell::BakedShell shell = bake(c, method, effort);
+      expect_sampled_covering(c.part, shell, 2000);
+      const double radius = shell.header.covering_radius_m;
+      const std::vector<part::Vec3> points = positions_of(shell);
+      const certificate::PointGrid grid(points, radius);
+      double farthest = 0;
+      for (std::size_t t = 0; t < c.part.triangles.size(); ++t) {
+        const part::Piece corners = part::triangle_piece(c.part, t);
+        for (int n = 0; n < 3; ++n) {  // along all sides, also those of the box
+          for (int step = 0; step <= 200; ++step) {
+            const part::Vec3 place =
+                corners[n] + (step / 200.0) * (corners[(n + 1) % 3] - corners[n]);
+            farthest = std::max(farthest, grid.nearest_distance(place - center(shell), 2 * radius));
+          }
+        }
+      }
+      EXPECT_LE(farthest, radius * (1 + 1e-12));
+      EXPECT_TRUE(pointshell::verify_shell(stored(shell), c.part).proven);
+    }
+  }
 }
 
 TEST(Covering, OfAPartTooFarAcrossIsRefusedBeforeItBegins) {

@@ -74,6 +74,7 @@ std::vector<Case> cases_of(std::uint64_t seed) {
   cases.push_back({"cone", part_of(cone_mesh(length() / 2, 0, length(), 24))});
   cases.push_back({"rough", part_of(rough_mesh(0.6, 0.4 * unit(random), 8, seed))});
   cases.push_back({"open box", part_of(without_last_triangles(box_mesh(1, 1, 1), 2))});
+  cases.push_back({"bundle", part_of(bundle_mesh(12, 0.008, 0.15 + 0.1 * unit(random), 8))});
   cases.push_back({"two bodies", part_of({box_mesh(0.5, 0.5, 0.5), sphere_mesh(0.35, 20)})});
   return cases;
 }

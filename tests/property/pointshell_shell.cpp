@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <random>
 
 #include "pointshell/bake.h"
 #include "pointshell/certificate/point_grid.h"
@@ -278,6 +279,67 @@ TEST(Normals, OfSmoothShapes) {
       const double cosine = std::min(1.0, part::dot(outward, shape.outward(p)));
       EXPECT_LE(std::acos(cosine) * 180 / std::numbers::pi, shape.worst_degrees) << n;
     }
+  }
+}
+
+// Lines in the faces of a turned box, flat but for rounding: their normals are noise and count
+// neither for the points' normals nor for their cones.
+TEST(Normals, TakeNothingFromFlatTriangles) {
+  constexpr std::uint64_t kSeed = 3;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(-0.4, 0.4);
+  const part::Vec3 x = part::normalized({0.3, 0.5, 0.8}), y = part::any_perpendicular(x),
+                   z = part::cross(x, y);
+  const auto turned = [&](const mesh::Vec3d& p) {
+    const part::Vec3 t = p[0] * x + p[1] * y + p[2] * z;
+    return mesh::Vec3d{t.x, t.y, t.z};
+  };
+  mesh::Mesh mesh = box_mesh(1, 1, 1);
+  for (int n = 0; n < 40; ++n) {
+    const double u = unit(random), v = unit(random), to_u = unit(random), to_v = unit(random);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const double way : {0.0, 0.3, 1.0}) {
+      mesh.vertices.push_back({u + way * (to_u - u), v + way * (to_v - v), 0.5});
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  for (mesh::Vec3d& v : mesh.vertices) v = turned(v);
+  const part::Part part = part_of(mesh);
+  EXPECT_EQ(part.degenerate_triangles, 40u);
+  const pointshell::BakedShell shell = bake(part, 0.05, ShellMethod::kSurface);
+  EXPECT_TRUE(shell.two_sided.empty());
+  int on_the_face = 0;
+  for (std::size_t n = 0; n < shell.x.size(); ++n) {
+    const part::Vec3 p{shell.x[n], shell.y[n], shell.z[n]};
+    if (part::dot(p, z) < 0.49 || std::abs(part::dot(p, x)) > 0.44 ||
+        std::abs(part::dot(p, y)) > 0.44) {
+      continue;
+    }
+    ++on_the_face;
+    EXPECT_NEAR(part::dot({shell.nx[n], shell.ny[n], shell.nz[n]}, -z), 1, 1e-6);
+    EXPECT_NEAR(shell.cone_cos[n], 1, 1e-6);
+  }
+  EXPECT_GT(on_the_face, 100);
+}
+
+// A corner of a steep triangle at the radius of a cone, and just beyond it.
+TEST(Normals, ConesHoldATriangleWhoseCornerJustReachesIn) {
+  const double radius = 0.25;
+  for (const double off : {-1e-2, -1e-6, -1e-9, -1e-12, 1e-12, 1e-9, 1e-2}) {
+    SCOPED_TRACE(off);
+    mesh::Mesh mesh = box_mesh(4, 4, 2);  // its top is at z = 1
+    const double tip = 1 + radius * (1 + off);
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {{0, 0, tip}, {0, 1e-3, tip + 0.5}, {1e-5, 0, tip + 0.5}});
+    mesh.triangles.push_back({8, 9, 10});
+    const part::Part part = part_of(mesh);
+    const part::TriangleTree tree(part);
+    const std::vector<part::Vec3> points{{0, 0, 1}};
+    sample::RestrictedCells cells(tree, radius);
+    cells.find_lists(points);
+    const normals::ShellNormals normals =
+        normals::shell_normals(cells, points, radius, std::vector<bool>(part.triangles.size()));
+    EXPECT_EQ(normals.cone_cos[0] < 0.9, off < 0);
   }
 }
 

@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <random>
 
 #include "workbench/exact/exact_walk.h"
+#include "workbench/exact/triangle_distance.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -199,6 +201,135 @@ TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
     }
   }
   EXPECT_GT(apart, 5);
+}
+
+// A ring of slivers and a ball of random triangles: trees of some levels.
+Surface ring(int sides, double radius_m, double half_m) {
+  Surface surface;
+  for (int n = 0; n < sides; ++n) {
+    const double turn = 2 * std::numbers::pi * n / sides;
+    for (const double z : {-half_m, half_m}) {
+      surface.vertices_m.push_back({radius_m * std::cos(turn), radius_m * std::sin(turn), z});
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(2 * sides);
+  for (std::uint32_t a = 0; a < count; a += 2) {
+    const std::uint32_t b = (a + 2) % count;
+    surface.triangles.push_back({a, b, a + 1});
+    surface.triangles.push_back({b, b + 1, a + 1});
+  }
+  surface.object.assign(surface.triangles.size(), 1);
+  surface.largest_m = 3 * radius_m;
+  return surface;
+}
+
+double nearest_of_all(const Surface& scene, const Surface& part, const Pose& pose) {
+  const auto placed = [](const Surface& surface, std::size_t t, const Pose& at) {
+    exact::Corners all;
+    for (std::size_t n = 0; n < 3; ++n) {
+      all[n] = at.position_m + at.orientation * surface.vertices_m[surface.triangles[t][n]];
+    }
+    return all;
+  };
+  double smallest = 1e300;
+  for (std::size_t s = 0; s < scene.triangles.size(); ++s) {
+    for (std::size_t p = 0; p < part.triangles.size(); ++p) {
+      smallest = std::min(
+          smallest, triangle_distance(placed(scene, s, {}), placed(part, p, pose)).distance_m);
+    }
+  }
+  return smallest;
+}
+
+Pose turned(const glm::dvec3& at_m, double angle, const glm::dvec3& axis) {
+  return {at_m, glm::angleAxis(angle, glm::normalize(axis))};
+}
+
+TEST(MeshPair, TreesFindTheNearestOfAllTriangles) {
+  std::mt19937 random(52);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface scene = trial % 2 == 0 ? ring(60, 1, 0.5) : random_surface(random, 90, 1);
+    const Surface part = trial % 3 == 0 ? random_surface(random, 40, 0.2) : ring(48, 0.9, 0.4);
+    const double x = unit(random), y = unit(random), z = unit(random), angle = 3 * unit(random);
+    const Pose pose = turned((trial % 4 == 0 ? 3 : 0.08) * glm::dvec3(x, y, z), angle, {x, z, 1});
+    const double smallest = nearest_of_all(scene, part, pose);
+    const MeshPair pair(scene, part);
+    EXPECT_NEAR(pair.at(pose, voxcheck::kNothingM).distance_m, smallest, 1e-13);
+    EXPECT_NEAR(pair.at(pose, smallest / 2).distance_m, smallest, 1e-13);  // a hint that is wrong
+  }
+}
+
+// A proof is held against the nearest of all triangles at many moments of the motion.
+TEST(MeshPair, WhatStaysApartIsNowhereNearer) {
+  std::mt19937 random(53);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int proven = 0, close = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    const Surface scene = trial % 2 == 0 ? ring(24, 1, 0.5) : random_surface(random, 8, 1);
+    const Surface part = trial % 2 == 0 ? ring(24, 0.9, 0.4) : random_surface(random, 4, 0.3);
+    const double x = unit(random), y = unit(random), z = unit(random), angle = 0.2 * unit(random);
+    const glm::dvec3 at_m = (trial % 2 == 0 ? 0.03 : 2.0) * glm::dvec3(x, y, z);
+    const glm::dvec3 way_m(0.02 * x, 0.01 * z, 0.3 * y);
+    const glm::dvec3 axis = trial % 2 == 0 ? glm::dvec3(0, 0, 1) : glm::dvec3(z, x, y);
+    double smallest = 1e300;
+    for (int n = 0; n <= 20; ++n) {
+      const Pose pose = turned(at_m + n / 20.0 * way_m, n / 20.0 * angle, axis);
+      smallest = std::min(smallest, nearest_of_all(scene, part, pose));
+    }
+    double radius_m = 0;
+    for (const glm::dvec3& v : part.vertices_m) radius_m = std::max(radius_m, glm::length(v));
+    const double bend_m = radius_m * (1 - std::cos(angle / 2));
+    const MeshPair pair(scene, part);
+    const Pose from = turned(at_m, 0, axis), to = turned(at_m + way_m, angle, axis);
+    for (const double fraction : {0.3, 0.8, 0.95, 1.001}) {
+      if (!pair.stays_apart(from, to, bend_m, fraction * smallest)) continue;
+      ++proven;
+      close += fraction > 0.9;
+      EXPECT_LT(fraction, 1);
+    }
+  }
+  EXPECT_GT(proven, 60);
+  EXPECT_GT(close, 5);
+}
+
+// However far a flat face slides along another, the proof is as close as doubles are.
+TEST(MeshPair, OfAFaceThatSlidesAlongAnotherIsCloseHoweverFarItGoes) {
+  Surface floor, plate;
+  floor.vertices_m = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
+  plate.vertices_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  for (Surface* surface : {&floor, &plate}) {
+    surface->triangles = {{0, 1, 2}, {0, 2, 3}};
+    surface->object = {1, 1};
+  }
+  const MeshPair pair(floor, plate);
+  const Pose from{{-7, 3, 0.25}, {1, 0, 0, 0}}, to{{7, -4, 0.25}, {1, 0, 0, 0}};
+  EXPECT_TRUE(pair.stays_apart(from, to, 0, 0.25 - 1e-11));
+  EXPECT_FALSE(pair.stays_apart(from, to, 0, 0.25 + 1e-11));
+  EXPECT_TRUE(pair.stays_apart(from, to, 0.01, 0.24 - 1e-11));
+  EXPECT_FALSE(pair.stays_apart(from, to, 0.01, 0.24 + 1e-11));
+}
+
+// A ring that is turned in another one with little play: by how far points travel it takes 605
+// moments.
+TEST(ExactWalk, OfARingThatTurnsInAnotherMeasuresFewMoments) {
+  const Surface scene = ring(96, 1, 0.5), part = ring(96, 0.99, 0.4);
+  const std::vector<PathRow> rows{{0, {0, 0, 0}, {1, 0, 0, 0}},
+                                  {1, {0, 0, 0.05}, {std::cos(0.4), 0, 0, std::sin(0.4)}}};
+  const clearance::CenterPath path(rows, glm::dvec3(0), 1.1);
+  const MeshPair pair(scene, part);
+  ExactWalk walk(path, pair, pair, 1e-7);
+  const auto smallest = walk.smallest({{{0, 0}, {1, 0}}}, 1e-5);
+  EXPECT_TRUE(walk.nearer_than({{0, 0}, {1, 0}}, 0.009, 1e-4).empty());
+  EXPECT_GE(smallest.at_least_m, smallest.sample.measured.distance_m - 1e-5);
+  EXPECT_LT(walk.measured(), 150u);
+  for (int n = 0; n <= 400; ++n) {
+    const double d =
+        pair.at(path.world_from_center({0, n / 400.0 - (n == 400 ? 1e-12 : 0)}), 1).distance_m;
+    EXPECT_GE(d, smallest.at_least_m - 1e-7);
+  }
 }
 
 }  // namespace

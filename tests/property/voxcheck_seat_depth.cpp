@@ -11,6 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "pointshell/certificate/ray_winding.h"
+#include "pointshell/certificate/winding_number.h"
 #include "workbench/exact/motion_proof.h"
 #include "workbench/exact/push_out.h"
 #include "workbench/exact/seat_walk.h"
@@ -228,9 +230,17 @@ TEST(SeatDepth, IsThatOfTheDeepestPlaceOfEitherSurface) {
       const double allowed = truth + off;
       const Depth depth = walk.at_pose(pose, allowed);
       EXPECT_LE(truth, depth.at_most_m + 1e-9);
-      const double within =
-          std::max({kWithin, allowed - depth.at_most_m, (depth.found_m - allowed) / 2});
-      EXPECT_LE(depth.at_most_m, depth.found_m + within + 1e-9);
+      // One place that is deeper than allowed ends the search.
+      if (depth.found_m <= allowed) {
+        EXPECT_LE(depth.at_most_m,
+                  depth.found_m + std::max(kWithin, allowed - depth.at_most_m) + 1e-9);
+      }
+      if (off < -kWithin) {
+        EXPECT_GT(depth.found_m, allowed);
+      }
+      if (off > 0.1) {  // the truth is sampled: it is more than that
+        EXPECT_LE(depth.at_most_m, allowed);
+      }
       // The place is there, and so deep.
       EXPECT_NEAR(glm::length(depth.place_m - depth.foot_m), std::abs(depth.found_m), 1e-7);
       long double off_part = 1e30L, off_object = 1e30L;
@@ -273,10 +283,11 @@ TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
     const auto truth = static_cast<double>(sampled_both(pin, bore, pose, 8));
     const Depth depth = walk.at_pose(pose, kAllowed);
     EXPECT_LE(truth, depth.at_most_m + 1e-9);
-    EXPECT_LE(depth.at_most_m,
-              depth.found_m +
-                  std::max({kFine, kAllowed - depth.at_most_m, (depth.found_m - kAllowed) / 2}) +
-                  1e-12);
+    if (depth.found_m <= kAllowed) {
+      EXPECT_LE(depth.at_most_m,
+                depth.found_m + std::max(kFine, kAllowed - depth.at_most_m) + 1e-12);
+    }
+    EXPECT_GT(depth.found_m > kAllowed ? truth + 1e-9 : depth.at_most_m, depth.found_m);
     largest = std::max(largest, depth.looked_at);
     pressed += truth > kAllowed;
     leaning += truth > 0 && truth <= kAllowed;
@@ -286,10 +297,30 @@ TEST(SeatDepth, OfAPinThatLeansInItsBoreIsFoundInFewPieces) {
   EXPECT_GT(leaning, 2);
 }
 
+// A long pin in a thick wall: it is as deep as half of the wall all around the middle of that,
+// which is found where pieces are cut between the wall's two sides. That it is deeper than a little
+// is known from one place.
+TEST(SeatDepth, OfAPinAcrossAWallTakesFewPieces) {
+  const Surface pin = prism(96, 5, 100), wall = box({40, 30, 5});
+  const Bodies of_pin = bodies_of(pin, 1e-3), of_wall = bodies_of(wall, 1e-3);
+  const MeshPair distance(wall, pin);
+  const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 101);
+  const SeatWalk walk(path, of_pin, of_wall, distance, 1e-3);
+  const Pose pose{{1, 2, 0.3}, glm::angleAxis(0.2, glm::normalize(glm::dvec3(1, 2, 0)))};
+  const Depth depth = walk.at_pose(pose, std::nullopt);
+  EXPECT_LE(depth.at_most_m, 5 + 1e-3);
+  EXPECT_GE(depth.found_m, 5 - 1e-3);
+  EXPECT_LE(depth.looked_at, 20000u);  // 490,000 by one face alone
+  const Depth deeper = walk.at_pose(pose, 0.02);
+  EXPECT_GT(deeper.found_m, 0.02);
+  EXPECT_GE(deeper.at_most_m, 5 - 1e-3);
+  EXPECT_LE(deeper.looked_at, 1000u);
+}
+
 // A part that comes by an object, between two poses too.
 TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
   std::mt19937 random(27);
-  int pushed = 0, free = 0;
+  int pushed = 0, free = 0, more = 0;
   for (int trial = 0; trial < 16; ++trial) {
     SCOPED_TRACE(trial);
     const Surface part = random_body(random), object = random_body(random);
@@ -300,7 +331,7 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
     const clearance::CenterPath path(rows, {0, 0, 0}, 2);
     SeatWalk walk(path, of_part, of_object, distance, kWithin);
     const double allowed = std::uniform_real_distribution<double>(0.02, 0.3)(random);
-    const auto found = walk.deeper_than({0, 0}, {3, 0}, allowed, 0.05);
+    const auto found = walk.deeper_than({0, 0}, {3, 0}, allowed, 0.05, true);
     const auto at = [&](double time_s) {
       return static_cast<double>(
           sampled_both(part, object, path.world_from_center(path.at(time_s)), 4));
@@ -317,10 +348,23 @@ TEST(SeatWalk, TellsEveryMomentAtWhichThePartIsTooDeep) {
       EXPECT_GT(stretch.worst.at_most_m, allowed - 0.05);  // the resolution of stretches
       EXPECT_LE(at(path.time_s(stretch.worst_at)), stretch.worst.at_most_m + 1e-9);
     }
+    // The first collision that is certain ends the search, unless all are asked for.
+    const auto first = walk.deeper_than({0, 0}, {3, 0}, allowed, 0.05);
+    std::size_t count = 0;
+    while (count < found.size() && !found[count].is_deeper) ++count;
+    count = std::min(count + 1, found.size());
+    ASSERT_EQ(first.size(), count);
+    for (std::size_t n = 0; n < count; ++n) {
+      EXPECT_EQ(path.time_s(first[n].from), path.time_s(found[n].from));
+      EXPECT_EQ(path.time_s(first[n].to), path.time_s(found[n].to));
+      EXPECT_EQ(first[n].worst.found_m, found[n].worst.found_m);
+    }
+    more += found.size() > count;
     (found.empty() ? free : pushed) += 1;
   }
   EXPECT_GT(pushed, 4);
   EXPECT_GT(free, 1);
+  EXPECT_GT(more, 1);
 }
 
 // A long pin is pushed through the wall of its bore: it is about as deep as its radius all the way,
@@ -422,6 +466,27 @@ TEST(MotionProof, OfABlockThatSlidesInItsSlotTakesFewCells) {
   ASSERT_EQ(turned.size(), 1u);
   EXPECT_TRUE(turned[0].is_deeper);
   EXPECT_NEAR(turned[0].worst.found_m, 0.5 * (std::cos(0.1) + std::sin(0.1)) - 0.5, 1e-3);
+}
+
+// A press fit is as deep everywhere along its edges as it is installed, and pieces of its surface
+// lie inside as a whole.
+TEST(SeatWalk, APressFitSlidesAllAlongItsBore) {
+  constexpr double kDepth = 0.02, kMargin = 3e-6;
+  const Surface shaft = prism(16, 10 + kDepth, 30), bore = tube(16, 10, 20, 15);
+  const Bodies of_shaft = bodies_of(shaft, kMargin), of_bore = bodies_of(bore, kMargin);
+  const MeshPair distance(bore, shaft);
+  const clearance::CenterPath path(
+      {{row_of(0, {{0, 0, 14}, {1, 0, 0, 0}}), row_of(1, {{0, 0, 16}, {1, 0, 0, 0}})}}, {0, 0, 0},
+      12);
+  for (const double off : {kMargin, -kMargin}) {
+    SeatWalk walk(path, of_shaft, of_bore, distance, kMargin / 8);
+    const auto found = walk.deeper_than({0, 0}, {1, 0}, kDepth + off, 0.016);
+    ASSERT_EQ(found.empty(), off > 0) << off;
+    EXPECT_LT(walk.measured(), 400u) << off;
+    if (off < 0) {
+      EXPECT_TRUE(found[0].is_deeper);
+    }
+  }
 }
 
 // Walls that are both thinner than twice what is allowed elsewhere: in their middle they are as
@@ -586,6 +651,92 @@ TEST(Body, IsSolidWhereItIsClosedButForCracks) {
   Surface flat = whole;
   for (glm::dvec3& v : flat.vertices_m) v.y = v.z = 0;
   EXPECT_TRUE(bodies_of(flat, crack_m).empty());
+}
+
+// A prism whose ends have corners of their own, that are so far from those of its sides.
+Surface cracked_prism(int sides, double radius_m, double half_m, double crack_m) {
+  Surface surface = prism(sides, radius_m, half_m);
+  const auto count = static_cast<std::uint32_t>(surface.vertices_m.size());
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const glm::dvec3 v = surface.vertices_m[n];
+    surface.vertices_m.push_back(
+        {(1 - crack_m / radius_m) * v.x, (1 - crack_m / radius_m) * v.y, v.z});
+  }
+  for (mesh::Triangle& t : surface.triangles) {
+    const bool is_end = t[0] % 2 == t[1] % 2 && t[1] % 2 == t[2] % 2;
+    for (std::uint32_t& corner : t) corner += is_end ? count : 0;
+  }
+  return surface;
+}
+
+// The inside of a solid with cracks, counted along a ray, against its winding number; and how far
+// its open edges are from a ray, against places all along that.
+TEST(Body, HoldsBesideItsCracksWhatItsTrianglesWindAround) {
+  constexpr double kCrack = 2e-3;
+  const Surface surface = cracked_prism(24, 1, 0.4, kCrack);
+  const Bodies bodies = bodies_of(surface, 4 * kCrack);
+  ASSERT_TRUE(bodies[0]->is_solid());
+  ASSERT_GT(bodies[0]->crack_m(), 0);
+  const certificate::WindingNumber winding(bodies[0]->tree());
+  part::Part edges;
+  edges.vertices = {vec3_of({1, 0, 0.4}), vec3_of({0.2, 0.9, 0.3}), vec3_of({-0.5, 0.1, 0.7})};
+  edges.triangles = {{0, 1, 1}, {1, 2, 2}};
+  const part::TriangleTree edge_tree(edges);
+  const glm::dvec3 ray(0.5437211, 0.2913847, 0.7870619);  // that of windings_by_ray()
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> unit(-1.1, 1.1);
+  int inside = 0, near_edge = 0, near_ray = 0;
+  for (int n = 0; n < 20000; ++n) {
+    glm::dvec3 place{unit(random), unit(random), unit(random)};
+    if (n % 2 == 0) {  // beside an end
+      const double away_m = 8 * kCrack * unit(random);
+      place = (1 + away_m) * glm::dvec3(glm::normalize(glm::dvec2(place)), 0.4);
+    }
+    const part::Vec3 at = vec3_of(place);
+    if (bodies[0]->crack_near_m(at, 0) > 0) {
+      ++near_edge;
+      continue;
+    }
+    if (bodies[0]->tree().is_within(at, 1e-9)) continue;
+    EXPECT_EQ(bodies[0]->holds(at), std::abs(winding.at(at)) > 0.5) << n;
+    inside += bodies[0]->holds(at);
+    double smallest = 1e30;
+    for (int k = 0; k < 300; ++k) {
+      const auto there = edge_tree.nearest(vec3_of(place + 0.01 * k * ray));
+      smallest = std::min(smallest, std::sqrt(there.distance_squared));
+    }
+    // Between two of these places the ray comes nearer by half of their distance at most.
+    const bool is_near = certificate::is_ray_within(edge_tree, at, 0.1);
+    EXPECT_TRUE(!is_near || smallest < 0.1 + 0.005) << n;
+    EXPECT_TRUE(is_near || smallest > 0.1) << n;
+    near_ray += is_near;
+  }
+  EXPECT_GT(inside, 4000);
+  EXPECT_GT(near_edge, 200);
+  EXPECT_GT(near_ray, 100);
+}
+
+// Faces that are nearer to each other than cracks are wide, far from any crack, while a foot of the
+// part is in the floor: few places of the faces need to be looked at closely.
+TEST(SeatDepth, OfFacesWithCracksElsewhereTakesFewPieces) {
+  constexpr double kCrack = 4e-3;
+  const Surface floor = cracked_prism(24, 3, 0.4, kCrack);
+  const Bodies of_floor = bodies_of(floor, kCrack);
+  const double crack_m = of_floor[0]->crack_m(), deep_m = 0.1 * crack_m;
+  ASSERT_GT(crack_m, 0);
+  for (const double gap_m : {0.5 * crack_m, 0.45 * crack_m}) {
+    const Surface block = united(cracked_prism(24, 1, 0.4, kCrack), box({0.1, 0.1, 0.2}),
+                                 {0, 0, -0.2 - gap_m - deep_m});
+    const Bodies of_block = bodies_of(block, kCrack);
+    const MeshPair distance(floor, block);
+    const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 2);
+    const SeatWalk walk(path, of_block, of_floor, distance, crack_m / 4);
+    const Pose pose{{0.1, 0.2, 0.8 + gap_m}, glm::angleAxis(0.05, glm::dvec3(0, 0, 1))};
+    const Depth depth = walk.at_pose(pose, std::nullopt);
+    EXPECT_LE(depth.looked_at, 100000u) << gap_m;  // 2,400,000 with cracks everywhere
+    EXPECT_NEAR(depth.found_m, deep_m, crack_m / 4) << gap_m;
+    EXPECT_LE(depth.at_most_m, 2 * crack_m) << gap_m;
+  }
 }
 
 }  // namespace

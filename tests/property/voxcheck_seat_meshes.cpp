@@ -14,7 +14,6 @@
 namespace forcelayer::exact {
 namespace {
 
-constexpr double kVoxel = 1e-3;
 constexpr std::uint32_t kWall = 1, kOther = 2;
 
 void add_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m,
@@ -57,7 +56,7 @@ struct BeforeWall {
     add_box(scene, {-0.05, -0.05, -0.03}, {0.005, 0.05, -0.02}, kOther);
     add_box(part, glm::dvec3(-0.01), glm::dvec3(0.01), 1);
     const std::uint32_t objects[] = {kWall};
-    seat = std::make_unique<SeatMeshes>(scene, part, kVoxel, objects, at({0, 0, 0}), depth_m);
+    seat = std::make_unique<SeatMeshes>(scene, part, objects, at({0, 0, 0}), depth_m);
   }
   // How deep the block is in the wall, pushed by so much: as far as it came in, or has yet to go
   // out.
@@ -133,7 +132,7 @@ TEST(SeatMeshes, KnowsTheDirectionOfASlot) {
     add_box(scene, {-0.02, -0.015, -0.03}, {0.02, 0.015, -0.0101}, kWall, turn);
     add_box(part, glm::dvec3(-0.01), glm::dvec3(0.01), 1, turn);
     const std::uint32_t objects[] = {kWall};
-    const SeatMeshes seat(scene, part, kVoxel, objects, at({0, 0, 0}), 0);
+    const SeatMeshes seat(scene, part, objects, at({0, 0, 0}), 0);
     for (const glm::dvec3& free : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
       const glm::dvec3 way = turn * free;
       const bool knows =
@@ -158,15 +157,15 @@ TEST(SeatMeshes, SheetsAreNotPassedEither) {
   open = part;
   open.triangles.resize(10), open.object.resize(10);  // without the side at x = 10 mm
   const std::uint32_t objects[] = {kWall};
-  const SeatMeshes seat(sheet, part, kVoxel, objects, at({0, 0, 0}), 0);
+  const SeatMeshes seat(sheet, part, objects, at({0, 0, 0}), 0);
   EXPECT_TRUE(seat.never_settled().empty());
   EXPECT_GE(seat.leeway_m(at({0.9e-4, 0, 0})), 0);
   EXPECT_LT(seat.leeway_m(at({1.1e-4, 0, 0})), 0);
-  const SeatMeshes apart(sheet, open, kVoxel, objects, at({0, 0, 0}), 0);
+  const SeatMeshes apart(sheet, open, objects, at({0, 0, 0}), 0);
   EXPECT_TRUE(apart.never_settled().empty());
   EXPECT_GE(apart.leeway_m(at({0.9e-4, 0, 0})), 0);
   EXPECT_LT(apart.leeway_m(at({0.01, 0, 0})), 0);
-  const SeatMeshes met(sheet, open, kVoxel, objects, at({1e-3, 0, 0}), 0);
+  const SeatMeshes met(sheet, open, objects, at({1e-3, 0, 0}), 0);
   EXPECT_EQ(met.never_settled(), std::vector<std::uint32_t>{kWall});
 }
 

@@ -16,10 +16,10 @@
 #include "tests/support/shape_scene.h"
 #include "workbench/voxplan/check/pose_check.h"
 #include "workbench/voxplan/nearest/pose_index.h"
+#include "workbench/voxplan/pose_path.h"
 #include "workbench/voxplan/search.h"
 #include "workbench/voxplan/slide.h"
 #include "workbench/voxplan/smooth/smoothed.h"
-#include "workbench/voxplan/way.h"
 
 namespace forcelayer::test {
 namespace {
@@ -92,9 +92,9 @@ TEST(PoseCheck, MeetsTheFloorOfItsSeatBeforeWhatIsBesideIt) {
   Pose from = problem.world_from_start;
   while ((*check)->holds(Rule::kInSeat, from)) from.position_m.x += 0.01 * kS;
   from.position_m.x -= 0.01 * kS;
-  const auto met = [&](const glm::dvec3& way_m) {
+  const auto met = [&](const glm::dvec3& travel_m) {
     Pose to = from;
-    to.position_m += way_m;
+    to.position_m += travel_m;
     return (*check)->met(Rule::kInSeat, from, to);
   };
   EXPECT_EQ(met({0.05, 0, 0}), 2u);
@@ -230,8 +230,8 @@ TEST(SeatLookUp, TheQuickWalkEndsWhereThatOfTheVerdictEnds) {
 TEST(PoseCheck, NoWayLeadsByARefusedPose) {
   Bench bench(0.03);
   const Pose start = bench.problem.world_from_start;
-  const auto above = [&](double way_m) {
-    return Pose{start.position_m + glm::dvec3(0, 0, way_m), start.orientation};
+  const auto above = [&](double travel_m) {
+    return Pose{start.position_m + glm::dvec3(0, 0, travel_m), start.orientation};
   };
   ASSERT_TRUE(bench.check->is_kept(Rule::kClear, start, above(0.04)));
   bench.check->refuse(above(0.02));
@@ -254,8 +254,8 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
     std::vector<Pose> refused;
     voxplan::SearchRequest request;
     request.max_s = 60;
-    request.unproven_at = [&](const voxplan::Way&,
-                              const voxplan::Way& beyond) -> Result<std::optional<Pose>> {
+    request.unproven_at = [&](const voxplan::PosePath&,
+                              const voxplan::PosePath& beyond) -> Result<std::optional<Pose>> {
       for (const Pose& pose : refused) {
         for (const Pose& at : voxplan::with_more_poses(bench.problem, beyond, 0.1 * kS)) {
           EXPECT_GT(voxplan::travel_between_m(bench.problem, at, pose), 0.8 * kS);
@@ -273,7 +273,7 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   // Until the time is up; then it says so.
   voxplan::SearchRequest request;
   request.max_s = 0.3;
-  request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
+  request.unproven_at = [](const voxplan::PosePath&, const voxplan::PosePath& beyond) {
     return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
   };
   const auto result = voxplan::search(bench.problem, goal, request);
@@ -287,7 +287,7 @@ TEST(Search, TellsItsProgressWithinARound) {
   Bench bench(0.03);
   const auto goal = voxplan::Destination::out_of_scene(bench.problem);
   voxplan::SearchRequest request;
-  request.unproven_at = [](const voxplan::Way&, const voxplan::Way& beyond) {
+  request.unproven_at = [](const voxplan::PosePath&, const voxplan::PosePath& beyond) {
     return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
   };
   int read = 0;
@@ -340,14 +340,14 @@ TEST(Search, EndsAtOnceWhereTheStartIsRefused) {
 
 // The sharpest turn of a way between three poses: of the centroid's way and the turn times the
 // part's radius.
-double sharpest_rad(const Problem& problem, const voxplan::Way& way) {
+double sharpest_rad(const Problem& problem, const voxplan::PosePath& path) {
   const double radius_m = problem.part.header().bounding_radius_m;
   std::vector<std::array<double, 6>> legs;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const glm::dvec3 step = way[i].position_m - way[i - 1].position_m;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const glm::dvec3 step = path[i].position_m - path[i - 1].position_m;
     const glm::dvec3 turn =
         radius_m *
-        coupling::rotation_vector(way[i].orientation * glm::conjugate(way[i - 1].orientation));
+        coupling::rotation_vector(path[i].orientation * glm::conjugate(path[i - 1].orientation));
     if (glm::length(step) + glm::length(turn) < 1e-9) continue;
     legs.push_back({step.x, step.y, step.z, turn.x, turn.y, turn.z});
   }
@@ -368,38 +368,38 @@ double sharpest_rad(const Problem& problem, const voxplan::Way& way) {
 TEST(Smoothing, RoundsCornersAndKeepsTheClearance) {
   Bench bench(0.03);
   voxplan::Random random(21);
-  const auto min_m = [&](const voxplan::Way& way) {
+  const auto min_m = [&](const voxplan::PosePath& path) {
     double smallest = 1;
-    for (const Pose& pose : way) smallest = std::min(smallest, bench.check->clearance_m(pose));
+    for (const Pose& pose : path) smallest = std::min(smallest, bench.check->clearance_m(pose));
     return smallest;
   };
   int ways = 0, round = 0;
   for (int trial = 0; trial < 400 && ways < 12; ++trial) {
     // Zigzags near the walls, of motions that are kept.
-    voxplan::Way way{bench.problem.world_from_start};
-    while (way.size() < 6) {
-      Pose next = way.back();
+    voxplan::PosePath path{bench.problem.world_from_start};
+    while (path.size() < 6) {
+      Pose next = path.back();
       // One after the other: compilers draw the arguments of a call in different orders.
       const double step_m = random.between(0.01, 0.03);
       next.position_m += random.direction() * step_m;
       const double turn_rad = random.between(0, 0.4);
       next.orientation =
           glm::normalize(coupling::rotation_by(random.direction() * turn_rad) * next.orientation);
-      if (next.position_m.z > 0.08 || !bench.check->is_kept(Rule::kClear, way.back(), next)) break;
-      way.push_back(next);
+      if (next.position_m.z > 0.08 || !bench.check->is_kept(Rule::kClear, path.back(), next)) break;
+      path.push_back(next);
     }
-    if (way.size() < 6 || sharpest_rad(bench.problem, way) < 0.7) continue;
+    if (path.size() < 6 || sharpest_rad(bench.problem, path) < 0.7) continue;
     ++ways;
     SCOPED_TRACE(trial);
-    const auto wide = voxplan::widened(bench.problem, way, 3);
+    const auto wide = voxplan::widened(bench.problem, path, 3);
     ASSERT_TRUE(wide) << to_line(wide.error());
     const auto all = voxplan::smoothed(bench.problem, {{}, *wide});
     ASSERT_TRUE(all) << to_line(all.error());
-    const voxplan::Way& smooth = all->front().beyond;
-    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.front(), way.front()), 0);
-    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.back(), way.back()), 0);
+    const voxplan::PosePath& smooth = all->front().beyond;
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.front(), path.front()), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, smooth.back(), path.back()), 0);
     // Where walls leave no room for a cut a corner stays.
-    EXPECT_LT(sharpest_rad(bench.problem, smooth), sharpest_rad(bench.problem, way) / 4);
+    EXPECT_LT(sharpest_rad(bench.problem, smooth), sharpest_rad(bench.problem, path) / 4);
     round += sharpest_rad(bench.problem, smooth) < 0.25;
     // Between the poses of a straight way the clearance may be less than at both: by a tenth of a
     // voxel, for steps of two.
@@ -430,15 +430,16 @@ TEST(Smoothing, ComesNoNearerToARidge) {
   const Problem problem{scene, part, 0.002, at(-0.045, 0.04), {}};
   const auto made = PoseCheck::create(problem);
   ASSERT_TRUE(made) << to_line(made.error());
-  const voxplan::Way way{at(-0.045, 0.04), at(-0.045, 0.075), at(0.045, 0.075), at(0.045, 0.04)};
-  const auto min_m = [&](const voxplan::Way& of) {
+  const voxplan::PosePath path{at(-0.045, 0.04), at(-0.045, 0.075), at(0.045, 0.075),
+                               at(0.045, 0.04)};
+  const auto min_m = [&](const voxplan::PosePath& of) {
     double smallest = 1;
     for (const Pose& pose : voxplan::with_more_poses(problem, of, 0.2 * kS)) {
       smallest = std::min(smallest, (*made)->clearance_m(pose));
     }
     return smallest;
   };
-  const voxplan::Way fine = voxplan::with_more_poses(problem, way, 2 * kS);
+  const voxplan::PosePath fine = voxplan::with_more_poses(problem, path, 2 * kS);
   const auto smooth = voxplan::smoothed(problem, {{}, fine});
   ASSERT_TRUE(smooth) << to_line(smooth.error());
   EXPECT_GT(min_m(fine), 0.015);
@@ -454,25 +455,26 @@ TEST(Smoothing, RoundsCornersInASeatAndWhereItIsLeft) {
   const auto at = [&](double x, double z) {
     return Pose{start.position_m + glm::dvec3(x, 0, z), start.orientation};
   };
-  const voxplan::Way corners{start, at(0.02, 0), at(0.02, 0.01), at(0.04, 0.02), at(0.04, 0.06)};
+  const voxplan::PosePath corners{start, at(0.02, 0), at(0.02, 0.01), at(0.04, 0.02),
+                                  at(0.04, 0.06)};
   const auto is_clear = [&](const Pose& pose) { return bench.check->holds(Rule::kClear, pose); };
-  const voxplan::Way in_seat = voxplan::up_to_first(corners, bench.problem, is_clear);
+  const voxplan::PosePath in_seat = voxplan::up_to_first(corners, bench.problem, is_clear);
   ASSERT_GE(in_seat.size(), 4u);
   const Pose joint = in_seat.back();
-  const voxplan::WholeWay way{in_seat, {joint, at(-0.02, 0.06), at(-0.02, 0.09)}};
-  const auto whole = [&](const voxplan::WholeWay& of) {
-    voxplan::Way poses = of.in_seat;
+  const voxplan::PlannedPath path{in_seat, {joint, at(-0.02, 0.06), at(-0.02, 0.09)}};
+  const auto whole = [&](const voxplan::PlannedPath& of) {
+    voxplan::PosePath poses = of.in_seat;
     poses.insert(poses.end(), of.beyond.begin() + 1, of.beyond.end());
     return poses;
   };
-  const auto smooth = voxplan::smoothed(bench.problem, way);
+  const auto smooth = voxplan::smoothed(bench.problem, path);
   ASSERT_TRUE(smooth) << to_line(smooth.error());
-  EXPECT_EQ(whole(smooth->back()).size(), whole(way).size());  // itself is the last resort
-  EXPECT_GT(sharpest_rad(bench.problem, whole(way)), 1.3);
+  EXPECT_EQ(whole(smooth->back()).size(), whole(path).size());  // itself is the last resort
+  EXPECT_GT(sharpest_rad(bench.problem, whole(path)), 1.3);
   EXPECT_LT(sharpest_rad(bench.problem, whole(smooth->front())), 0.2);
-  for (const voxplan::WholeWay& each : *smooth) {
+  for (const voxplan::PlannedPath& each : *smooth) {
     EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.in_seat.front(), start), 0);
-    EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.beyond.back(), way.beyond.back()), 0);
+    EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.beyond.back(), path.beyond.back()), 0);
     EXPECT_EQ(voxplan::travel_between_m(bench.problem, each.in_seat.back(), each.beyond.front()),
               0);
     EXPECT_TRUE(is_clear(each.beyond.front()));
@@ -500,7 +502,7 @@ TEST(Smoothing, GoesStraightOnOutOfASeat) {
   const auto smooth = voxplan::smoothed(
       bench.problem, {{at(0, -0.01), start}, {start, at(0.03, 0.005), at(0.03, 0.04)}});
   ASSERT_TRUE(smooth) << to_line(smooth.error());
-  const voxplan::Way& beyond = smooth->front().beyond;
+  const voxplan::PosePath& beyond = smooth->front().beyond;
   const glm::dvec3 first = beyond[1].position_m - beyond[0].position_m;
   EXPECT_GT(first.z, 0);
   EXPECT_LT(std::abs(first.x), 1e-9);

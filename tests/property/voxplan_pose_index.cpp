@@ -68,9 +68,9 @@ Pose any(Random& random, double side_m) {
 }
 
 Pose beside(const Pose& pose, double length_m, Random& random) {
-  const glm::dvec3 way = random.direction(), axis = random.direction();
-  const double way_m = length_m * random.fraction(), turn_rad = length_m * random.normal();
-  return {pose.position_m + way_m * way,
+  const glm::dvec3 path = random.direction(), axis = random.direction();
+  const double travel_m = length_m * random.fraction(), turn_rad = length_m * random.normal();
+  return {pose.position_m + travel_m * path,
           glm::normalize(coupling::rotation_by(turn_rad * axis) * pose.orientation)};
 }
 

@@ -29,6 +29,23 @@ inline part::Part part_of_model(const std::string& file, double metres_per_unit)
   return std::move(part::assemble_part({&input, 1})).value();
 }
 
+// A square bundle of rods side by side, with more surface than their outside has.
+inline mesh::Mesh bundle_mesh(int rods_across, double rod_radius, double height, int segments) {
+  mesh::Mesh bundle;
+  for (int n = 0; n < rods_across * rods_across; ++n) {
+    const auto first = static_cast<std::uint32_t>(bundle.vertices.size());
+    const mesh::Mesh rod = cylinder_mesh(rod_radius, height, segments);
+    for (const auto& [x, y, z] : rod.vertices) {
+      bundle.vertices.push_back(
+          {x + 2.5 * rod_radius * (n % rods_across), y + 2.5 * rod_radius * (n / rods_across), z});
+    }
+    for (const auto& [a, b, c] : rod.triangles) {
+      bundle.triangles.push_back({a + first, b + first, c + first});
+    }
+  }
+  return bundle;
+}
+
 // Places on the surface, uniform by area.
 class SurfaceDice {
  public:

@@ -25,6 +25,7 @@ struct PointPart {
   bool two_sided = false;  // whether all points are without an inside
   std::vector<std::array<float, 3>> points, normals;
   std::vector<float> areas_m2;  // of none: 1e-5 each
+  std::vector<float> cone_cos;  // of none: a file without normal cones
 
   void add(const std::array<double, 3>& point, std::array<double, 3> normal) {
     const double length =
@@ -36,6 +37,25 @@ struct PointPart {
                        static_cast<float>(normal[2])});
   }
 };
+
+// Gives each point the cone of the normals within the covering radius of it, as points tell them.
+inline void add_cones(PointPart& part) {
+  const double radius2 = part.covering_radius_m * part.covering_radius_m;
+  for (std::size_t i = 0; i < part.points.size(); ++i) {
+    float cone_cos = 1;
+    for (std::size_t k = 0; k < part.points.size(); ++k) {
+      double distance2 = 0;
+      float alike = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double d = double{part.points[i][axis]} - part.points[k][axis];
+        distance2 += d * d;
+        alike += part.normals[i][axis] * part.normals[k][axis];
+      }
+      if (distance2 <= radius2) cone_cos = std::min(cone_cos, alike);
+    }
+    part.cone_cos.push_back(std::clamp(cone_cos, -1.0f, 1.0f));
+  }
+}
 
 // A sphere of `count` points along a Fibonacci spiral, so that blocks are neighbors.
 inline PointPart sphere_part(double radius_m, std::size_t count, double voxel_size_m) {
@@ -119,6 +139,7 @@ inline void save_pshell(const std::filesystem::path& path, const PointPart& part
   content.super_blocks = super_blocks;
   const std::vector<std::uint8_t> two_sided(part.two_sided ? count : 0, 1);
   content.two_sided = two_sided;
+  content.cone_cos = part.cone_cos;
 
   save_bytes(path, pshell_bytes(content));
 }

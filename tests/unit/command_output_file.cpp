@@ -95,7 +95,7 @@ TEST_F(OutputFiles, AFileOfAnotherKindIsNotReplaced) {
   const std::string wrong[][2] = {{"magica.vox", "VOX \226"}, {"shell.vox", shell}};
   for (const auto& [name, bytes] : wrong) {
     const std::string text = refusal(file(name, bytes), FileKind::kVoxmap);
-    EXPECT_TRUE(holds(text, "is there already, and is not a voxmap that Forcelayer wrote; choose"))
+    EXPECT_TRUE(holds(text, "already exists and is not a voxmap that Forcelayer wrote; choose"))
         << text;
   }
   EXPECT_TRUE(holds(refusal(file("map", voxmap), FileKind::kReport), "is not a report"));
@@ -123,7 +123,7 @@ TEST_F(OutputFiles, OnlyAFileThatACommandWroteIsReplaced) {
                               FileKind::kTable, FileKind::kRecording, FileKind::kExport}) {
     for (const char* bytes : {"# my path, a day of work\nt_s,x_m,y_m,z_m\n", "v 0 0 0\n", "{}\n",
                               "ply\nformat ascii 1.0\n", "<?xml version=\"1.0\"?>", "glTF", " "}) {
-      EXPECT_TRUE(holds(refusal(file("mine", bytes), kind), "is there already")) << bytes;
+      EXPECT_TRUE(holds(refusal(file("mine", bytes), kind), "already exists")) << bytes;
     }
     EXPECT_EQ(refusal(file("mine", ""), kind), "");
   }
@@ -136,7 +136,7 @@ TEST_F(OutputFiles, TwoOutputsNeedTwoNames) {
   const Status status = prepare_outputs(outputs, {});
   ASSERT_FALSE(status);
   EXPECT_EQ(to_line(status.error()),
-            trace + ": --trace: is what --json writes too; give each a name of its own");
+            trace + ": --trace: is also the output of --json; use two different names");
   report = trace = "-";
   EXPECT_FALSE(prepare_outputs(outputs, {}));
   report = trace = "/dev/null";

@@ -1,7 +1,11 @@
 #include "formats/command/program.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 namespace forcelayer {
 namespace {
@@ -23,6 +27,22 @@ TEST(RunProgram, GivesInputWhereItsOwnIsClosed) {
   ASSERT_TRUE(end) << to_line(end.error());
   EXPECT_EQ(end->status, 0);
   EXPECT_EQ(end->output, "some text");
+}
+
+// A signal between fork and exec ends the child: noted by the handler of its parent, it would be
+// lost and the program would run to its end.
+TEST(RunProgram, IsStoppedBeforeItsProgramStarts) {
+  const pid_t runner = fork();
+  if (runner == 0) {
+    pthread_atfork(nullptr, nullptr, [] { raise(SIGTERM); });
+    command::stop_programs_on_signals();
+    const auto end = command::run_program("cat", {}, "", command::ProgramOutput::kTaken, "");
+    _exit(end ? end->status : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(runner, &status, 0), runner);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
 }
 
 TEST(RunProgram, NamesThePackageOfOneThatIsMissing) {

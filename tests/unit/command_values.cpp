@@ -124,8 +124,8 @@ TEST(Reports, AreKindsWithTheirFiles) {
 // A new spelling that is an option itself would be refused.
 TEST(OldOptions, AreNotAmongTheNewOnes) {
   for (const char* const command : {"voxrun", "voxcheck", "voxelize", "pointshell", "voxplan"}) {
-    for (const char* const option : {"--set", "--device", "--buttons", "--udp", "--report",
-                                     "--sandbox", "--kind", "--method", "--replay"}) {
+    for (const char* const option : {"--set", "--device", "--udp", "--report", "--sandbox",
+                                     "--kind", "--method", "--replay"}) {
       EXPECT_EQ(new_spelling(command, option), "") << command << ' ' << option;
     }
   }

@@ -76,20 +76,21 @@ TEST(Path, WhatIsNoneSaysWhy) {
       {"t_s,x_m,y_m,z_m,qw,qx,qy\n0,0,0,0,1,0,0\n", "line 1", "qz"},
       {"# nothing\n", "line 2", "header"},
       {"t_s x_m y_m z_m\n0 0 0 0\n", "line 1", "no comma, semicolon or tab"},
-      {"t_s,x_m,y_m,z_m\n0,0,0\n", "line 2", "has 3 cells, not the header's 4"},
+      {"t_s,x_m,y_m,z_m\n0,0,0\n", "line 2", "has 3 cells, but the header has 4"},
       {"t_s,x_m,y_m,z_m\n0,0,0,0,\n", "line 2", "has 5 cells"},
-      {"t_s;x_m;y_m;z_m\n0;0;1,2,3;0\n", "line 2", "'y_m' is '1,2,3', no finite number"},
-      {"t_s,X_mm ,y_m,z_m\n0,00:00:01,0,0\n", "line 2", "'X_mm' is '00:00:01', no"},
-      {"t_s,x_m,y_m,z_m\n0,0,0, \n", "line 2", "'z_m' is '', no finite number"},
+      {"t_s;x_m;y_m;z_m\n0;0;1,2,3;0\n", "line 2", "'y_m' is '1,2,3', not a finite number"},
+      {"t_s,X_mm ,y_m,z_m\n0,00:00:01,0,0\n", "line 2", "'X_mm' is '00:00:01', not"},
+      {"t_s,x_m,y_m,z_m\n0,0,0, \n", "line 2", "'z_m' is '', not a finite number"},
       {"t_s,x_m,y_m,z_m\n0,\xe2\x88\x92"
        "1,\x1b[2J,0\n",
        "line 2",
        "'\xe2\x88\x92"
-       "1', no finite"},
-      {"t_s,x_m,y_m,z_m\n0,1,\x1b[2J,0\n", "line 2", "'\\x1b[2J', no finite"},
-      {"t_s,x_m,y_m,z_m\n0,0,0,0\n# c\n0,1,1,1\n", "line 4", "0 s is not later than 0 s before it"},
+       "1', not a finite"},
+      {"t_s,x_m,y_m,z_m\n0,1,\x1b[2J,0\n", "line 2", "'\\x1b[2J', not a finite"},
+      {"t_s,x_m,y_m,z_m\n0,0,0,0\n# c\n0,1,1,1\n", "line 4",
+       "0 s is not later than the row before, 0 s"},
       {"t_ms,x_m,y_m,z_m\n1700000000123,0,0,0\n1700000000122,1,1,1\n", "line 3",
-       "1700000000.122 s is not later than 1700000000.123 s"},
+       "1700000000.122 s is not later than the row before, 1700000000.123 s"},
       {"t_s,x_m,y_m,z_m\n0,1e400,0,0\n", "line 2", "finite"},
       {"t_s,x_mm,y_m,z_m\n0,1e12,0,0\n1,-1.001e12,0,0\n", "line 3", "1e9 m"},
       {"t_s,x_m,y_m,z_m\n0,0,0,1e308\n", "line 2", "1e9 m"},
@@ -150,7 +151,7 @@ TEST(Path, AColumnThatMayBeATurnIsReadOrRefused) {
     const auto read = read_text(begin + names + rows);
     ASSERT_FALSE(read) << names;
     EXPECT_EQ(read.error().where, "line 1") << names;
-    EXPECT_NE(read.error().what.find("may be a turn and is not read"), std::string::npos)
+    EXPECT_NE(read.error().what.find("may be a rotation in an unknown form"), std::string::npos)
         << names << ": " << read.error().what;
     EXPECT_NE(read.error().mend.find("rx_deg"), std::string::npos) << names;
   }
@@ -175,7 +176,7 @@ TEST(Path, NoValueIsGivenTwice) {
     const char *header, *names[2];
   } cases[] = {
       {"t_s,x_m,y_m,z_m,X_mm,n,n,n,n", {"'x_m'", "'X_mm'"}},
-      {"t_s,x_mm,y_m,z_m,x_mm,n,n,n,n", {"'x_mm'", "beside 'x_mm'"}},
+      {"t_s,x_mm,y_m,z_m,x_mm,n,n,n,n", {"'x_mm'", "both 'x_mm' and 'x_mm'"}},
       {"t_s,x_mm,y_m,z_m,time_ms,n,n,n,n", {"'t_s'", "'time_ms'"}},
       {"t_s,x_mm,y_m,z_m,rx_deg,rx_rad,n,n,n", {"'rx_deg'", "'rx_rad'"}},
       {"t_s,x_m,y_m,z_m,qx,qy,qz,qw,rz_deg", {"'qw'", "'rz_deg'"}},
@@ -264,7 +265,7 @@ TEST(Path, AStepOfHalfATurnIsRefusedButWhereTheNumbersStartAnew) {
     ASSERT_FALSE(rows) << to_deg;
     EXPECT_EQ(rows.error().where, "line 5");
     EXPECT_NE(rows.error().what.find("'rz_deg' turns by 180 degrees"), std::string::npos);
-    EXPECT_EQ(rows.error().mend.find("add rows between"), 0u);
+    EXPECT_EQ(rows.error().mend.find("add rows before"), 0u);
   }
   for (const double to_deg : {179.9, -179.9, 271.0, 359.0, -359.0}) {
     EXPECT_TRUE(read({0, 0, 0}, {0, 0, to_deg})) << to_deg;
@@ -383,7 +384,7 @@ TEST(Path, IsResampledAboutACenterAndReversed) {
   const std::vector<PathRow> rows = {{0, {0, 0, 0}, {1, 0, 0, 0}},
                                      {1, {2, 0, 0}, {half, 0, 0, half}}};
   const auto facts = path_facts(rows);
-  EXPECT_EQ(facts.way_m, 2);
+  EXPECT_EQ(facts.length_m, 2);
   EXPECT_NEAR(facts.turn_rad, M_PI / 2, 1e-15);
   EXPECT_EQ(facts.high_m[0], 2);
   // The center (1, 0, 0) goes from (1, 0, 0) to (2, 1, 0).
@@ -445,9 +446,9 @@ TEST(Path, AResampledPathHasAllItsRows) {
 TEST(Path, FactsAreThoseOfAPoint) {
   const std::vector<PathRow> rows = {{0, {0, 0, 0}, {1, 0, 0, 0}},
                                      {1, {0, 0, 0}, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}};
-  EXPECT_EQ(path_facts(rows).way_m, 0);
+  EXPECT_EQ(path_facts(rows).length_m, 0);
   const auto facts = path_facts(rows, {2, 0, 1});
-  EXPECT_NEAR(facts.way_m, 2 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(facts.length_m, 2 * std::sqrt(2), 1e-15);
   EXPECT_NEAR(facts.max_mps, 2 * std::sqrt(2), 1e-15);
   EXPECT_NEAR(facts.high_m[0], 2, 1e-15);
   EXPECT_NEAR(facts.high_m[1], 2, 1e-15);
@@ -488,7 +489,7 @@ TEST(Path, AWideStepIsWhereTheOriginOrTheCentroidGoesStraight) {
     const WideStep step = widest_step(rows, center_m);
     EXPECT_EQ(step.row, at) << "seed " << seed;
     EXPECT_NEAR(step.aside_m, aside_m, 1e-12) << "seed " << seed;
-    EXPECT_NEAR(step.way_m, path_facts(std::span(rows).subspan(at, 2), center_m).way_m, 1e-12);
+    EXPECT_NEAR(step.shift_m, path_facts(std::span(rows).subspan(at, 2), center_m).length_m, 1e-12);
     EXPECT_NEAR(step.turn_rad, path_facts(std::span(rows).subspan(at, 2)).turn_rad, 1e-12);
   }
   const std::vector<PathRow> still = {{0, {0, 0, 0}, {1, 0, 0, 0}}, {1, {1, 0, 0}, {1, 0, 0, 0}}};

@@ -186,14 +186,16 @@ std::string read_of_train(std::vector<std::string> names, std::vector<std::strin
 
 // A user who does not know that there are two would keep, or leave out, one alone.
 TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
-  const std::string doubt = ": several siblings are called so: ";
+  const std::string doubt = ": several siblings have this name: ";
   EXPECT_EQ(read_of_train({"Carriage"}, {}),
-            "#Carriage" + doubt + "Carriage, Carriage[2]; write Carriage[1] for the first alone, " +
-                "Carriage* for all whose names begin so");
-  EXPECT_EQ(read_of_train({}, {"Carriage"}),
-            "--without Carriage" + doubt +
-                "Carriage, Carriage[2]; write Carriage[1] for the first alone, Carriage* for all " +
-                "whose names begin so");
+            "#Carriage" + doubt +
+                "Carriage, Carriage[2]; write Carriage[1] for the first one only, " +
+                "Carriage* for all whose names begin like this");
+  EXPECT_EQ(
+      read_of_train({}, {"Carriage"}),
+      "--without Carriage" + doubt +
+          "Carriage, Carriage[2]; write Carriage[1] for the first one only, Carriage* for all " +
+          "whose names begin like this");
   EXPECT_EQ(read_of_train({"Rail"}, {"Carriage"}), "Rail") << "the other one is not read anyway";
   EXPECT_EQ(read_of_train({"{Carriage,Carriage[2]}"}, {"Wheel*"}), "Carriage Carriage[2]");
   EXPECT_EQ(read_of_train({"Carriage", "Carriage[2]"}, {"Wheel*"}), "Carriage Carriage[2]");
@@ -209,38 +211,40 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   EXPECT_EQ(read_of_train({"Carriage[1]/Wheel[2]"}, {}), "Carriage/Wheel[2]");
   EXPECT_EQ(read_of_train({"Rail[1]"}, {}), "Rail");
   EXPECT_EQ(read_of_train({"Carriage[1]"}, {"Wheel[1]"}),
-            "--without Wheel[1]: several nodes of this name; use one of: Carriage/Wheel, "
+            "--without Wheel[1]: several nodes have this name; use one of: Carriage/Wheel, "
             "Carriage[2]/Wheel");
   // A name may go through one of several.
   EXPECT_EQ(
       read_of_train({"Carriage/Wheel[2]"}, {}),
       "#Carriage/Wheel[2]" + doubt + "Carriage/Wheel[2], Carriage[2]/Wheel[2]; write " +
-          "Carriage[1]/Wheel[2] for the first alone, Carriage*/Wheel[2] for all whose names " +
-          "begin so");
-  EXPECT_EQ(read_of_train({"Carriage/Wheel"}, {}),
-            "#Carriage/Wheel" + doubt +
-                "Carriage/Wheel, Carriage/Wheel[2], Carriage[2]/Wheel, Carriage[2]/Wheel[2]; " +
-                "write Carriage[1]/Wheel[1] for the first alone, Carriage*/Wheel* for all whose " +
-                "names begin so");
+          "Carriage[1]/Wheel[2] for the first one only, Carriage*/Wheel[2] for all whose names " +
+          "begin like this");
+  EXPECT_EQ(
+      read_of_train({"Carriage/Wheel"}, {}),
+      "#Carriage/Wheel" + doubt +
+          "Carriage/Wheel, Carriage/Wheel[2], Carriage[2]/Wheel, Carriage[2]/Wheel[2]; " +
+          "write Carriage[1]/Wheel[1] for the first one only, Carriage*/Wheel* for all whose " +
+          "names begin like this");
   EXPECT_EQ(
       read_of_train({"Carriage[2]/Wheel"}, {}),
       "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel, Carriage[2]/Wheel[2]; write " +
-          "Carriage[2]/Wheel[1] for the first alone, Carriage[2]/Wheel* for all whose names " +
-          "begin so");
+          "Carriage[2]/Wheel[1] for the first one only, Carriage[2]/Wheel* for all whose names " +
+          "begin like this");
   // A wildcard stands for siblings where it is written, and nowhere else.
   EXPECT_EQ(read_of_train({}, {"*/Wheel"}),
             "--without */Wheel" + doubt + "Carriage/Wheel, Carriage/Wheel[2]; write */Wheel[1] " +
-                "for the first alone, */Wheel* for all whose names begin so");
-  EXPECT_EQ(read_of_train({"Carriage/Wh*"}, {}),
-            "#Carriage/Wh*" + doubt +
-                "Carriage/Wheel, Carriage[2]/Wheel; write Carriage[1]/Wh* for the first alone, " +
-                "Carriage*/Wh* for all whose names begin so");
+                "for the first one only, */Wheel* for all whose names begin like this");
+  EXPECT_EQ(
+      read_of_train({"Carriage/Wh*"}, {}),
+      "#Carriage/Wh*" + doubt +
+          "Carriage/Wheel, Carriage[2]/Wheel; write Carriage[1]/Wh* for the first one only, " +
+          "Carriage*/Wh* for all whose names begin like this");
   EXPECT_EQ(read_of_train({"*/Wheel[1]"}, {}), "Carriage/Wheel Carriage[2]/Wheel");
   EXPECT_EQ(read_of_train({"{*/Wheel,*/Wheel[2]}"}, {}),
             "Carriage/Wheel Carriage/Wheel[2] Carriage[2]/Wheel Carriage[2]/Wheel[2]");
   EXPECT_EQ(read_of_train({"Carriage[1]/Wh*"}, {}), "Carriage/Wheel Carriage/Wheel[2]");
   EXPECT_EQ(read_of_train({"*/Wheel[2]"}, {}), "Carriage/Wheel[2] Carriage[2]/Wheel[2]");
-  EXPECT_TRUE(read_of_train({"*[1]"}, {}).starts_with("#*[1]: no node of this name"));
+  EXPECT_TRUE(read_of_train({"*[1]"}, {}).starts_with("#*[1]: no node has this name"));
 }
 
 // A label may hold a slash, and two nodes one path.
@@ -254,20 +258,19 @@ TEST(NodeNames, OfTwoNodesWithOnePathAreRefused) {
   const auto chosen = mesh::choose_nodes(names, nodes);
   ASSERT_FALSE(chosen);
   EXPECT_EQ(to_line(chosen.error()),
-            "#a/b: several nodes of this name; all have the path a/b, for a name that holds a "
-            "slash: rename it");
+            "#a/b: several nodes have this name; all have the path a/b because a name contains a "
+            "slash: rename that node");
 }
 
 TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {
   EXPECT_EQ(chosen({"Cover"}),
-            "#Cover: several nodes of this name; use one of: Gearbox/Lid/Cover, Gearbox/Cover");
+            "#Cover: several nodes have this name; use one of: Gearbox/Lid/Cover, Gearbox/Cover");
   const std::string missing = chosen({"Bold"});
   EXPECT_TRUE(
-      missing.starts_with("#Bold: no node of this name; the nearest are: "
-                          "Gearbox/Lid/Bolt, "))
+      missing.starts_with("#Bold: no node has this name; the nearest are: Gearbox/Lid/Bolt, "))
       << missing;
-  EXPECT_TRUE(chosen({"{Clip,Bolt[4]}"}).starts_with("#Bolt[4]: no node of this name"));
-  EXPECT_TRUE(chosen({"Screw*"}).starts_with("#Screw*: no node of this name"));
+  EXPECT_TRUE(chosen({"{Clip,Bolt[4]}"}).starts_with("#Bolt[4]: no node has this name"));
+  EXPECT_TRUE(chosen({"Screw*"}).starts_with("#Screw*: no node has this name"));
 }
 
 // Against all ways to let a star take letters.

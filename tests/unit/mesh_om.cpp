@@ -99,7 +99,7 @@ TEST(OmReader, RefusesHandlesOfEightBytes) {
   const auto assembly = read_bytes(bytes, ".om");
   ASSERT_FALSE(assembly);
   EXPECT_EQ(assembly.error().code, ErrorCode::kMeshUnsupported);
-  EXPECT_NE(to_line(assembly.error()).find("OpenMesh says"), std::string::npos);
+  EXPECT_NE(to_line(assembly.error()).find("OpenMesh reports"), std::string::npos);
 }
 
 }  // namespace

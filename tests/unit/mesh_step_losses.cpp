@@ -148,7 +148,7 @@ TEST(StepLosses, NoUnitOfLengthIsTold) {
         replaced(box, R"(GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\([^)]*\)\))", "")}) {
     const auto warnings = warnings_of(text, ".step");
     ASSERT_EQ(warnings.size(), 1u);
-    expect_in("#10 ADVANCED_BREP_SHAPE_REPRESENTATION states no unit of length", warnings[0]);
+    expect_in("#10 ADVANCED_BREP_SHAPE_REPRESENTATION has no known unit of length", warnings[0]);
   }
   EXPECT_TRUE(warnings_of(box, ".step").empty());
 }
@@ -161,7 +161,7 @@ TEST(StepLosses, AnOddUnitIsTold) {
     const auto warnings =
         warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step");
     ASSERT_EQ(warnings.size(), 1u) << unit;
-    expect_in(" is not a plausible unit of length: look at the size", warnings[0]);
+    expect_in(" is not a plausible unit of length: check the size", warnings[0]);
   }
   const auto angle = warnings_of(replaced(box, ".RADIAN.", ".SECOND."), ".step");
   ASSERT_EQ(angle.size(), 1u);
@@ -176,7 +176,7 @@ TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
   EXPECT_TRUE(warnings_of(box, ".igs").empty());
   const auto named = warnings_of(replaced(box, "1\\.,2,2HMM,", "1.,2,2HIN,"), ".igs");
   ASSERT_EQ(named.size(), 1u);
-  expect_in("its unit is called 'IN', and its number 2 is that of another unit", named[0]);
+  expect_in("the file calls its unit 'IN', but its unit number 2 means another unit", named[0]);
   const auto scaled = warnings_of(replaced(box, "1\\.,2,2HMM,", "2.,2,2HMM,"), ".igs");
   ASSERT_EQ(scaled.size(), 1u);
   expect_in("drawn to a scale of 2", scaled[0]);
@@ -414,10 +414,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
-      "6 loose faces sewn where edges are within 0.05 mm of each other; the joined edges lie up to "
-      "0.473 mm from their faces, and the guarantee is less by it; 3 edges of them still open; "
-      "look "
-      "whether an edge is damaged",
+      "6 loose faces joined where edges are within 0.05 mm of each other; the joined edges are up "
+      "to 0.473 mm away from their faces, and the guaranteed distance is smaller by this length; 3 "
+      "edges of them not joined; check whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -425,7 +424,7 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
 // A plane in the group, in place of the face that it carries.
 TEST(IgesLosses, AFaceWithoutEdgesIsSomewhereInItsNode) {
   const std::string text = with_parameters(iges_box(false), 1, "402,6,5,19,35,51,67,83;");
-  expect_in("a face without edges somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
+  expect_in("a face without edges, somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
             iges_error(text));
 }
 
@@ -466,8 +465,8 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
   ASSERT_EQ(rod->warnings.size(), 1u);
   EXPECT_NE(rod->warnings[0].find(
-                "3 loose faces sewn where edges are within 0.1 mm of each other; the joined "
-                "edges lie up to 1e-07 mm from their faces"),
+                "3 loose faces joined where edges are within 0.1 mm of each other; the joined "
+                "edges are up to 0.001 mm away from their faces"),
             std::string::npos)
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
@@ -491,7 +490,7 @@ TEST(IgesLosses, ABodyThatIsInSeveralNodesIsReadAsOne) {
     const mesh::MeshFacts facts = mesh::mesh_facts(body->meshes[0]);
     EXPECT_TRUE(facts.closed);
     EXPECT_NEAR(std::abs(facts.signed_volume), 6000, 1e-6);
-    expect_in(others + std::string(" whose faces meet it at open edges read as one with it"),
+    expect_in(others + std::string(" are read as one body, because their faces meet at open edges"),
               body->warnings.at(0));
   }
   // Its nodes stay: each can be read alone, and left out.
@@ -523,7 +522,7 @@ TEST(StepLosses, NoWayOutLeadsToNothing) {
                     one = step_error(
                         replaced(box, R"(CLOSED_SHELL\('',\(#17,)", "CLOSED_SHELL('',("));
   expect_in("could not read 6 of 6 faces", none);
-  expect_in("no other face is in this file", none);
+  expect_in("the file has no other face", none);
   EXPECT_EQ(none.find("--missing-faces"), std::string::npos) << none;
   expect_in("or accept the holes with --missing-faces 1", one);
   EXPECT_EQ(one.find("--without"), std::string::npos) << one;
@@ -531,7 +530,7 @@ TEST(StepLosses, NoWayOutLeadsToNothing) {
   const auto accepted =
       mesh::read_assembly(write_file(folder / "a.step", all), {.missing_faces = 40});
   ASSERT_FALSE(accepted);
-  expect_in("none of its faces can be read", to_line(accepted.error()));
+  expect_in("no face of this file can be read", to_line(accepted.error()));
 }
 
 // A loss of one of several nodes belongs to that node, and goes with it.
@@ -562,7 +561,7 @@ TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
       folder / "a.step", replaced(clamp, R"((#1750 = EDGE_LOOP\('',\()#1751)", "$1#81")));
   ASSERT_TRUE(bracket) << to_line(bracket.error());
   ASSERT_EQ(bracket->warnings.size(), 2u);
-  expect_in("#822 MANIFOLD_SOLID_BREP does not close: 2 edges of one face only",
+  expect_in("#822 MANIFOLD_SOLID_BREP is not closed: 2 edges with one face only",
             bracket->warnings[0]);
   expect_in("bracket_1: an edge lies up to 5 mm from its faces", bracket->warnings[1]);
   EXPECT_GE(bracket->deviation_units, 5);
@@ -581,7 +580,7 @@ TEST(StepLosses, AHoleInAShellThatShouldCloseCounts) {
     ASSERT_TRUE(rest) << to_line(rest.error());
     EXPECT_EQ(rest->triangle_count(), 10u);
     ASSERT_EQ(rest->warnings.size(), 2u);
-    expect_in("does not close: 4 edges", rest->warnings[0]);
+    expect_in("is not closed: 4 edges", rest->warnings[0]);
     EXPECT_GE(rest->deviation_units, 10);  // of 20 x 30
   }
   const auto sheet = mesh::read_assembly(
@@ -610,7 +609,7 @@ TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   EXPECT_EQ(box->triangle_count(), 12u);
   ASSERT_EQ(box->warnings.size(), 1u);
-  expect_in("D1 (type 186) does not close: 1 edge of one face only", box->warnings[0]);
+  expect_in("D1 (type 186) is not closed: 1 edge with one face only", box->warnings[0]);
 }
 
 TEST(StepLosses, AFileThatCannotBeParsedSaysWhy) {

@@ -182,7 +182,8 @@ TEST_F(StepReferences, ToThemselvesAreRefused) {
   }
   write_file(home_ / "other.step", other);
   expect_error(ErrorCode::kMeshUnreadable, "other.step",
-               "clamp/rod-assembly_1/rod_1/rod-assembly_1/nut_1", "which it is itself a part of");
+               "clamp/rod-assembly_1/rod_1/rod-assembly_1/nut_1",
+               "which contains this node itself");
 }
 
 TEST_F(StepReferences, ToOtherFormatsAreRefused) {

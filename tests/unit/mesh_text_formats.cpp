@@ -79,7 +79,7 @@ TEST(ObjReader, NamesStatementsThatOBJDoesNotHave) {
   ASSERT_TRUE(odd) << to_line(odd.error());
   EXPECT_EQ(odd->warnings,
             (std::vector<std::string>{
-                "2 statements left out that OBJ does not have: 'F' in line 8, ..."}));
+                "2 statements ignored because OBJ does not define them: 'F' in line 8, ..."}));
 }
 
 TEST(OffReader, TakesItsHeadersAndComments) {

@@ -110,10 +110,11 @@ TEST(SmallSize, IsWarnedOfBelowFourVoxels) {
         .value_or("");
   };
   EXPECT_EQ(warning(0, 0.00025),
-            "the part is 0.25 mm across, less than a voxel: --units? Else use a smaller "
-            "--voxel-size");
+            "the part is 0.25 mm across, less than a voxel: check --units; if the unit is right, "
+            "use a smaller --voxel-size");
   EXPECT_EQ(warning(0.0025, 0),
-            "the part is 2.5 mm across, 2.5 voxels: --units? Else use a smaller --voxel-size");
+            "the part is 2.5 mm across, 2.5 voxels: check --units; if the unit is right, use a "
+            "smaller --voxel-size");
   EXPECT_EQ(warning(0.001, 0.0041), "");
   EXPECT_EQ(warning(0, 0), "");
   EXPECT_FALSE(mesh::small_size_warning("the scene", mesh::empty_box(), 1));

@@ -58,6 +58,7 @@ TEST(Cost, CountsThePointsOfSurfaceAndNeedles) {
       {"ball", part_of(sphere_mesh(0.5, 60))},
       {"ribs", part_of(ribbed_plate(500))},
       {"band", part_of(band(20, 0.1))},
+      {"bundle", part_of(bundle_mesh(24, 0.005, 0.7, 8))},  // of rods: points cover its volume
       {"stray vertex", part_of(ball_with_stray_vertex(40))},
       {"stray vertex, farther", part_of(ball_with_stray_vertex(80))}};
   pointshell::ShellOptions options = options_of();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <random>
 
@@ -156,6 +157,42 @@ TEST(Orientation, TellsAnOpenSheet) {
   EXPECT_EQ(report.undecided_triangles, 0u);
 }
 
+// The depth at which as many rays leave its inside as to be a sheet, 1.50 mm, follows from exact
+// fractions over the area: few triangles are sampled all over.
+TEST(Orientation, TellsAShallowDishFromADeepOne) {
+  for (const double depth : {0.0014, 0.0016}) {
+    mesh::Mesh dish;
+    const double corners[4][2] = {
+        {-0.015, -0.015}, {0.015, -0.015}, {0.015, 0.015}, {-0.015, 0.015}};
+    for (const double z : {0.0, depth}) {
+      for (const auto& corner : corners) dish.vertices.push_back({corner[0], corner[1], z});
+    }
+    dish.triangles = {{0, 1, 2}, {0, 2, 3}};
+    for (std::uint32_t a = 0; a < 4; ++a) {
+      const std::uint32_t b = (a + 1) % 4;
+      dish.triangles.insert(dish.triangles.end(), {{a, a + 4, b + 4}, {a, b + 4, b}});
+    }
+    part::Part part = part_of(dish);
+    EXPECT_EQ(normals::orient_outwards(part, 0.0026).sheets.size(), depth < 0.0015 ? 1u : 0u);
+  }
+}
+
+// Bodies whose boxes are farther apart than twice the negligible size do not shade each other: a
+// sheet before a wall is one, though hardly a ray leaves its front.
+TEST(Orientation, BodiesOfAnotherGroupCastNoShadow) {
+  constexpr double kSize = 0.02;
+  for (const bool is_near : {true, false}) {
+    mesh::Mesh sheet;
+    sheet.vertices = {{-0.05, -0.05, 0}, {0.05, -0.05, 0}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh::Mesh wall = box_mesh(1, 1, 0.1);
+    const double gap = std::nextafter(2 * kSize, is_near ? 0 : 1);
+    for (auto& [x, y, z] : wall.vertices) z = z < 0 ? gap : gap + 0.1;
+    part::Part part = part_of({sheet, wall});
+    EXPECT_EQ(normals::orient_outwards(part, kSize).sheets.size(), is_near ? 0u : 1u) << gap;
+  }
+}
+
 // A box, and beside it two open sheets of two triangles and one.
 mesh::Mesh box_with_sheets() {
   mesh::Mesh mesh = box_mesh(1, 1, 1);
@@ -256,6 +293,90 @@ TEST(Orientation, ATriangleWithoutAreaBoundsNothing) {
   const part::MassProperties mass = part::mass_properties(part, report.loose);
   EXPECT_EQ(mass.source, MassSource::kVolume);
   EXPECT_NEAR(mass.volume_m3, 1, 1e-12);
+}
+
+// Three wedges around a line from the origin along `line`. Two sides of theirs have a vertex at its
+// middle and the others do not, so that triangle `filler` of its ends and its middle closes them,
+// as one that no neighbor links to a patch.
+mesh::Mesh wedges_around(const part::Vec3& line, const mesh::Triangle& filler) {
+  const part::Vec3 along = part::normalized(line), x = part::any_perpendicular(along),
+                   y = part::cross(along, x);
+  mesh::Mesh mesh;
+  const auto add = [&](const part::Vec3& p) { mesh.vertices.push_back({p.x, p.y, p.z}); };
+  add({}), add(0.5 * line), add(line);
+  const bool split_sides[3][2] = {{false, true}, {true, true}, {false, false}};
+  for (int wedge = 0; wedge < 3; ++wedge) {
+    const auto a = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const int side : {0, 1}) {
+      const double turn = (2 * wedge + side) * std::numbers::pi / 3;
+      const part::Vec3 foot = std::cos(turn) * x + std::sin(turn) * y;
+      add(foot), add(foot + line);
+    }
+    const std::uint32_t top_a = a + 1, b = a + 2, top_b = a + 3;
+    mesh.triangles.insert(mesh.triangles.end(),
+                          {{0, b, a}, {2, top_a, top_b}, {a, b, top_b}, {a, top_b, top_a}});
+    const auto add_side = [&](bool split, std::uint32_t low, std::uint32_t high, bool turned) {
+      std::vector<mesh::Triangle> side{{0, low, high}, {0, high, 2}};
+      if (split) side = {{0, low, 1}, {low, high, 1}, {1, high, 2}};
+      for (mesh::Triangle& t : side) {
+        if (turned) std::swap(t[1], t[2]);
+        mesh.triangles.push_back(t);
+      }
+    };
+    add_side(split_sides[wedge][0], a, top_a, false);
+    add_side(split_sides[wedge][1], b, top_b, true);
+  }
+  mesh.triangles.push_back(filler);
+  return mesh;
+}
+
+// Which way it is wound decides whether the body is closed; also where it is flat but for rounding,
+// and where the body is inside out.
+TEST(Orientation, FlatTrianglesStayAsTheyAre) {
+  for (const part::Vec3& line : {part::Vec3{0, 0, 1},
+                                 {1 / 3.0, 1 / 7.0, 1 / 11.0},
+                                 {0.1, -0.7, 1 / 3.0},
+                                 {-1 / 7.0, 0.3, 0.9}}) {
+    SCOPED_TRACE(line.x);
+    for (const bool inside_out : {false, true}) {
+      int closed = 0;
+      for (const mesh::Triangle& filler : {mesh::Triangle{0, 1, 2}, {0, 2, 1}}) {
+        mesh::Mesh mesh = wedges_around(line, filler);
+        if (inside_out) turn_all(mesh);
+        part::Part part = part_of(mesh);
+        EXPECT_EQ(part.degenerate_triangles, 1u);
+        const bool was_closed = part::is_closed(part.triangles);
+        normals::orient_outwards(part, 0.01);
+        // Turned, the three wedges need the filler turned too.
+        EXPECT_EQ(part::is_closed(part.triangles), was_closed != inside_out);
+        closed += was_closed;
+      }
+      EXPECT_EQ(closed, 1);
+    }
+  }
+}
+
+// Rays start from all over a face: only its corners look out of the ball.
+TEST(Orientation, FewTrianglesAreJudgedByAllOfTheirArea) {
+  for (const bool same_body : {false, true}) {
+    for (const double radius : {1.12, 1.152, 1.25, 1.33}) {
+      SCOPED_TRACE(radius);
+      mesh::Mesh box = box_mesh(2, 2, 2), ball = sphere_mesh(radius, 32);
+      turn_all(box);
+      std::vector<mesh::Mesh> bodies{ball, box};
+      if (same_body) {
+        const auto first = static_cast<std::uint32_t>(ball.vertices.size());
+        for (const mesh::Vec3d& v : box.vertices) ball.vertices.push_back(v);
+        for (const mesh::Triangle& t : box.triangles) {
+          ball.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        }
+        bodies = {ball};
+      }
+      part::Part part = part_of(bodies);
+      EXPECT_EQ(normals::orient_outwards(part, 0.1).flipped_triangles, 12u);
+      EXPECT_EQ(normals::orient_outwards(part, 0.1).flipped_triangles, 0u);
+    }
+  }
 }
 
 TEST(Orientation, LeavesASheetTooSmallToMatter) {

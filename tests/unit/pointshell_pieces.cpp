@@ -74,8 +74,41 @@ TEST(Needle, SlicesNearABoxAreAllThatReachIt) {
   }
 }
 
-// Pieces near a random plane: all places of theirs are within the gap of the patch, or are handed
-// over one by one.
+// Corners in a line, exactly and but for rounding: the slices are the whole line.
+TEST(Needle, SlicesOfALineLeaveNoGap) {
+  constexpr std::uint64_t kSeed = 9;
+  std::mt19937_64 random(kSeed);
+  std::uniform_int_distribution<int> whole(-64, 64), way(1, 999);
+  for (int n = 0; n < 500; ++n) {
+    const double x = whole(random), y = whole(random), z = whole(random);
+    const part::Vec3 along{x, y, n % 3 == 0 ? 0 : z}, from{y, z, x};
+    if (part::length(along) < 20) continue;
+    const double scale = n % 2 == 0 ? 1 : 1.0 / 3;  // thirds are rounded
+    const double fraction = way(random) / 1000.0;
+    const part::Vec3 middle = n % 2 == 0 ? 0.5 * along : fraction * along;
+    const auto placed = [&](const part::Vec3& p) { return scale * (from + p); };
+    const part::Piece line{placed({}), placed(along), placed(middle)};
+    const auto needle = part::Needle::of(line, 0.9);
+    ASSERT_TRUE(needle) << n;
+    std::vector<part::Piece> pieces;
+    for (std::size_t slice = 0; slice < needle->slices(); ++slice) {
+      needle->visit_slice(slice, [&](const part::Piece& piece) { pieces.push_back(piece); });
+    }
+    EXPECT_LE(pieces.size(), 2 * needle->slices() + 1);
+    for (int step = 0; step <= 300; ++step) {
+      const part::Vec3 place = line[0] + (step / 300.0) * (line[1] - line[0]);
+      double nearest = 1e9;
+      for (const auto& [a, b, c] : pieces) {
+        const part::Vec3 foot = part::nearest_on_triangle(place, a, b, c);
+        nearest = std::min(nearest, part::length(foot - place));
+      }
+      ASSERT_LT(nearest, 1e-9) << "seed " << kSeed << ", line " << n << ", step " << step;
+    }
+  }
+}
+
+// Pieces near a random plane: all places of theirs are within the gap of a patch or inside a box,
+// or are handed over one by one.
 TEST(FlatPatches, StandForAllPieces) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
@@ -95,6 +128,7 @@ TEST(FlatPatches, StandForAllPieces) {
       places.push_back(part::centroid(piece));
     }
     std::vector<certificate::FlatPatch> patches;
+    std::vector<std::array<part::Vec3, 8>> boxes;
     std::vector<part::Piece> rest;
     certificate::bound_by_patches(
         pieces, 1,
@@ -103,11 +137,18 @@ TEST(FlatPatches, StandForAllPieces) {
           patches.push_back(patch);
           return true;
         },
+        [&](const certificate::OrientedBox& box, const certificate::SurfacePieces&) {
+          EXPECT_LE(box.radius(), 0.75);
+          if (random() % 8 != 0) return false;
+          boxes.push_back(box.corners());
+          return true;
+        },
         [&](std::span<const part::Vec3> polygon) {
           for (std::size_t c = 2; c < polygon.size(); ++c)
             rest.push_back({polygon[0], polygon[c - 1], polygon[c]});
         });
     EXPECT_FALSE(patches.empty());
+    EXPECT_FALSE(boxes.empty());
     for (const part::Vec3& place : places) {
       const auto within = [&](const part::Vec3& a, const part::Vec3& b, const part::Vec3& c,
                               double gap) {
@@ -120,7 +161,15 @@ TEST(FlatPatches, StandForAllPieces) {
       const bool by_itself = std::any_of(rest.begin(), rest.end(), [&](const part::Piece& p) {
         return within(p[0], p[1], p[2], 1e-9);  // the nearest point of a sliver is not exact
       });
-      EXPECT_TRUE(on_patch || by_itself) << "seed " << seed;
+      const bool in_box = std::any_of(boxes.begin(), boxes.end(), [&](const auto& corners) {
+        for (const std::size_t beside_first : {1, 2, 4}) {
+          const part::Vec3 edge = corners[beside_first] - corners[0];
+          const double along = part::dot(place - corners[0], edge);
+          if (along < -1e-12 || along > part::length_squared(edge) + 1e-12) return false;
+        }
+        return true;
+      });
+      EXPECT_TRUE(on_patch || by_itself || in_box) << "seed " << seed;
     }
   }
 }

@@ -451,7 +451,7 @@ TEST_P(CInterface, RefusesFilesWhoseFactsAreUntrue) {
   runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
                             sizeof error);
   EXPECT_EQ(runtime, nullptr);
-  EXPECT_NE(std::string(error).find("is not true: a voxel within its reach is not free"),
+  EXPECT_NE(std::string(error).find("is wrong: a voxel within that distance is not free"),
             std::string::npos)
       << error;
 }
@@ -594,7 +594,7 @@ TEST_P(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
     EXPECT_NE(swap("floor.vox", "ball.pshell", higher, 0.01), 0);
     EXPECT_NE(std::string(error).find("not taken"), std::string::npos) << error;
     EXPECT_NE(swap("floor.vox", "ball.pshell", higher), 0);
-    EXPECT_NE(std::string(error).find("still waiting"), std::string::npos) << error;
+    EXPECT_NE(std::string(error).find("not finished yet"), std::string::npos) << error;
     const int jumps = servo.jumps;
     servo.run();
     ASSERT_TRUE(servo.soon([&] { return servo.jumps > jumps; }));

@@ -138,7 +138,7 @@ TEST_F(HidDeviceTest, AFrozenDeviceGivesNoFreshPoseAndItsReason) {
   } cases[] = {{Fault::kSilent, "sends no reports"},
                {Fault::kRepeating, "repeats its reports"},
                {Fault::kClockStill, "repeats its reports"},
-               {Fault::kDamaged, "not sound"}};
+               {Fault::kDamaged, "are damaged"}};
   felt(push);
   for (const auto& c : cases) {
     unit.device.set_fault(c.fault);
@@ -249,8 +249,9 @@ TEST(HidDeviceStart, RefusesWhatIsNoSoundHapticDevice) {
   ratings = sound;
   ratings.max_force_un = 0;
   expect(start(ratings, Fault::kNone, as_it_is), ErrorCode::kDeviceRefused, "ratings");
-  expect(start(sound, Fault::kSilent, as_it_is), ErrorCode::kDeviceFailed, "what it can do");
-  expect(start(sound, Fault::kDamaged, as_it_is), ErrorCode::kDeviceFailed, "not sound");
+  expect(start(sound, Fault::kSilent, as_it_is), ErrorCode::kDeviceFailed,
+         "does not send its capabilities");
+  expect(start(sound, Fault::kDamaged, as_it_is), ErrorCode::kDeviceFailed, "are damaged");
   expect(start(sound, Fault::kReported, as_it_is), ErrorCode::kDeviceFailed, "fault");
 }
 

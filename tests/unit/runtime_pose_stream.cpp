@@ -231,7 +231,7 @@ TEST_P(PoseStreamOfARun, WhatIsNoAddressIsAnError) {
   const auto elsewhere = PoseReceiver::open(0, "192.0.2.1");  // of documentation: no machine has it
   ASSERT_FALSE(elsewhere);
   EXPECT_NE(elsewhere.error().where.find("192.0.2.1"), std::string::npos);
-  EXPECT_EQ(elsewhere.error().mend, "give an address of this machine");
+  EXPECT_EQ(elsewhere.error().mend, "use an address of this machine");
   const auto first = PoseReceiver::open(0);
   ASSERT_TRUE(first);
   const auto second = PoseReceiver::open(first->port());

@@ -198,7 +198,7 @@ TEST(Seat, APlateThroughThePartIsRefused) {
     start.world_from_part = at;
     const auto begun = bench.simulation->begin(start, at);
     if (begun) return true;
-    EXPECT_NE(begun.error().what.find("runs through the part"), std::string::npos)
+    EXPECT_NE(begun.error().what.find("passes through the part"), std::string::npos)
         << to_line(begun.error());
     return false;
   };
@@ -239,7 +239,7 @@ TEST(Seat, AStartApartFromTheSeatIsClear) {
   const auto inside = begin(resting(-0.5 * kS));
   ASSERT_FALSE(inside);
   EXPECT_EQ(inside.error().code, ErrorCode::kUsage);
-  EXPECT_NE(inside.error().what.find("not where its seat is"), std::string::npos);
+  EXPECT_NE(inside.error().what.find("away from its seat"), std::string::npos);
 }
 
 TEST(Seat, AForceWithoutDistancesIsRefusedForWhatItIs) {

@@ -198,11 +198,13 @@ TEST(Separation, AdvisesCloserMeshesWhereNoCoveringRadiusHelps) {
   ASSERT_FALSE(ensured(map, dense));
   const std::string text = advice(map, shell);
   EXPECT_EQ(text.find("--covering-radius"), std::string::npos) << text;
-  EXPECT_NE(text.find("deviates by 3 mm and the part's by 2.5 mm"), std::string::npos) << text;
+  EXPECT_NE(text.find("deviate by 3 mm and the part's meshes by 2.5 mm"), std::string::npos)
+      << text;
   shell.part_deviation_m = 0;
   map.static_deviation_m = 0.0051;
   const std::string exact = advice(map, shell);
-  EXPECT_NE(exact.find("deviates by 5.1 mm and the part's by 0 mm"), std::string::npos) << exact;
+  EXPECT_NE(exact.find("deviate by 5.1 mm and the part's meshes by 0 mm"), std::string::npos)
+      << exact;
   shell.part_deviation_m = 1;
   EXPECT_NE(advice(map, shell).find("larger voxels"), std::string::npos);
 }

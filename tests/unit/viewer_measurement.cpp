@@ -20,7 +20,8 @@ TEST(Measurement, TellsTheDistanceOfTwoPlaces) {
   EXPECT_EQ(measurement.words({}), "");
   measurement.pick({"bay/floor/beam", {0.1, 0.2, 0.3}});
   EXPECT_EQ(measurement.words({}),
-            "measured from beam at x 100.000, y 200.000, z 300.000 mm    m: to what is pointed at");
+            "measured from beam at x 100.000, y 200.000, z 300.000 mm    m: to the point under the "
+            "pointer");
   measurement.pick({"skin", {0.1, 0.23, 0.34}});
   EXPECT_EQ(measurement.words({}),
             "measured: 50.000 mm from beam to skin    x 0.000, y 30.000, z 40.000 mm");

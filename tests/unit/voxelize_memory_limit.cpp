@@ -124,8 +124,9 @@ TEST(MemoryLimit, NamesTheObjectAndItsStrayVertex) {
   const Status refused = limits::fit_nodes(named, 5, {17e3, 11e3}, 0.1, 1e9);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().where, "bracket");
-  EXPECT_TRUE(refused.error().mend.starts_with(
-      "correct its stray vertex at (0.00498047, 0.00498047, -1e+06) m, 1e+06 m from the middle"))
+  EXPECT_TRUE(
+      refused.error().mend.starts_with("correct its stray vertex at (0.00498047, 0.00498047, "
+                                       "-1e+06) m, which is 1e+06 m from the middle"))
       << refused.error().mend;
 }
 

@@ -153,7 +153,7 @@ class NodeMeasurement {
     const std::array<int, 3> voxel{low[0] + (n >> 4), low[1] + (n >> 2 & 3), low[2] + (n & 3)};
     std::array<double, 3> center;
     for (std::size_t d = 0; d < 3; ++d) center[d] = (voxel[d] + 0.5) * double{lattice::kSnapUnits};
-    const std::array<double, 3> away = way_from(nearest, center);
+    const std::array<double, 3> away = offset_from(nearest, center);
     const double length = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
     if (!(length > 0)) return false;
     // A component of half a voxel or more leads to the next voxel along its axis.

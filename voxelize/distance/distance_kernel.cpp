@@ -129,20 +129,20 @@ class EightPoints {
 };
 
 // Numbers that near_eighths() keeps of a triangle for each eighth: the squared distance of the
-// eighth's middle, and the way there from the foot along x, y and z.
+// eighth's middle, and the offset there from the foot along x, y and z.
 constexpr std::size_t kNumbers = 4;
 
 // Rounding may move the foot of a place at distance d within the triangle by sqrt(2 e d), where e,
-// kRounding, is the error of the distance. That turns the way there by sqrt(2 e / d), which is at
-// most e / (kTurn d) + kTurn / 2.
+// kRounding, is the error of the distance. That turns the offset there by sqrt(2 e / d), which is
+// at most e / (kTurn d) + kTurn / 2.
 constexpr float kRounding = 1e-4f * static_cast<float>(lattice::kSnapUnits), kTurn = 0.01f;
 
 // A triangle that is nearer by this surely counts as nearer.
 constexpr float kNearerBy = 2 * kKernelErrorVoxels * static_cast<float>(lattice::kSnapUnits);
 
-// The way to points from their feet, their nearest points in a triangle, and its squared length.
+// The offset to points from their feet, their nearest points in a triangle, and its squared length.
 // Not rounded as NearestTriangles does.
-struct WayFromFoot {
+struct OffsetFromFoot {
   V x, y, z;
   V squared;
 };
@@ -150,7 +150,7 @@ struct WayFromFoot {
 HWY_INLINE V fused_dot(const std::array<float, 3>& a, V x, V y, V z) {
   return hn::MulAdd(set(a[0]), x, hn::MulAdd(set(a[1]), y, hn::Mul(set(a[2]), z)));
 }
-HWY_INLINE WayFromFoot way_from_foot(const PreparedTriangle& t, V px, V py, V pz) {
+HWY_INLINE OffsetFromFoot offset_from_foot(const PreparedTriangle& t, V px, V py, V pz) {
   const V x = hn::Sub(px, set(t.corner[0])), y = hn::Sub(py, set(t.corner[1])),
           z = hn::Sub(pz, set(t.corner[2]));
   const V u = fused_dot(t.along, x, y, z), v = fused_dot(t.across, x, y, z),
@@ -185,12 +185,12 @@ HWY_INLINE WayFromFoot way_from_foot(const PreparedTriangle& t, V px, V py, V pz
     return hn::MulAdd(along, set(t.along[k]),
                       hn::MulAdd(across, set(t.across[k]), hn::Mul(height, set(t.normal[k]))));
   };
-  WayFromFoot way;
-  way.x = axis(0);
-  way.y = axis(1);
-  way.z = axis(2);
-  way.squared = hn::MulAdd(height, height, hn::IfThenElseZero(outside, hn::Min(of_two, from_3)));
-  return way;
+  OffsetFromFoot offset;
+  offset.x = axis(0);
+  offset.y = axis(1);
+  offset.z = axis(2);
+  offset.squared = hn::MulAdd(height, height, hn::IfThenElseZero(outside, hn::Min(of_two, from_3)));
+  return offset;
 }
 
 constexpr float kFarAway = 1e30f;
@@ -216,9 +216,9 @@ HWY_INLINE void at_corners(V middle, V x, V y, V z, const At& at) {
 // In `scratch` is room for kNumbers numbers a triangle and eighth.
 //
 // A triangle is convex: it lies beyond the plane through the foot of the middle that stands across
-// the way there. So its distance from a place is at least that from the plane, which is linear. The
-// distance from the triangle nearest to the middle is a convex function. So where it is less at the
-// corners, it is less in all of the cell.
+// the offset there. So its distance from a place is at least that from the plane, which is linear.
+// The distance from the triangle nearest to the middle is a convex function. So where it is less at
+// the corners, it is less in all of the cell.
 void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
                   const EightCells& cells, float* scratch, std::uint8_t* bits,
                   std::uint32_t* nearest, float* at_corner) {
@@ -230,15 +230,15 @@ void near_eighths(const PreparedTriangle* const* triangles, std::size_t count,
     V smallest = set(kFarAway);
     auto min_at = hn::Zero(kU);
     for (std::size_t i = 0; i < count; ++i) {
-      const WayFromFoot way = way_from_foot(*triangles[i], x, y, z);
-      const auto nearer = hn::RebindMask(kU, hn::Lt(way.squared, smallest));
+      const OffsetFromFoot offset = offset_from_foot(*triangles[i], x, y, z);
+      const auto nearer = hn::RebindMask(kU, hn::Lt(offset.squared, smallest));
       min_at = hn::IfThenElse(nearer, hn::Set(kU, static_cast<std::uint32_t>(i)), min_at);
-      smallest = hn::Min(way.squared, smallest);
+      smallest = hn::Min(offset.squared, smallest);
       float* out = scratch + kNumbers * kEighths * i + n;
-      hn::StoreU(way.squared, kF, out);
-      hn::StoreU(way.x, kF, out + kEighths);
-      hn::StoreU(way.y, kF, out + 2 * kEighths);
-      hn::StoreU(way.z, kF, out + 3 * kEighths);
+      hn::StoreU(offset.squared, kF, out);
+      hn::StoreU(offset.x, kF, out + kEighths);
+      hn::StoreU(offset.y, kF, out + 2 * kEighths);
+      hn::StoreU(offset.z, kF, out + 3 * kEighths);
     }
     hn::StoreU(min_at, kU, nearest + n);
     const V reach = hn::LoadU(kF, cells.reach.data() + n), around = set(cells.around);
@@ -473,7 +473,7 @@ std::uint32_t NearestTriangles::first_tied(std::size_t point) const {
                                         place, min_[point]);
 }
 
-std::array<double, 3> way_from(const PreparedTriangle& t, const std::array<double, 3>& point) {
+std::array<double, 3> offset_from(const PreparedTriangle& t, const std::array<double, 3>& point) {
   const Vec w = minus(point, widened(t.corner));
   const double u = dot(w, widened(t.along)), v = dot(w, widened(t.across)),
                height = dot(w, widened(t.normal));

@@ -120,8 +120,8 @@ class NearestTriangles {
 };
 
 // The vector from the nearest point of a triangle to `point`, lattice units.
-std::array<double, 3> way_from(const PreparedTriangle& triangle,
-                               const std::array<double, 3>& point);
+std::array<double, 3> offset_from(const PreparedTriangle& triangle,
+                                  const std::array<double, 3>& point);
 
 // The codes of voxels whose centers have these squared distances (lattice units): rounded down, and
 // clamped to 0..255 beyond the ends of the scale. A set bit of `negative` makes the distance

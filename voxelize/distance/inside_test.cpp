@@ -142,7 +142,7 @@ bool is_behind(const SceneTriangles& scene, const scan::NodeIndex& node, const V
   return std::any_of(near.list.begin(), near.list.end(), [&](const PreparedTriangle* t) {
     if (!t->side.is_closed() || are_of_one(*t, nearest)) return false;
     if (!may_reach(*t, at, static_cast<float>(reach))) return false;
-    const Vec other = way_from(*t, place);
+    const Vec other = offset_from(*t, place);
     return length(other) <= reach && is_behind_component(scene, node, place, other, *t, near.list);
   });
 }

@@ -28,8 +28,8 @@ std::uint32_t free_of(const PreparedTriangle* const* triangles, std::size_t coun
                       const EightLines& lines) {
   std::uint32_t free = 0;
   for (std::size_t n = 0; n < 8; n += lanes()) {
-    const V x = hn::Load(kF, lines.way[0] + n), y = hn::Load(kF, lines.way[1] + n),
-            z = hn::Load(kF, lines.way[2] + n);
+    const V x = hn::Load(kF, lines.to_end[0] + n), y = hn::Load(kF, lines.to_end[1] + n),
+            z = hn::Load(kF, lines.to_end[2] + n);
     const V touching = set(kTouching), one = set(1), zero = hn::Zero(kF);
     auto crosses = hn::Lt(one, zero);
     for (std::size_t i = 0; i < count; ++i) {
@@ -169,7 +169,8 @@ std::uint32_t free_lines(TriangleList triangles, const std::array<int, 3>& voxel
     const std::size_t count = std::min<std::size_t>(8, offsets.size() - first);
     for (std::size_t n = 0; n < 8; ++n) {
       const LinesOfSight::Offset& offset = offsets[first + std::min(n, count - 1)];
-      for (std::size_t d = 0; d < 3; ++d) lines.way[d][n] = static_cast<float>(offset[d]) * kVoxel;
+      for (std::size_t d = 0; d < 3; ++d)
+        lines.to_end[d][n] = static_cast<float>(offset[d]) * kVoxel;
     }
     const std::uint32_t bits =
         HWY_DYNAMIC_DISPATCH(free_of)(triangles.data(), triangles.size(), lines);

@@ -54,7 +54,7 @@ class LinesOfSight {
 // Eight lines from one center. Lengths in lattice units.
 struct EightLines {
   std::array<float, 3> from;
-  alignas(64) float way[3][8];  // [axes][lines] from there to their ends
+  alignas(64) float to_end[3][8];  // [axes][lines] from there to their ends
 };
 
 // The same as LinesOfSight::free() for the triangles of a list.

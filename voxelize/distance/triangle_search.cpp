@@ -50,8 +50,8 @@ bool is_large(const lattice::LatticeTriangle& triangle) {
 }
 
 double squared_length(const Point& a, const Point& b) {
-  const Point way{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+  const Point edge{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  return edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
 }
 
 void add_cut(const std::array<Point, 3>& corners, int reach, std::uint32_t source,

@@ -110,11 +110,12 @@ std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   const double max_m = *farthest, half_m = median(distances_m);
   if (!(max_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
   char text[240];
-  std::snprintf(text, sizeof text,
-                "correct its stray vertex at (%.6g, %.6g, %.6g) m, %.4g m from the middle of the "
-                "others, half of which lie within %.4g m, or ",
-                static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
-                static_cast<double>(at[2]) * unit_m, max_m, half_m);
+  std::snprintf(
+      text, sizeof text,
+      "correct its stray vertex at (%.6g, %.6g, %.6g) m, which is %.4g m from the middle of the "
+      "others (half of them are within %.4g m), or ",
+      static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
+      static_cast<double>(at[2]) * unit_m, max_m, half_m);
   return text;
 }
 
@@ -262,8 +263,8 @@ Status fit_memory(const scan::SnappedObject& object, const std::string& name, do
   if (largest.bytes() <= available) return {};
   char what[200];
   std::snprintf(what, sizeof what,
-                "passes through at least %.3g voxels, which take %.3g GB; this process can have "
-                "%.3g GB",
+                "passes through at least %.3g voxels, which take %.3g GB of memory, but this "
+                "process can have %.3g GB",
                 largest.voxels(), largest.bytes() * 1e-9, available * 1e-9);
   return Error{ErrorCode::kBakeTooLarge, "",
                "triangle " + std::to_string(largest_triangle) + " of " + name, what,

@@ -9,6 +9,7 @@
 
 #include "pointshell/normals/orientation.h"
 #include "pointshell/part/mass_properties.h"
+#include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -18,6 +19,7 @@ using part::Vec3;
 // Places around an open edge at which the winding number is looked at.
 constexpr int kDirections = 6, kMinSamples = 3, kMaxSamples = 16;
 constexpr double kSampleSpacing = 16;   // widths of a crack
+constexpr double kWidestCrack = 1e-3;   // of the diagonal of a surface
 constexpr double kNarrowest = 0x1p-10;  // of the widest cracks: those looked for first
 // A winding number that is farther from a whole number tells a hole. Beside a crack as wide as the
 // way to the place it is off by 0.16, and the numbers are in error by 0.01.
@@ -27,7 +29,7 @@ constexpr double kWhole = 0.2;
 constexpr double kFar = 2;
 // Rounding of a length along a direction, as a fraction of the largest coordinate: far above it.
 constexpr double kRounding = 1e-13;
-using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
+constexpr double kRoundUp = 1 + 1e-9;  // exceeds the rounding of a distance
 
 // The ends of a piece along a direction.
 std::array<double, 2> shadow(const part::Piece& piece, const Vec3& direction) {
@@ -69,7 +71,9 @@ double largest_of(const part::Piece& piece) {
 }
 
 // Edges that triangles do not run along as often forwards as backwards.
-std::vector<Edge> open_edges(const std::vector<mesh::Triangle>& triangles) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges_of(
+    const std::vector<mesh::Triangle>& triangles) {
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::map<Edge, int> balance;
   for (const mesh::Triangle& t : triangles) {
     for (std::size_t n = 0; n < 3; ++n) {
@@ -106,18 +110,44 @@ Body::Body(part::Part part, double crack_m)
   outward_ = volume < 0 ? -1 : 1;
 }
 
-// Finds how wide its cracks may be: the narrower, the closer a depth is known.
+// Finds how wide its cracks may be: the narrower, the closer a depth is known. An edge that is more
+// than a crack is mostly more than one that is wider, too, so it is looked at first then.
 bool Body::close_cracks(double max_m) {
+  std::vector<Edge> open = open_edges_of(part_.triangles);
   for (crack_m_ = kNarrowest * max_m; crack_m_ <= max_m; crack_m_ *= 2) {
-    if (has_only_cracks(crack_m_)) return true;
+    const auto more = std::find_if(open.begin(), open.end(),
+                                   [&](const Edge& edge) { return !is_crack(edge, crack_m_); });
+    if (more != open.end()) {
+      std::iter_swap(more, open.begin());
+      continue;
+    }
+    cracks_ = std::make_unique<part::Part>();
+    cracks_->vertices = part_.vertices;
+    for (const auto& [low, high] : open) cracks_->triangles.push_back({low, high, high});
+    crack_tree_ = std::make_unique<part::TriangleTree>(*cracks_);
+    return true;
   }
   crack_m_ = 0;  // it is open: no crack widens what it may go through
   return false;
 }
 
+double Body::crack_near_m(const Vec3& place_m, double reach_m) const {
+  if (crack_m_ == 0) return 0;
+  return crack_tree_->is_within(place_m, kRoundUp * (reach_m + crack_m_)) ? crack_m_ : 0;
+}
+
+// Farther from open edges than cracks are wide the winding number is whole, but for what
+// is_crack() allows. So along a ray that stays there it changes where that crosses triangles, by
+// one each, and is 0 at the end.
+std::optional<int> Body::windings_past_cracks(const Vec3& place_m) const {
+  if (certificate::is_ray_within(*crack_tree_, place_m, kRoundUp * crack_m_)) return std::nullopt;
+  return windings_by_ray(place_m);
+}
+
 bool Body::holds(const Vec3& place_m) const {
-  if (crack_m_ == 0 && is_solid_) {
-    if (const auto windings = windings_by_ray(place_m)) return *windings != 0;
+  if (is_solid_) {
+    const auto windings = crack_m_ == 0 ? windings_by_ray(place_m) : windings_past_cracks(place_m);
+    if (windings) return *windings != 0;
   }
   return std::abs(winding_->at(place_m, kFar)) > 0.5;
 }
@@ -150,26 +180,44 @@ bool Body::may_meet(const part::Piece& piece) const {
   return false;
 }
 
+Body::OpenEdges Body::open_edges() const {
+  OpenEdges found;
+  double longest_m = -1;
+  for (const auto& [low, high] : open_edges_of(part_.triangles)) {
+    const Vec3 &a = part_.vertices[low], &b = part_.vertices[high];
+    const double length_m = part::length(b - a);
+    found.length_m += length_m;
+    if (length_m > longest_m) longest_m = length_m, found.place_m = 0.5 * (a + b);
+  }
+  return found;
+}
+
 // Around an open edge the winding number is whole but where a hole is near.
-bool Body::has_only_cracks(double crack_m) const {
-  for (const auto& [low, high] : open_edges(part_.triangles)) {
-    const Vec3 from = part_.vertices[low], way = part_.vertices[high] - from;
-    const Vec3 along = part::normalized(way), across = part::any_perpendicular(along);
-    const Vec3 third = part::cross(along, across);
-    const double wanted = part::length(way) / (kSampleSpacing * crack_m);
-    const int samples =
-        std::clamp(static_cast<int>(std::min(wanted, 1e3)), kMinSamples, kMaxSamples);
-    for (int n = 0; n < samples * kDirections; ++n) {
-      const double fraction = (n / kDirections + 0.5) / samples;
-      const double turn = 2 * std::numbers::pi * (n % kDirections + 0.3) / kDirections;
-      const Vec3 place = from + fraction * way + (crack_m * std::cos(turn)) * across +
-                         (crack_m * std::sin(turn)) * third;
-      if (tree_.nearest(place, crack_m / 2).found) continue;
-      const double winding = winding_->at(place);
-      if (std::abs(winding - std::round(winding)) > kWhole) return false;
-    }
+bool Body::is_crack(const Edge& open, double crack_m) const {
+  const Vec3 from = part_.vertices[open.first], edge = part_.vertices[open.second] - from;
+  const Vec3 along = part::normalized(edge), across = part::any_perpendicular(along);
+  const Vec3 third = part::cross(along, across);
+  const double wanted = part::length(edge) / (kSampleSpacing * crack_m);
+  const int samples = std::clamp(static_cast<int>(std::min(wanted, 1e3)), kMinSamples, kMaxSamples);
+  for (int n = 0; n < samples * kDirections; ++n) {
+    keep_going();
+    const double fraction = (n / kDirections + 0.5) / samples;
+    const double turn = 2 * std::numbers::pi * (n % kDirections + 0.3) / kDirections;
+    const Vec3 place = from + fraction * edge + (crack_m * std::cos(turn)) * across +
+                       (crack_m * std::sin(turn)) * third;
+    if (tree_.is_within(place, crack_m / 2)) continue;
+    const double winding = winding_->at(place);
+    if (std::abs(winding - std::round(winding)) > kWhole) return false;
   }
   return true;
+}
+
+double widest_crack_m(const Surface& surface) {
+  part::Box box;
+  for (const mesh::Triangle& t : surface.triangles) {
+    for (const std::uint32_t corner : t) box.grow(vec3_of(surface.vertices_m[corner]));
+  }
+  return surface.triangles.empty() ? 0 : kWidestCrack * part::length(box.high - box.low);
 }
 
 Bodies bodies_of(const Surface& surface, double crack_m) {

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pointshell/certificate/ray_winding.h"
@@ -33,6 +34,17 @@ class Body {
   bool is_solid() const { return is_solid_; }
   // How wide the cracks may be, m; 0 where each edge is closed.
   double crack_m() const { return crack_m_; }
+  // The same of those cracks through which a way may lead from one place within `reach_m` of
+  // `place_m` to another; 0 where all open edges are farther away.
+  double crack_near_m(const part::Vec3& place_m, double reach_m) const;
+
+  // Edges that triangles do not run along as often forwards as backwards: of holes and cracks, and
+  // where more than two faces meet.
+  struct OpenEdges {
+    double length_m = 0;  // of all of them
+    part::Vec3 place_m;   // the middle of the longest
+  };
+  OpenEdges open_edges() const;
 
   // 1 where the triangles' normals point outwards, -1 where they point inwards.
   double outward() const { return outward_; }
@@ -51,17 +63,32 @@ class Body {
   bool may_meet(const part::Piece& piece_m) const;
 
  private:
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
   bool close_cracks(double max_m);
-  bool has_only_cracks(double crack_m) const;
+  bool is_crack(const Edge& edge, double crack_m) const;
+  std::optional<int> windings_past_cracks(const part::Vec3& place_m) const;
 
   part::Part part_;
   part::TriangleTree tree_;
   std::unique_ptr<certificate::WindingNumber> winding_;
+  std::unique_ptr<part::Part> cracks_;  // the open edges of a solid with cracks, as triangles
+  std::unique_ptr<part::TriangleTree> crack_tree_;
   bool is_solid_ = false;
   double crack_m_ = 0, outward_ = 1;
 };
 
+// Nodes of a surface's tree, and pieces of its triangles.
+struct Parts {
+  std::vector<std::uint32_t> nodes;
+  std::vector<part::Piece> pieces;
+  bool empty() const { return nodes.empty() && pieces.empty(); }
+};
+inline Parts whole_surface() { return {{0}, {}}; }
+
 using Bodies = std::vector<std::unique_ptr<Body>>;
+
+// Cracks of a surface that are narrower do not open it: a thousandth of its diagonal.
+double widest_crack_m(const Surface& surface);
 
 // A body for each object of the surface; none for one without area.
 Bodies bodies_of(const Surface& surface, double crack_m);

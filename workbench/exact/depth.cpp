@@ -10,6 +10,7 @@
 
 #include "pointshell/part/pieces.h"
 #include "workbench/exact/push_out.h"
+#include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -109,6 +110,32 @@ void cut_at_zero(const Piece& piece, const std::array<double, 3>& off, std::vect
   out.push_back({a, piece[last], b});
 }
 
+// No place of a piece is farther from both triangles than this: the piece is cut where it is as far
+// from one as from the other, and what is nearer to one is no farther from that than its corners.
+double farthest_of_both_m(const Piece& piece, const Piece& one, const Piece& other) {
+  std::array<double, 3> off;
+  double to_one_m = 0, to_other_m = 0;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto distance_m = [&](const Piece& t) {
+      return part::length(piece[n] - part::nearest_on_triangle(piece[n], t[0], t[1], t[2]));
+    };
+    const double a = distance_m(one), b = distance_m(other);
+    off[n] = a - b;
+    to_one_m = std::max(to_one_m, a), to_other_m = std::max(to_other_m, b);
+  }
+  double farthest_m = std::min(to_one_m, to_other_m);
+  const auto [low, high] = std::minmax_element(off.begin(), off.end());
+  if (!(*low <= 0 && *high > 0)) return farthest_m;
+  std::vector<Piece> halves;
+  cut_at_zero(piece, off, halves);
+  double of_halves_m = 0;
+  for (const Piece& half : halves) {
+    of_halves_m = std::max(
+        of_halves_m, std::min(farthest_of(half, one).second, farthest_of(half, other).second));
+  }
+  return std::min(farthest_m, of_halves_m);
+}
+
 class Search {
  public:
   Search(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m, double within_m,
@@ -122,9 +149,21 @@ class Search {
     }
   }
 
-  Depth run() {
-    for (std::size_t pair = 0; pair < pairs_.size(); ++pair) open_node(pair, 0, 1e300);
-    while (!open_.empty() && !is_settled(open_.top().at_most_m)) {
+  Depth run(const DepthProgress& progress) {
+    double widest_m = 0;  // between what was found and what is known
+    for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
+      for (const std::uint32_t node : pairs_[pair].parts->nodes) open_node(pair, node, 1e300);
+      for (const Piece& own : pairs_[pair].parts->pieces) {
+        open_piece(pair, placed(pair, own), 1e300, {}, 0);
+      }
+    }
+    while (!open_.empty() && !is_settled(open_.top().at_most_m) && !is_deeper()) {
+      keep_going();
+      if (progress) {
+        const double gap_m = open_.top().at_most_m - enough_m();
+        widest_m = std::max(widest_m, gap_m);
+        progress(1 - gap_m / widest_m);
+      }
       const Open top = open_.top();
       open_.pop();
       if (top.is_piece) {
@@ -145,17 +184,20 @@ class Search {
   double enough_m() const {
     const double found_m = found_.found_m;
     double enough_m = found_m + std::max(within_m_, within_fraction_ * found_m);
-    if (allowed_m_) {
-      enough_m =
-          std::max({enough_m, (found_m + *allowed_m_) / 2, found_m + (found_m - *allowed_m_) / 2});
-    }
+    if (allowed_m_) enough_m = std::max(enough_m, (found_m + *allowed_m_) / 2);
     return enough_m;
   }
+  // Whether a place is known to be deeper than allowed: that is all there is to know then.
+  bool is_deeper() const { return allowed_m_ && found_.found_m > *allowed_m_; }
   bool is_settled(double at_most_m) const { return at_most_m <= enough_m(); }
 
   Vec3 placed(std::size_t pair, const Vec3& p) const {
     const Pose& pose = solid_from_surface_[pair];
     return vec3_of(pose.position_m + pose.orientation * dvec3_of(p));
+  }
+
+  Piece placed(std::size_t pair, const Piece& own) const {
+    return {placed(pair, own[0]), placed(pair, own[1]), placed(pair, own[2])};
   }
 
   void open_below(const Open& top) {
@@ -166,9 +208,8 @@ class Search {
       open_node(top.pair, node.first, top.at_most_m);
     }
     for (std::uint32_t n = 0; n < node.count; ++n) {
-      Piece piece = part::triangle_piece(tree.part(), tree.ordered_triangles()[node.first + n]);
-      for (Vec3& corner : piece) corner = placed(top.pair, corner);
-      open_piece(top.pair, piece, top.at_most_m, {}, 0);
+      const Piece own = part::triangle_piece(tree.part(), tree.ordered_triangles()[node.first + n]);
+      open_piece(top.pair, placed(top.pair, own), top.at_most_m, {}, 0);
     }
   }
 
@@ -206,7 +247,7 @@ class Search {
     at_most_m = std::min(at_most_m, distance_m + reach_m);
     if (!settles(at_most_m)) {
       if (!pairs_[pair].solid->holds(center)) {
-        at_most_m = std::min(at_most_m, outside_m(pair, distance_m, reach_m));
+        at_most_m = std::min(at_most_m, outside_m(pair, center, distance_m, reach_m));
       }
       open_.push({at_most_m, pair, false, number, {}, {}, {}, 0});
     }
@@ -224,15 +265,22 @@ class Search {
     at_most_m = std::min({at_most_m, distance_m + reach_m, farthest_m});
     if (settles(at_most_m)) return;  // be the place inside or not
     // To know whether it is inside takes the most time. Close to the surface it changes little.
-    const bool changes_little = distance_m <= found_.found_m + within_m_ / 2 &&
-                                2 * distance_m - solid.crack_m() < reach_m / 2;
+    const double crack_m = solid.crack_near_m(center, reach_m);
+    const bool changes_little =
+        distance_m <= found_.found_m + within_m_ / 2 && 2 * distance_m - crack_m < reach_m / 2;
     if (!changes_little) {
       take(pair, center, nearest, sided);
       // Through a crack a way leads to the other side, and no piece needs to meet the surface.
-      sided.all = sided.all || (solid.crack_m() == 0 && !solid.may_meet(piece));
+      sided.all = sided.all || (crack_m == 0 && !solid.may_meet(piece));
       if (!sided.is_inside) {
-        at_most_m = std::min(at_most_m, outside_m(pair, distance_m, reach_m));
+        at_most_m = std::min(at_most_m, reach_m - distance_m + crack_m);
         if (sided.all) at_most_m = std::min(at_most_m, 0.0);
+        // How far the part of it that came in through a crack goes need not be known.
+        const bool is_allowed = !allowed_m_ || at_most_m <= *allowed_m_;
+        if (is_allowed && is_settled(reach_m - distance_m)) {
+          settled_m_ = std::max(settled_m_, at_most_m);
+          return;
+        }
       }
       if (settles(at_most_m)) return;
     }
@@ -243,6 +291,9 @@ class Search {
         Sided of_corner = sided;
         take(pair, corner, there, of_corner);
       }
+      const Piece beyond = part::triangle_piece(solid.tree().part(), there.point.triangle);
+      at_most_m = std::min(at_most_m, farthest_of_both_m(piece, triangle, beyond));
+      if (settles(at_most_m)) return;
     }
     const double enough = enough_m();
     if (enough > 0 && distance_m < reach_m + enough && comes_free(solid, Hull(piece), enough, 0)) {
@@ -261,16 +312,17 @@ class Search {
             Sided& sided) {
     const Body& solid = *pairs_[pair].solid;
     const double distance_m = std::sqrt(nearest.distance_squared);
-    const bool is_near = part::length(place - sided.place) < kSameSide * sided.distance_m;
-    const bool is_known = sided.all || (is_near && solid.crack_m() == 0);
+    const double way_m = part::length(place - sided.place);
+    const bool is_known = sided.all || (way_m < kSameSide * sided.distance_m &&
+                                        solid.crack_near_m(sided.place, way_m) == 0);
     sided = {place, distance_m, is_known ? sided.is_inside : solid.holds(place), sided.all};
     const double depth_m = sided.is_inside ? distance_m : -distance_m;
     if (depth_m > found_.found_m) found_ = found(pair, depth_m, place, nearest.point.position);
   }
 
   // No place within reach of one that is outside is deeper. It may come in through a crack.
-  double outside_m(std::size_t pair, double distance_m, double reach_m) const {
-    return reach_m - distance_m + pairs_[pair].solid->crack_m();
+  double outside_m(std::size_t pair, const Vec3& center, double distance_m, double reach_m) const {
+    return reach_m - distance_m + pairs_[pair].solid->crack_near_m(center, reach_m);
   }
 
   Depth found(std::size_t pair, double depth_m, const Vec3& place, const Vec3& foot) const {
@@ -302,8 +354,8 @@ class Search {
 }  // namespace
 
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
-              double within_m, double within_fraction) {
-  return Search(pairs, allowed_m, within_m, within_fraction).run();
+              double within_m, double within_fraction, const DepthProgress& progress) {
+  return Search(pairs, allowed_m, within_m, within_fraction).run(progress);
 }
 
 }  // namespace forcelayer::exact

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -39,12 +40,16 @@ struct SurfaceInSolid {
   const Body* surface;
   const Body* solid;  // Body::is_solid()
   Pose world_from_surface, world_from_solid;
+  const Parts* parts;  // of the surface, that count
 };
 
+using DepthProgress = std::function<void(double fraction)>;
+
 // The deepest place of all pairs. `found_m` and `at_most_m` differ by `within_m` and the width of
-// cracks at most; with `allowed_m` also by as much as they are both below it, or half as much as
-// above, and else by `within_fraction` of the depth.
+// cracks at most, or by `within_fraction` of the depth. With `allowed_m` they also may differ by as
+// much as they are both below it, and the search ends at the first place that is deeper than
+// allowed: `at_most_m` is then any upper bound.
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
-              double within_m, double within_fraction = 0);
+              double within_m, double within_fraction = 0, const DepthProgress& progress = {});
 
 }  // namespace forcelayer::exact

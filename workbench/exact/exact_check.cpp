@@ -1,9 +1,13 @@
 #include "workbench/exact/exact_check.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vector_relational.hpp>
 #include <map>
 #include <memory>
@@ -11,13 +15,14 @@
 #include "formats/command/progress_line.h"
 #include "formats/command/text.h"
 #include "runtime/clearance/center_path.h"
+#include "runtime/clearance/path_check.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/path_source.h"
 #include "workbench/exact/exact_walk.h"
 #include "workbench/exact/seat_meshes.h"
 #include "workbench/exact/seat_walk.h"
-#include "workbench/exact/stored_side.h"
 #include "workbench/exact/surfaces.h"
+#include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -26,13 +31,50 @@ using voxcheck::ExactAnswer;
 using voxcheck::ExactMoment;
 using voxcheck::ExactRequest;
 using voxcheck::ExactSeat;
+using voxcheck::ExactStop;
 using voxcheck::ExactViolation;
 
-// In voxels: resolution of the least distance, and where a stretch begins and ends.
-constexpr double kWithinVoxels = 1e-3, kResolutionVoxels = 1.0 / 64;
-// Resolution of a depth elsewhere than in a seat.
-constexpr double kDepthVoxels = 1.0 / 32;
-constexpr int kMomentsDeep = 4;  // steps of a stretch in which surfaces meet
+// Resolution of a least distance, m and as a fraction of it: as closely as it is printed. No
+// verdict depends on it (smallest_of_near()).
+constexpr double kWithinM = 1e-6, kWithinFraction = 1e-5;
+// Resolution of the travel at which a stretch begins and ends, m.
+constexpr double kTravelM = 16e-6;
+// Resolution of a depth elsewhere than in a seat, m.
+constexpr double kDepthM = 16e-6;
+
+// Whether a shell point of a part whose surface meets none of the scene lies inside of a solid that
+// `counts` is true of: by the sides that the baked scene stores, as far away from surfaces as is
+// known. The surfaces of both are `distance_m` apart, give or take `margin_m`. The point's signed
+// distance is then that at least, or minus that at most: which of the two, its voxel tells. No
+// where it does not.
+bool is_inside(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center,
+               double distance_m, double margin_m,
+               const std::function<bool(const glm::dvec3& place_m)>& counts) {
+  if (!(distance_m < voxcheck::kNothingM)) return false;
+  const double s = voxmap.voxel_size_m();
+  const KnownBox known = known_box(voxmap.header());
+  const PshellView& v = shell.view();
+  for (std::uint64_t n = 0; n < v.point_count; ++n) {
+    const glm::dvec3 place_m = world_from_center.position_m +
+                               world_from_center.orientation * glm::dvec3(v.x[n], v.y[n], v.z[n]);
+    const glm::dvec3 low = glm::floor(place_m / s);
+    std::array<std::int64_t, 3> voxel{};
+    bool is_known = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double index = low[static_cast<int>(axis)];
+      is_known = is_known && index >= static_cast<double>(known.low[axis]) &&
+                 index < static_cast<double>(known.high[axis]);
+      if (is_known) voxel[axis] = static_cast<std::int64_t>(index);
+    }
+    if (!is_known) continue;
+    const auto [i, j, k] = voxel;
+    const double off_m = glm::length(place_m - s * (low + 0.5)) + margin_m;  // its center
+    const bool can_be_outside = voxmap.max_distance_m(i, j, k) + off_m >= distance_m;
+    const bool can_be_inside = voxmap.min_distance_m(i, j, k) - off_m <= -distance_m;
+    if (can_be_inside && !can_be_outside && counts(place_m)) return true;
+  }
+  return false;
+}
 
 class ExactCheck {
  public:
@@ -40,7 +82,8 @@ class ExactCheck {
              const std::vector<PathRow>& rows, const Surface& scene, const Surface& part,
              command::ProgressLine& line)
       : request_(request),
-        side_of_part_(voxmap, shell),
+        voxmap_(voxmap),
+        shell_(shell),
         line_(line),
         rows_(rows),
         part_(part),
@@ -54,19 +97,22 @@ class ExactCheck {
         other_(without(all_, request.seat)),
         everything_(all_, part),
         seated_(other_, part),
+        of_seat_(only(all_, request.seat)),
+        seat_(of_seat_, part),
         path_(rows, center_m_, radius_m(part)),
-        walk_(path_, everything_, seated_, rounding_m_) {}
+        walk_(path_, everything_, seated_, rounding_m_),
+        leaving_(path_, seat_, seat_, rounding_m_) {}
 
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
-    if (Status sound = hold_against_files(); !sound) return sound.error();
-    add_violations(answer);
-    add_seat(answer);
-    add_seated(answer);
-    walk_.tell(shown("measuring the least clearance", 0, 1));
-    add_least(answer);
-    answer.moments += walk_.measured();
+    const Watch watch([this] { return may_go_on(); });
+    try {
+      if (Status sound = measure(answer); !sound) return sound.error();
+    } catch (const Stopped&) {
+      note_stop(answer);
+    }
+    answer.moments += walk_.measured() + leaving_.measured();
     if (const auto& found = walk_.contradiction()) {
       return contradiction(found->time_s, found->exact_m, "prove", found->proven_m);
     }
@@ -74,12 +120,92 @@ class ExactCheck {
   }
 
  private:
+  static double now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+  bool may_go_on() {
+    if (fraction_ > 0) line_.show(words_, fraction_);
+    return !request_.max_s || now_s() - begun_s_ < *request_.max_s;
+  }
+
+  Status measure(ExactAnswer& answer) {
+    begin_stage(ExactStop::kClearance, "measuring the clearance");
+    if (Status sound = hold_against_files(); !sound) return sound;
+    find_seated();
+    add_violations(answer);
+    add_seat(answer);
+    begin_stage(ExactStop::kSmallest, "measuring the clearance in the seat");
+    add_seated(answer);
+    begin_stage(ExactStop::kSmallest, "measuring the least clearance");
+    walk_.tell([this](double fraction) { show(fraction); });
+    add_least(answer);
+    return {};
+  }
+
+  // The terminal and a stop say this from here on.
+  void begin_stage(ExactStop::Stage stage, const std::string& words, std::uint32_t object = 0) {
+    stop_ = {stage, object, path_.time_s({0, 0}), request_.max_s.value_or(0)};
+    words_ = words;
+    show(0);
+  }
+  void show(double fraction) {
+    fraction_ = fraction;
+    line_.show(words_, fraction_);
+  }
+
+  // Task `n` of some of the stage. `reached_s` says until when it has come.
+  template <typename ReachedS>
+  Progress shown(std::size_t n, std::size_t tasks, const ReachedS& reached_s) {
+    return [=, this](double fraction) {
+      stop_.settled_s = reached_s();
+      show((static_cast<double>(n) + std::clamp(fraction, 0.0, 1.0)) / static_cast<double>(tasks));
+    };
+  }
+
+  // The time is over. What is certain by then stays.
+  void note_stop(ExactAnswer& answer) {
+    if (stop_.stage == ExactStop::kClearance) add_certain(answer);
+    // All of the path is settled, but how near the part comes.
+    const bool is_kept = stop_.stage == ExactStop::kSmallest && answer.violations.empty();
+    if (is_kept) answer.clearance_m = request_.required_m;
+    answer.stop.push_back(stop_);
+    answer.smallest.exact_m = voxcheck::kNothingM;
+    ExactMoment nothing;
+    nothing.exact_m = voxcheck::kNothingM;
+    const auto& seated = seated_stretches_.empty() ? request_.seated : seated_stretches_;
+    for (std::size_t n = answer.seated.size(); n < seated.size(); ++n) {
+      answer.seated.push_back({seated[n][0], seated[n][1], 0, nothing});
+    }
+  }
+
+  // The moment at which the part was found nearest, where that is too near and no violation has it.
+  void add_certain(ExactAnswer& answer) {
+    std::optional<Sample> worst;
+    for (const Piece& piece : joined([](const auto& s) { return s.too_near; })) {
+      const auto nearest = walk_.nearest_between(piece.from, piece.to, piece.seated);
+      if (nearest && (!worst || nearest->measured.distance_m < worst->measured.distance_m)) {
+        worst = nearest;
+      }
+    }
+    if (!worst || worst->measured.distance_m >= request_.required_m - rounding_m_) return;
+    ExactViolation violation;
+    violation.from_s = violation.to_s = path_.time_s(worst->moment);
+    const auto has_it = [&](const ExactViolation& v) {
+      return v.from_s <= violation.from_s && violation.to_s <= v.to_s;
+    };
+    if (std::any_of(answer.violations.begin(), answer.violations.end(), has_it)) return;
+    violation.worst = exact_moment(*worst);
+    answer.violations.push_back(violation);
+  }
+
   Error contradiction(double time_s, double exact_m, const char* say, double said_m) const {
     return Error{ErrorCode::kFilesDoNotMatch, request_.scene, "--exact",
-                 command::text("at %.3f s the meshes are %.6f mm apart, and the files %s %.6f mm: "
-                               "they were baked from others",
+                 command::text("at %.3f s the meshes are %.6f mm apart, but the files %s %.6f mm: "
+                               "the files were baked from other meshes",
                                time_s, 1e3 * exact_m, say, 1e3 * said_m),
-                 "name the inputs of the bakes, and their units"};
+                 "give the inputs of the bakes, with their units"};
   }
 
   // An error where the meshes are nearer than the files prove, or farther than they say. Of the
@@ -93,7 +219,7 @@ class ExactCheck {
       }
       const double exact_m = walk_.at(moment, false).measured.distance_m;
       if (exact_m > said.max_m + rounding_m_ && !lies_inside(moment, exact_m, false)) {
-        return contradiction(said.time_s, exact_m, "say at most", said.max_m);
+        return contradiction(said.time_s, exact_m, "give at most", said.max_m);
       }
     }
     return {};
@@ -103,8 +229,8 @@ class ExactCheck {
   // scene does not tell of which object.
   bool lies_inside(const Moment& moment, double distance_m, bool seated) {
     const bool all_count = request_.allowed.empty() && !seated;
-    return side_of_part_.is_inside(
-        path_.world_from_center(moment), distance_m, baked_margin_m_,
+    return is_inside(
+        voxmap_, shell_, path_.world_from_center(moment), distance_m, baked_margin_m_,
         [&](const glm::dvec3& place_m) { return all_count || is_held(place_m, seated); });
   }
 
@@ -135,14 +261,6 @@ class ExactCheck {
     }
   }
 
-  // Shows task `n` of some on the terminal.
-  Progress shown(const char* stage, std::size_t n, std::size_t tasks) {
-    const auto whole = static_cast<double>(tasks);
-    return [this, stage, n, whole](double fraction) {
-      line_.show(stage, (static_cast<double>(n) + std::clamp(fraction, 0.0, 1.0)) / whole);
-    };
-  }
-
   static double radius_m(const Surface& part) {
     double radius = 0;
     for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
@@ -164,13 +282,15 @@ class ExactCheck {
   }
 
   ExactMoment exact_moment(const Sample& sample) const {
+    return exact_moment(sample, sample.seated ? other_ : all_);
+  }
+  ExactMoment exact_moment(const Sample& sample, const Surface& surface) const {
     const MeshDistance& m = sample.measured;
     ExactMoment moment{path_.time_s(sample.moment),
                        std::min(m.distance_m, voxcheck::kNothingM),
                        0,
                        {m.part_m.x, m.part_m.y, m.part_m.z},
                        {m.scene_m.x, m.scene_m.y, m.scene_m.z}};
-    const Surface& surface = sample.seated ? other_ : all_;
     if (m.scene_triangle < surface.object.size()) moment.object = surface.object[m.scene_triangle];
     return moment;
   }
@@ -180,6 +300,29 @@ class ExactCheck {
     std::vector<Piece> pieces;
     std::optional<Sample> inside;  // a moment at which it lies inside of a solid
   };
+
+  // The least distance of some pieces, as closely as it is printed.
+  ExactWalk::Least smallest_of(std::vector<Piece> pieces, std::optional<Sample> known = {}) {
+    return smallest_of(walk_, std::move(pieces), std::move(known));
+  }
+  ExactWalk::Least smallest_of(ExactWalk& walk, std::vector<Piece> pieces,
+                               std::optional<Sample> known = {}) const {
+    return walk.smallest(std::move(pieces), std::max(kWithinM, rounding_m_), std::move(known),
+                         kWithinFraction);
+  }
+
+  // The same, so closely that it is known on which side of what is required it lies, but for
+  // rounding. None where nothing is nearer than required.
+  std::optional<ExactWalk::Least> smallest_of_near(const std::vector<Piece>& pieces) {
+    auto smallest = smallest_of(pieces);
+    const auto is_decided = [&] {
+      return smallest.sample.measured.distance_m < request_.required_m - rounding_m_ ||
+             smallest.at_least_m >= request_.required_m + margin_m_;
+    };
+    if (!is_decided()) smallest = walk_.smallest(pieces, rounding_m_, smallest.sample);
+    if (smallest.at_least_m >= request_.required_m + margin_m_) return std::nullopt;
+    return smallest;
+  }
 
   void add_violation(Near near, ExactAnswer& answer) {
     ExactViolation violation;
@@ -191,36 +334,80 @@ class ExactCheck {
       worst = *near.inside;
       worst.measured.distance_m = 0;
     } else {
-      const auto smallest = walk_.smallest(std::move(near.pieces), kWithinVoxels * voxel_m_);
-      violation.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
-      worst = smallest.sample;
+      const auto smallest = smallest_of_near(near.pieces);
+      if (!smallest) return;
+      violation.clearance_m = std::max(0.0, smallest->at_least_m - margin_m_);
+      worst = smallest->sample;
     }
     violation.worst = exact_moment(worst);
     violation.graze =
         !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(worst);
-    if (violation.meets()) look_into(violation);
+    const bool meets = violation.meets();
+    if (meets) look_into(violation);
     answer.violations.push_back(violation);
+    if (meets && !near.inside) add_other_objects(near.pieces, answer);
+  }
+
+  // The last violation names one object that the part meets in some pieces. Each other one gets a
+  // violation of its own, and then each has the stretch in which it is too near by itself. A tree
+  // of the other objects is built for each, so there is a limit.
+  void add_other_objects(const std::vector<Piece>& pieces, ExactAnswer& answer) {
+    constexpr std::size_t kMaxNamed = 16;
+    const std::size_t first = answer.violations.size() - 1;
+    std::vector<std::uint32_t> named{answer.violations[first].worst.object};
+    while (named.size() < kMaxNamed && named.back() != 0) {
+      const Surface all = without(all_, named), other = without(other_, named);
+      const MeshPair all_pair(all, part_), other_pair(other, part_);
+      ExactWalk walk(path_, all_pair, other_pair, rounding_m_);
+      const Sample nearest = smallest_of(walk, unmeasured(pieces)).sample;
+      if (nearest.measured.distance_m > 0) break;
+      ExactViolation violation;
+      violation.worst = exact_moment(nearest, nearest.seated ? other : all);
+      named.push_back(violation.worst.object);
+      if (named.back() == 0 || !set_stretch(pieces, violation)) continue;
+      look_into(violation);
+      answer.violations.push_back(violation);
+    }
+    if (answer.violations.size() - 1 > first) set_stretch(pieces, answer.violations[first]);
+  }
+
+  static std::vector<Piece> unmeasured(std::vector<Piece> pieces) {
+    for (Piece& piece : pieces) piece.is_measured = false;
+    return pieces;
+  }
+
+  // From when to when the object of a violation is too near in some pieces. False where it is not.
+  bool set_stretch(const std::vector<Piece>& pieces, ExactViolation& violation) {
+    const std::uint32_t object = violation.worst.object;
+    const MeshPair& pair = other_of(object).distance;
+    ExactWalk walk(path_, pair, pair, rounding_m_);
+    const auto& seat = request_.seat;
+    const bool is_of_seat = std::find(seat.begin(), seat.end(), object) != seat.end();
+    std::vector<Piece> near;
+    for (const Piece& piece : unmeasured(pieces)) {
+      if (piece.seated && is_of_seat) continue;
+      const auto parts = walk.nearer_than(piece, request_.required_m + margin_m_, kTravelM);
+      near.insert(near.end(), parts.begin(), parts.end());
+    }
+    if (near.empty()) return false;
+    violation.from_s = path_.time_s(near.front().from);
+    violation.to_s = path_.time_s(near.back().to);
+    return true;
   }
 
   // Where the surfaces meet: how deep they lie in each other, at the deepest of some moments.
   void look_into(ExactViolation& violation) {
-    Other& other = other_of(violation.worst.object);
+    const std::uint32_t object = violation.worst.object;
+    Other& other = other_of(object);
     if (!are_solid(part_bodies()) || !are_solid(other.bodies)) return;
-    const SeatWalk walk(path_, part_bodies(), other.bodies, other.distance,
-                        kDepthVoxels * voxel_m_);
-    const double from_s = violation.from_s, to_s = violation.to_s;
-    std::vector<double> moments_s{violation.worst.time_s};
-    for (int n = 0; n <= kMomentsDeep; ++n) {
-      moments_s.push_back(std::lerp(from_s, to_s, static_cast<double>(n) / kMomentsDeep));
-    }
-    for (const double time_s : moments_s) {
-      const Depth depth = walk.at_pose(path_.world_from_center(path_.at(time_s)), 0);
-      if (depth.found_m <= violation.depth_m) continue;
-      violation.depth_m = depth.found_m;
-      violation.max_depth_m = depth.at_most_m;
-      violation.worst = deepest_moment(time_s, violation.worst.object, depth);
-    }
+    SeatWalk walk(path_, part_bodies(), other.bodies, other.distance, kDepthM);
+    const SeatWalk::Stretch deepest = walk.deepest_of(
+        path_.at(violation.from_s), path_.at(violation.to_s), path_.at(violation.worst.time_s));
+    if (!(deepest.worst.found_m > 0)) return;
+    violation.depth_m = deepest.worst.found_m;
+    violation.max_depth_m = deepest.worst.at_most_m;
+    violation.worst = deepest_moment(path_.time_s(deepest.worst_at), object, deepest.worst);
   }
 
   static ExactMoment deepest_moment(double time_s, std::uint32_t object, const Depth& depth) {
@@ -230,8 +417,10 @@ class ExactCheck {
 
   // An object of the scene by itself.
   struct Other {
-    Other(Surface own, const Surface& part, double crack_m)
-        : surface(std::move(own)), bodies(bodies_of(surface, crack_m)), distance(surface, part) {}
+    Other(Surface own, const Surface& part)
+        : surface(std::move(own)),
+          bodies(bodies_of(surface, widest_crack_m(surface))),
+          distance(surface, part) {}
     Surface surface;
     Bodies bodies;
     MeshPair distance;
@@ -239,13 +428,13 @@ class ExactCheck {
   Other& other_of(std::uint32_t object) {
     auto& other = others_[object];
     if (!other) {
-      other = std::make_unique<Other>(only(all_, object), part_, kCrackVoxels * voxel_m_);
+      other = std::make_unique<Other>(only(all_, {&object, 1}), part_);
     }
     return *other;
   }
 
   const Bodies& part_bodies() {
-    if (part_bodies_.empty()) part_bodies_ = bodies_of(part_, kCrackVoxels * voxel_m_);
+    if (part_bodies_.empty()) part_bodies_ = bodies_of(part_, widest_crack_m(part_));
     return part_bodies_;
   }
 
@@ -265,8 +454,7 @@ class ExactCheck {
         near.push_back({{{begin, end, 0, whole.seated}}, inside});
       }
     };
-    for (const Piece& piece :
-         walk_.nearer_than(whole, request_.required_m + margin_m_, kResolutionVoxels * voxel_m_)) {
+    for (const Piece& piece : walk_.nearer_than(whole, request_.required_m + margin_m_, kTravelM)) {
       look_until(piece.from, false);
       near.push_back({{piece}, {}});
       begin = piece.to;
@@ -288,20 +476,105 @@ class ExactCheck {
     return side_->inside;
   }
 
+  // Where the part is in its seat by the meshes: from the beginning until it is first as far from
+  // all objects of the seat as required, and from when it was so last until the end. What is left
+  // of a stretch of the files is checked against all objects.
+  void find_seated() {
+    stretches_ = request_.stretches;
+    for (const auto& seated : request_.seated) {
+      const double from_s = seated[0], to_s = seated[1];
+      const bool begins = from_s <= path_.time_s({0, 0});
+      const bool ends = to_s >= rows_.back().time_s && (!begins || is_end_installed());
+      begin_stage(ExactStop::kClearance, "measuring the end of the seat");
+      leaving_.tell([this](double fraction) { show(fraction); });
+      // Far enough for what follows to be proven from its first piece on.
+      const double left_m = request_.required_m + margin_m_ + kTravelM;
+      // The whole path is searched, so that the moment depends on no voxel.
+      const Piece whole{{0, 0}, {path_.poses() - 1, 0}};
+      const auto far_s = [&](bool backwards) {
+        const auto far = leaving_.first_as_far(whole, left_m, kTravelM, backwards);
+        return far ? path_.time_s(*far) : backwards ? from_s : to_s;
+      };
+      const double left_s = begins ? std::min(far_s(false), to_s) : from_s;
+      const double back_s = ends ? std::max(far_s(true), from_s) : to_s;
+      if (left_s >= back_s) {  // as far nowhere in it
+        seated_stretches_.push_back({from_s, to_s});
+        continue;
+      }
+      if (left_s > from_s) seated_stretches_.push_back({from_s, left_s});
+      if (to_s > back_s) seated_stretches_.push_back({back_s, to_s});
+      leave_seat(left_s, back_s);
+    }
+  }
+
+  // Whether the part ends its path where it is installed, as check_path() has it.
+  bool is_end_installed() const {
+    const auto& p = request_.seat_pose;
+    const Pose installed =
+        Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
+    return path_.travel_between_m(installed, path_.world_from_center({path_.poses() - 1, 0})) <
+           clearance::kSeatVoxels * voxel_m_;
+  }
+
+  // From one time to the other all objects count.
+  void leave_seat(double from_s, double to_s) {
+    std::vector<voxcheck::ProvenStretch> stretches;
+    const auto add = [&](voxcheck::ProvenStretch stretch, double begin_s, double end_s) {
+      stretch.from_s = std::max(stretch.from_s, begin_s);
+      stretch.to_s = std::min(stretch.to_s, end_s);
+      if (stretch.from_s < stretch.to_s) stretches.push_back(stretch);
+    };
+    for (const voxcheck::ProvenStretch& stretch : stretches_) {
+      if (!stretch.seated || stretch.to_s <= from_s || stretch.from_s >= to_s) {
+        stretches.push_back(stretch);
+        continue;
+      }
+      voxcheck::ProvenStretch left = stretch;
+      left.seated = false;
+      left.proven_m = 0;
+      left.too_near = true;
+      add(stretch, stretch.from_s, from_s);
+      add(left, from_s, to_s);
+      add(stretch, to_s, stretch.to_s);
+    }
+    stretches_ = std::move(stretches);
+  }
+
+  // Some stretches, those that follow each other as one: where the files cut them says nothing of
+  // the meshes.
+  template <typename IsChosen>
+  std::vector<Piece> joined(const IsChosen& is_chosen) const {
+    std::vector<Piece> pieces;
+    double until_s = 0;
+    for (const voxcheck::ProvenStretch& stretch : stretches_) {
+      if (!is_chosen(stretch)) continue;
+      const Piece piece = piece_of(stretch);
+      const bool follows =
+          !pieces.empty() && until_s == stretch.from_s && pieces.back().seated == stretch.seated;
+      until_s = stretch.to_s;
+      if (!follows) {
+        pieces.push_back(piece);
+        continue;
+      }
+      pieces.back().to = piece.to;
+      pieces.back().min_m = std::min(pieces.back().min_m, piece.min_m);
+    }
+    return pieces;
+  }
+
   // Cuts the stretches that are too near by the files down to those that are by the meshes.
   void add_violations(ExactAnswer& answer) {
+    const std::vector<Piece> stretches = joined([](const auto& s) { return s.too_near; });
     Near so_far;
-    for (std::size_t n = 0; n < request_.stretches.size(); ++n) {
-      const voxcheck::ProvenStretch& stretch = request_.stretches[n];
-      if (!stretch.too_near) continue;
-      walk_.tell(shown("measuring the clearance", n, request_.stretches.size()));
-      for (Near& near : near_pieces(piece_of(stretch))) {
-        const Piece& piece = near.pieces.front();
+    begin_stage(ExactStop::kClearance, "measuring the clearance");
+    for (std::size_t n = 0; n < stretches.size(); ++n) {
+      walk_.tell(shown(n, stretches.size(), [this] { return walk_.reached_s(); }));
+      for (Near& near : near_pieces(stretches[n])) {
         auto& pieces = so_far.pieces;
-        const bool follows = !pieces.empty() && pieces.back().seated == piece.seated &&
-                             path_.time_s(pieces.back().to) == path_.time_s(piece.from);
+        const bool follows = !pieces.empty() && path_.time_s(pieces.back().to) ==
+                                                    path_.time_s(near.pieces.front().from);
         if (!follows && !pieces.empty()) add_violation(std::move(so_far), answer), so_far = {};
-        pieces.push_back(piece);
+        pieces.push_back(near.pieces.front());
         if (near.inside) so_far.inside = near.inside;
       }
     }
@@ -312,6 +585,7 @@ class ExactCheck {
   void add_seat(ExactAnswer& answer) {
     if (request_.seated.empty() || request_.seat.empty()) return;
     for (const std::uint32_t object : request_.seat) {
+      begin_stage(ExactStop::kInstalled, "measuring the overlap as installed", object);
       const Other& other = other_of(object);
       if (!other.surface.triangles.empty()) settle(object, other, answer);
     }
@@ -322,20 +596,30 @@ class ExactCheck {
     const double margin_m = seat_margin_m(part_bodies(), object.bodies, margin_m_);
     SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kSeatWithin * margin_m);
     seat.settled = walk.is_settled() || !meet(object.distance);
-    walk.tell(shown("measuring the depth in the seat", answer.seat.size(), request_.seat.size()));
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
-    seat.installed_m = std::max(0.0, walk.at_pose(installed, std::nullopt).found_m);
+    if (!seat.settled) {
+      seat.part_hole = hole_of(part_bodies(), installed);
+      seat.object_hole = hole_of(object.bodies, {});
+    }
+    seat.installed_m = std::max(
+        0.0, walk.at_pose(installed, std::nullopt, 0, [this](double f) { show(f); }).found_m);
     if (seat.installed_m == 0) {
       seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
     }
     seat.allowed_m = seat.installed_m + margin_m + request_.seat_depth_m.value_or(0);
-    for (const auto& [from_s, to_s] : request_.seated) {
-      const auto deeper = walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m,
-                                           kResolutionVoxels * voxel_m_);
+    begin_stage(ExactStop::kContact, "measuring the depth in the seat", number);
+    walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
+    for (const auto& [from_s, to_s] : seated_stretches_) {
+      const auto deeper =
+          walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m, kTravelM);
       for (const auto& stretch : deeper) {
         answer.violations.push_back(pushed_in(seat, stretch));
+      }
+      // Where it may go deeper, the answer says how deep it goes.
+      if (request_.seat_depth_m && deeper.empty()) {
+        walk.deepest_of(path_.at(from_s), path_.at(to_s), path_.at(from_s));
       }
     }
     if (const auto& deepest = walk.deepest_so_far()) {
@@ -345,12 +629,29 @@ class ExactCheck {
     answer.seat.push_back(seat);
   }
 
+  // Where the bodies are open, with the longest edge of all.
+  static voxcheck::ExactHole hole_of(const Bodies& bodies, const Pose& world_from_bodies) {
+    voxcheck::ExactHole hole;
+    double widest_m = -1;
+    for (const auto& body : bodies) {
+      if (body->is_solid()) continue;
+      const Body::OpenEdges edges = body->open_edges();
+      hole.edges_m += edges.length_m;
+      if (edges.length_m <= widest_m) continue;
+      widest_m = edges.length_m;
+      const glm::dvec3 place =
+          world_from_bodies.position_m + world_from_bodies.orientation * dvec3_of(edges.place_m);
+      hole.place_m = {place.x, place.y, place.z};
+    }
+    return hole;
+  }
+
   // Whether the part and an object come to meet while the part is in its seat.
   bool meet(const MeshPair& distance) const {
     ExactWalk walk(path_, distance, distance, rounding_m_);
-    return std::any_of(request_.seated.begin(), request_.seated.end(), [&](const auto& seated) {
+    return std::any_of(seated_stretches_.begin(), seated_stretches_.end(), [&](const auto& seated) {
       const Piece piece{path_.at(seated[0]), path_.at(seated[1])};
-      return !walk.nearer_than(piece, rounding_m_, kResolutionVoxels * voxel_m_).empty();
+      return !walk.nearer_than(piece, rounding_m_, kTravelM).empty();
     });
   }
 
@@ -368,31 +669,34 @@ class ExactCheck {
   }
 
   void add_seated(ExactAnswer& answer) {
-    walk_.tell(shown("measuring the clearance in the seat", 0, 1));
-    for (const auto& [from_s, to_s] : request_.seated) {
-      const auto smallest =
-          walk_.smallest({{path_.at(from_s), path_.at(to_s)}}, kDepthVoxels * voxel_m_);
-      answer.seated.push_back(
-          {std::max(0.0, smallest.at_least_m - margin_m_), exact_moment(smallest.sample)});
+    leaving_.tell([this](double fraction) { show(fraction); });
+    for (const auto& [from_s, to_s] : seated_stretches_) {
+      const auto smallest = smallest_of(leaving_, {{path_.at(from_s), path_.at(to_s)}});
+      answer.seated.push_back({from_s, to_s, std::max(0.0, smallest.at_least_m - margin_m_),
+                               exact_moment(smallest.sample, of_seat_)});
     }
   }
 
   void add_least(ExactAnswer& answer) {
-    std::vector<Piece> pieces;
-    for (const auto& stretch : request_.stretches) {
-      if (request_.max_m && stretch.proven_m > *request_.max_m) continue;
-      pieces.push_back(piece_of(stretch));
-      if (stretch.from_s <= request_.min_s && request_.min_s <= stretch.to_s) {
-        take(walk_.at(path_.at(request_.min_s), stretch.seated));
+    std::vector<Piece> pieces =
+        joined([&](const auto& s) { return !request_.max_m || s.proven_m <= *request_.max_m; });
+    for (const Piece& piece : pieces) {
+      if (path_.time_s(piece.from) <= request_.min_s && request_.min_s <= path_.time_s(piece.to)) {
+        take(walk_.at(path_.at(request_.min_s), piece.seated));
       }
     }
-    const auto smallest = walk_.smallest(std::move(pieces), kWithinVoxels * voxel_m_, nearest_);
+    const auto smallest = smallest_of(std::move(pieces), nearest_);
     answer.smallest = exact_moment(smallest.sample);
     answer.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
   }
 
   const ExactRequest& request_;
-  StoredSide side_of_part_;
+  const double begun_s_ = now_s();
+  ExactStop stop_;       // that there would be now
+  std::string words_;    // on the terminal
+  double fraction_ = 0;  // that is done
+  const Voxmap& voxmap_;
+  const Pshell& shell_;
   command::ProgressLine& line_;
   const std::vector<PathRow>& rows_;
   const Surface& part_;
@@ -402,8 +706,12 @@ class ExactCheck {
   double baked_margin_m_;         // with those of the baked files
   Surface all_, other_;
   MeshPair everything_, seated_;
+  Surface of_seat_;
+  MeshPair seat_;
   clearance::CenterPath path_;
-  ExactWalk walk_;
+  ExactWalk walk_, leaving_;  // by all objects that count; by those of the seat
+  std::vector<voxcheck::ProvenStretch> stretches_;       // of the request, seats by the meshes
+  std::vector<std::array<double, 2>> seated_stretches_;  // from, to
   struct Box {
     glm::dvec3 low_m, high_m;
   };

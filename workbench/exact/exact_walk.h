@@ -4,7 +4,8 @@
 //   (a + b - S) / 2                    no point comes nearer than it goes
 //   sqrt(min(a, b)^2 - S^2 / 4) - e    where points deviate from straight ways by e at most
 // The latter holds of each point of the part, because the squared distance to any set, less the
-// square of the place, is concave (voxmap_format.md, 13.4).
+// square of the place, is concave (voxmap_format.md, 13.4). Where that is too little, the hulls of
+// the triangles that move are held against those that stand (mesh_distance.h).
 #pragma once
 
 #include <cstdint>
@@ -52,16 +53,30 @@ class ExactWalk {
   const Sample& at(const Moment& moment, bool seated, double hint_m = kNothingM);
 
   // The least distance of the pieces, and what it is at least in all of them: these differ by
-  // `within_m` at most. `known`: a sample of the path, where one is at hand.
+  // `within_m` at most, or by this fraction of it. `known`: a sample of the path, where one is at
+  // hand.
   struct Least {
     Sample sample;
     double at_least_m = 0;
   };
-  Least smallest(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {});
+  Least smallest(std::vector<Piece> pieces, double within_m, std::optional<Sample> known = {},
+                 double within_fraction = 0);
 
   // Those parts of a piece, in the order of time, of which it is not proven that the distance is
-  // `required_m` or more. Their begin and end are found to `resolution_m` of travel.
+  // `required_m` or more. Their begin and end are found to `resolution_m` of travel, and breaks in
+  // a long one to a part of its length.
   std::vector<Piece> nearer_than(const Piece& piece, double required_m, double resolution_m);
+
+  // The first moment of a piece at which the distance is `distance_m` or more; with `backwards` the
+  // last. One that lasts for less than `resolution_m` of travel may be missed.
+  std::optional<Moment> first_as_far(Piece piece, double distance_m, double resolution_m,
+                                     bool backwards = false);
+
+  // Until when the last search has looked at its pieces, which follow each other.
+  double reached_s() const { return reached_s_; }
+
+  // The sample with the least distance of those between two moments; none where there are none.
+  std::optional<Sample> nearest_between(const Moment& from, const Moment& to, bool seated) const;
 
   double time_s(const Moment& moment) const { return path_.time_s(moment); }
   std::uint64_t measured() const { return samples_.size(); }
@@ -76,6 +91,7 @@ class ExactWalk {
   static constexpr double kNothingM = voxcheck::kNothingM;
 
   void measure(Piece& piece);
+  bool stays_apart(const Piece& piece, double min_m) const;
   double between_m(const Sample& a, const Sample& b) const;
   std::pair<Piece, Piece> cut(const Piece& piece);
   double travel_m(const Piece& piece) const {
@@ -89,6 +105,7 @@ class ExactWalk {
   std::map<std::tuple<std::size_t, double, bool>, Sample> samples_;
   std::optional<Contradiction> contradiction_;
   Progress progress_ = [](double) {};
+  double reached_s_ = 0;
 };
 
 }  // namespace forcelayer::exact

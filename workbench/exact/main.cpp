@@ -30,7 +30,7 @@ forcelayer::Result<forcelayer::voxcheck::ExactAnswer> answer_to(const std::strin
 int main(int argc, char** argv) {
   if (const auto status = forcelayer::mesh::run_as_sandbox(argc, argv)) return *status;
   if (argc > 1) {
-    std::fputs("voxcheck-exact is started by voxcheck --exact\n", stderr);
+    std::fputs("voxcheck-exact: this program can only be started by voxcheck --exact\n", stderr);
     return 2;
   }
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};

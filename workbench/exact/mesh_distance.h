@@ -1,5 +1,12 @@
-// The distance between two meshes: FCL's trees of boxes find the nearest triangles, and
-// triangle_distance.h measures them. It knows neither voxels nor points.
+// The distance between two meshes at a pose, and whether they stay apart while one of them moves:
+// trees of boxes find the triangles, and triangle_distance.h measures them. It knows neither voxels
+// nor points.
+//
+// A triangle of the part that moves stays in the hull of its corners at both ends of the motion,
+// but for the bend of their ways. Where a direction parts each hull from each triangle of the scene
+// by more than a distance, the meshes are nowhere nearer in between. A face that slides along
+// another is settled for a long way at once, because the direction is that of their normals: the
+// bounds by how far points travel (exact_walk.h) know nothing of where to.
 #pragma once
 
 #include <cstddef>
@@ -31,9 +38,17 @@ class MeshPair {
   // `hint_m`: what the distance is expected to be no more than, so that the search is short.
   MeshDistance at(const Pose& world_from_center, double hint_m) const;
 
+  // Whether the two are found to stay `min_m` apart or more while the part goes from one pose of
+  // its centroid frame to another, and none of its places leaves its straight way by more than
+  // `bend_m`. No says nothing.
+  bool stays_apart(const Pose& from, const Pose& to, double bend_m, double min_m) const;
+
  private:
-  struct Models;
-  std::unique_ptr<Models> models_;
+  struct Mesh;
+  struct Nearest;
+  Nearest nearest(const Pose& world_from_center, double beyond_m) const;
+
+  std::unique_ptr<Mesh> scene_, part_;  // none where one of both is empty
 };
 
 }  // namespace forcelayer::exact

@@ -7,6 +7,7 @@
 
 #include "pointshell/part/pieces.h"
 #include "workbench/exact/push_out.h"
+#include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -27,31 +28,33 @@ Piece placed(const Pose& pose, const Piece& piece) {
 
 class Proof {
  public:
-  Proof(const Body& surface, const Body& solid, const Motion& motion, double allowed_m)
+  Proof(const Body& surface, const Body& solid, const Motion& motion, double allowed_m,
+        std::size_t max_open)
       : surface_(surface),
         solid_(solid),
         motion_(motion),
         allowed_m_(allowed_m),
-        max_cells_(kMaxCells + kCellsOfTriangle * surface.tree().ordered_triangles().size()) {}
+        max_cells_(kMaxCells + kCellsOfTriangle * surface.tree().ordered_triangles().size()),
+        max_open_(max_open) {}
 
-  bool holds() {
-    const part::TriangleTree& tree = surface_.tree();
-    std::vector<std::uint32_t> open{0};
-    while (!open.empty()) {
+  Parts left_of(const Parts& parts) {
+    for (const Piece& piece : parts.pieces) settle(piece);
+    std::vector<std::uint32_t> open = parts.nodes;
+    while (!open.empty() && goes_on()) {
+      const part::TriangleTree& tree = surface_.tree();
       const std::uint32_t number = open.back();
       open.pop_back();
       const part::TriangleTree::Node& node = tree.nodes()[number];
       if (is_far(node)) continue;
       for (std::uint32_t n = 0; n < node.count; ++n) {
-        if (!is_settled(
-                part::triangle_piece(tree.part(), tree.ordered_triangles()[node.first + n])))
-          return false;
+        settle(part::triangle_piece(tree.part(), tree.ordered_triangles()[node.first + n]));
       }
       if (node.count > 0) continue;
       open.push_back(node.first);
       open.push_back(number + 1);
     }
-    return true;
+    left_.nodes = std::move(open);
+    return std::move(left_);
   }
 
   std::uint64_t cells() const { return cells_; }
@@ -59,21 +62,26 @@ class Proof {
  private:
   // Whether all of a node stays outside, and away from the surface.
   bool is_far(const part::TriangleTree::Node& node) {
+    keep_going();
     ++cells_;
     const Vec3 low{node.low[0], node.low[1], node.low[2]},
         high{node.high[0], node.high[1], node.high[2]};
     const Vec3 center = placed(motion_.middle, 0.5 * (low + high));
-    const double reach_m = part::length(high - low) / 2 + motion_.half_travel_m + solid_.crack_m();
-    return !solid_.tree().nearest(center, reach_m).found && !solid_.holds(center);
+    const double reach_m = part::length(high - low) / 2 + motion_.half_travel_m;
+    return !solid_.tree().is_within(center, reach_m + solid_.crack_near_m(center, reach_m)) &&
+           !solid_.holds(center);
   }
 
-  // Whether no place of a triangle, or of the pieces that it is cut in, goes too deep.
-  bool is_settled(const Piece& triangle) {
-    pieces_.assign(1, triangle);
-    while (!pieces_.empty()) {
+  bool goes_on() const { return cells_ <= max_cells_ && left_.pieces.size() <= max_open_; }
+
+  // Leaves those pieces that it is cut in of which a place may go too deep.
+  void settle(const Piece& whole) {
+    pieces_.assign(1, whole);
+    while (!pieces_.empty() && goes_on()) {
+      keep_going();
+      ++cells_;
       const Piece piece = pieces_.back();
       pieces_.pop_back();
-      if (++cells_ > max_cells_) return false;
       const Piece from = placed(motion_.from, piece), to = placed(motion_.to, piece);
       if (is_allowed(Hull(from, to))) continue;
       // Where the motion is the longer, it is cut.
@@ -82,17 +90,24 @@ class Proof {
         travel_m = std::max(travel_m, part::length(to[n] - from[n]));
       }
       const part::LongestEdge longest = part::longest_edge(piece);
-      if (longest.length_squared <= travel_m * travel_m) return false;
+      if (longest.length_squared <= travel_m * travel_m) {
+        left_.pieces.push_back(piece);
+        continue;
+      }
       for (const Piece& half : part::bisected(piece, longest.from)) pieces_.push_back(half);
     }
-    return true;
+    left_.pieces.insert(left_.pieces.end(), pieces_.begin(), pieces_.end());
   }
 
   bool is_allowed(const Hull& hull) const {
     const auto nearest = solid_.tree().nearest(hull.center);
     const double distance_m = std::sqrt(nearest.distance_squared);
     const double reach_m = hull.reach + motion_.bend_m;
-    if (distance_m > reach_m + solid_.crack_m()) return !solid_.holds(hull.center);
+    // All of it is on one side of the surface: outside, or inside by no more than allowed.
+    if (distance_m > reach_m + solid_.crack_near_m(hull.center, reach_m) &&
+        !solid_.holds(hull.center)) {
+      return true;
+    }
     return lies_on(nearest.point.triangle, hull) ||
            comes_free(solid_, hull, allowed_m_, motion_.bend_m);
   }
@@ -110,17 +125,19 @@ class Proof {
   const Motion& motion_;
   double allowed_m_;
   std::uint64_t max_cells_, cells_ = 0;
-  std::vector<Piece> pieces_;
+  std::size_t max_open_;
+  std::vector<Piece> pieces_;  // of settle()
+  Parts left_;
 };
 
 }  // namespace
 
-bool is_never_deeper(const Body& surface, const Body& solid, const Motion& motion, double allowed_m,
-                     std::uint64_t& cells) {
-  Proof proof(surface, solid, motion, allowed_m);
-  const bool holds = proof.holds();
+Parts not_proven(const Parts& parts, const Body& surface, const Body& solid, const Motion& motion,
+                 double allowed_m, std::size_t max_open, std::uint64_t& cells) {
+  Proof proof(surface, solid, motion, allowed_m, max_open);
+  Parts left = proof.left_of(parts);
   cells += proof.cells();
-  return holds;
+  return left;
 }
 
 }  // namespace forcelayer::exact

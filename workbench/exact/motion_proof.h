@@ -21,8 +21,10 @@ struct Motion {
   double half_travel_m = 0;  // and how far it is from where it is in the middle
 };
 
-// No says nothing. `cells` counts nodes and pieces.
-bool is_never_deeper(const Body& surface, const Body& solid, const Motion& motion, double allowed_m,
-                     std::uint64_t& cells);
+// Those of some parts of a surface of which it is not proven that no place goes deeper. A part that
+// is proven for a motion is so for each piece of that: only the others need be looked at again.
+// Ends where it left more than `max_open` pieces. `cells` counts nodes and pieces.
+Parts not_proven(const Parts& parts, const Body& surface, const Body& solid, const Motion& motion,
+                 double allowed_m, std::size_t max_open, std::uint64_t& cells);
 
 }  // namespace forcelayer::exact

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace forcelayer::exact {
@@ -21,14 +20,6 @@ constexpr double kRounding = 1e-14;
 // Shifts are this much shorter than allowed, for their own rounding.
 constexpr double kShorter = 1 - 1e-6;
 
-struct Interval {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  void take(double at) {
-    low = std::min(low, at);
-    high = std::max(high, at);
-  }
-};
-
 double largest_of(const Hull& hull) {
   double largest = 0;
   for (std::size_t n = 0; n < hull.count; ++n) {
@@ -37,58 +28,11 @@ double largest_of(const Hull& hull) {
   return largest;
 }
 
-// A triangle near the hull, and how far the two are apart along some directions.
-class Neighbor {
- public:
-  Neighbor(const Hull& hull, const Piece& triangle) {
-    const std::array<Vec3, 3> sides{triangle[1] - triangle[0], triangle[2] - triangle[1],
-                                    triangle[0] - triangle[2]};
-    normal_ = part::normalized(part::cross(sides[0], triangle[2] - triangle[0]));
-    add(hull, triangle, normal_);
-    for (const Vec3& side : sides) {
-      add(hull, triangle, part::cross(normal_, side));
-      for (std::size_t n = 0; n < hull.edge_count; ++n) {
-        add(hull, triangle, part::cross(side, hull.edges[n]));
-      }
-    }
-    for (std::size_t n = 0; n < hull.edge_count; ++n) {
-      for (std::size_t m = n + 1; m < hull.edge_count; ++m) {
-        add(hull, triangle, part::cross(hull.edges[n], hull.edges[m]));
-      }
-    }
-  }
+Vec3 normal_of(const Piece& triangle) {
+  return part::normalized(part::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+}
 
-  // Whether the hull, shifted, is farther away than this along one of the directions.
-  bool is_farther(double min_m, const Vec3& shift = {}) const {
-    return std::any_of(gaps_.begin(), gaps_.begin() + count_, [&](const Gap& gap) {
-      const double moved = part::dot(gap.direction, shift);
-      return std::max(gap.ahead - moved, gap.behind + moved) > min_m;
-    });
-  }
-
-  const Vec3& normal() const { return normal_; }
-
- private:
-  struct Gap {
-    Vec3 direction;
-    double ahead, behind;  // how far the triangle lies ahead of the hull, and behind it
-  };
-
-  void add(const Hull& hull, const Piece& triangle, const Vec3& along) {
-    const Vec3 direction = part::normalized(along);
-    if (direction == Vec3{}) return;
-    Interval of_hull, of_triangle;
-    for (std::size_t n = 0; n < hull.count; ++n) of_hull.take(part::dot(hull.points[n], direction));
-    for (const Vec3& p : triangle) of_triangle.take(part::dot(p, direction));
-    gaps_[count_++] = {direction, of_triangle.low - of_hull.high, of_hull.low - of_triangle.high};
-  }
-
-  Vec3 normal_;
-  std::array<Gap, 1 + 3 * 5 + 6> gaps_;
-  std::ptrdiff_t count_ = 0;
-};
-
-// Calls visit(Neighbor) for each triangle that may be no farther than this from a shifted hull, as
+// Calls visit(triangle) for each triangle that may be no farther than this from a shifted hull, as
 // long as it returns true. Whether it always did.
 template <typename Visit>
 bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double reach_m,
@@ -106,35 +50,41 @@ bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double r
       },
       [&](std::uint32_t triangle) {
         if (!goes_on) return;
-        const Neighbor neighbor(hull, part::triangle_piece(tree.part(), triangle));
-        if (!neighbor.is_farther(reach_m, shift)) goes_on = visit(neighbor);
+        const Piece piece = part::triangle_piece(tree.part(), triangle);
+        if (!is_farther(hull, piece, shift, reach_m)) goes_on = visit(piece);
       });
   return goes_on;
 }
 
 // Directions in which a hull may come free: to the nearest place of the surface, or away from it;
-// out of faces nearby, and of all of them together.
-std::vector<Vec3> ways_out(const Body& solid, const Hull& hull, double reach_m) {
-  std::vector<Vec3> ways;
+// out of faces nearby, of all of them together, and of two of them.
+std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double reach_m) {
+  std::vector<Vec3> directions;
   const auto nearest = solid.tree().nearest(hull.center);
   const double side = solid.holds(hull.center) ? 1 : -1;
-  const auto add = [&](const Vec3& way) {
-    const bool is_known = std::any_of(ways.begin(), ways.end(), [&](const Vec3& other) {
-      return part::dot(way, other) > kSameNormal;
+  const auto add = [&](const Vec3& direction) {
+    const bool is_known = std::any_of(directions.begin(), directions.end(), [&](const Vec3& other) {
+      return part::dot(direction, other) > kSameNormal;
     });
-    if (!(way == Vec3{}) && !is_known) ways.push_back(way);
+    if (!(direction == Vec3{}) && !is_known) directions.push_back(direction);
   };
   add(part::normalized(side * (nearest.point.position - hull.center)));
+  const std::size_t first = directions.size();
   Vec3 sum;
   std::size_t seen = 0;
-  visit_near(solid, hull, {}, reach_m, [&](const Neighbor& neighbor) {
-    const std::size_t before = ways.size();
-    add(solid.outward() * neighbor.normal());
-    if (ways.size() > before) sum += ways.back();
-    return ++seen < kMaxNear && ways.size() <= kMaxNormals;
+  visit_near(solid, hull, {}, reach_m, [&](const Piece& triangle) {
+    const std::size_t before = directions.size();
+    add(solid.outward() * normal_of(triangle));
+    if (directions.size() > before) sum += directions.back();
+    return ++seen < kMaxNear && directions.size() <= kMaxNormals;
   });
+  const std::size_t end = directions.size();
   add(part::normalized(sum));
-  return ways;
+  // Out of an edge between two faces, although the end of that edge is near.
+  for (std::size_t i = first; i < end; ++i) {
+    for (std::size_t k = i + 1; k < end; ++k) add(part::normalized(directions[i] + directions[k]));
+  }
+  return directions;
 }
 
 }  // namespace
@@ -157,19 +107,60 @@ Hull::Hull(const Piece& from, const Piece& to) : Hull(from) {
   for (const Vec3& p : points) reach = std::max(reach, part::length(p - center));
 }
 
+bool is_farther_along(const Vec3& along, const Hull& hull, const Piece& triangle, const Vec3& shift,
+                      double min_m) {
+  const double length = part::length(along);
+  if (length == 0) return false;
+  const double moved = part::dot(along, shift);
+  double low = part::dot(along, hull.points[0]), high = low;
+  for (std::size_t n = 1; n < hull.count; ++n) {
+    const double at = part::dot(along, hull.points[n]);
+    low = std::min(low, at), high = std::max(high, at);
+  }
+  const double a = part::dot(along, triangle[0]), b = part::dot(along, triangle[1]),
+               c = part::dot(along, triangle[2]);
+  return std::max(std::min({a, b, c}) - high - moved, low - std::max({a, b, c}) + moved) >
+         min_m * length;
+}
+
+bool is_farther(const Hull& hull, const Piece& triangle, const Vec3& shift, double min_m) {
+  const auto parts = [&](const Vec3& along) {
+    return is_farther_along(along, hull, triangle, shift, min_m);
+  };
+  const Vec3 normal =
+      part::normalized(part::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+  if (parts(normal)) return true;
+  for (std::size_t n = 0; n < hull.edge_count; ++n) {
+    for (std::size_t m = n + 1; m < hull.edge_count; ++m) {
+      if (parts(part::cross(hull.edges[n], hull.edges[m]))) return true;
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 side = triangle[(i + 1) % 3] - triangle[i];
+    if (parts(part::cross(normal, side))) return true;
+    for (std::size_t n = 0; n < hull.edge_count; ++n) {
+      if (parts(part::cross(side, hull.edges[n]))) return true;
+    }
+  }
+  return false;
+}
+
 bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m) {
-  // Through a crack a way leads inside that meets no triangle, but it is narrow.
-  off_m += solid.crack_m();
   const double rounding_m = kRounding * largest_of(hull);
   const auto is_free = [&](const Vec3& shift) {
-    return visit_near(solid, hull, shift, off_m + rounding_m,
-                      [](const Neighbor&) { return false; }) &&
-           !solid.holds(hull.center + shift);
+    // Through a crack a direction leads inside that meets no triangle, but it is narrow.
+    const Vec3 center = hull.center + shift;
+    const double crack_m = solid.crack_near_m(center, hull.reach + off_m);
+    return visit_near(solid, hull, shift, off_m + crack_m + rounding_m,
+                      [](const Piece&) { return false; }) &&
+           !solid.holds(center);
   };
   if (is_free({})) return true;
-  const std::vector<Vec3> ways = ways_out(solid, hull, max_m + off_m + rounding_m);
-  return std::any_of(ways.begin(), ways.end(),
-                     [&](const Vec3& way) { return is_free((kShorter * max_m) * way); });
+  const std::vector<Vec3> directions =
+      directions_out(solid, hull, max_m + off_m + solid.crack_m() + rounding_m);
+  return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
+    return is_free((kShorter * max_m) * direction);
+  });
 }
 
 }  // namespace forcelayer::exact

@@ -32,6 +32,15 @@ struct Hull {
   double reach = 0;  // from the center to the farthest point
 };
 
+// Whether a shifted hull and a triangle are farther apart than `min_m` along a direction, of any
+// length.
+bool is_farther_along(const part::Vec3& along, const Hull& hull, const part::Piece& triangle,
+                      const part::Vec3& shift, double min_m);
+
+// Whether such a direction is found: of the normals of both, and those of their edges.
+bool is_farther(const Hull& hull, const part::Piece& triangle, const part::Vec3& shift,
+                double min_m);
+
 // Whether a shift is found that is no longer than `max_m`, and that takes all places within
 // `off_m` of the hull out of the solid. No says nothing.
 bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m);

@@ -9,9 +9,10 @@
 namespace forcelayer::exact {
 namespace {
 
-constexpr std::size_t kMaxNormals = 8;   // of a surface: its flat sides by area
-constexpr double kSameDirection = 1e-6;  // rad: directions nearer to each other are one
-constexpr double kMinCrossing = 1e-2;    // sine of the angle of two sides that meet in a line
+constexpr std::size_t kMaxNormals = 8;    // of a surface: its flat sides by area
+constexpr double kSameDirection = 1e-6;   // rad: directions nearer to each other are one
+constexpr double kBlockedFraction = 0.5;  // resolution of the depth that tells which object blocks
+constexpr double kMinCrossing = 1e-2;     // sine of the angle of two sides that meet in a line
 
 double largest_m(const Surface& scene, const Surface& part, const Pose& installed) {
   double largest = std::max(scene.largest_m, part.largest_m);
@@ -79,10 +80,9 @@ double seat_margin_m(const Bodies& part, const Bodies& object, double margin_m) 
 
 struct SeatMeshes::Object {
   Object(std::uint32_t its_number, const Surface& surface, const Surface& part,
-         const Bodies& part_bodies, const clearance::CenterPath& path, double crack_m,
-         double deviations_m)
+         const Bodies& part_bodies, const clearance::CenterPath& path, double deviations_m)
       : number(its_number),
-        bodies(bodies_of(surface, crack_m)),
+        bodies(bodies_of(surface, widest_crack_m(surface))),
         distance(surface, part),
         margin_m(seat_margin_m(part_bodies, bodies, deviations_m)),
         walk(path, part_bodies, bodies, distance, kSeatWithin * margin_m) {}
@@ -94,21 +94,20 @@ struct SeatMeshes::Object {
   SeatWalk walk;
 };
 
-SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part, double voxel_size_m,
+SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part,
                        std::span<const std::uint32_t> objects, const Pose& installed,
                        double depth_m)
     : path_(std::vector<PathRow>(1), glm::dvec3(0), 0),
-      part_(bodies_of(part, kCrackVoxels * voxel_size_m)) {
+      part_(bodies_of(part, widest_crack_m(part))) {
   const double deviations_m =
       kRounding * largest_m(scene, part, installed) + scene.deviation_m + part.deviation_m;
   std::vector<glm::dvec3> axes;
   add_axes(part, installed.orientation, axes);
   for (const std::uint32_t number : objects) {
-    const Surface surface = only(scene, number);
+    const Surface surface = only(scene, {&number, 1});
     if (surface.triangles.empty()) continue;
     add_axes(surface, {1, 0, 0, 0}, axes);
-    auto object = std::make_unique<Object>(number, surface, part, part_, path_,
-                                           kCrackVoxels * voxel_size_m, deviations_m);
+    auto object = std::make_unique<Object>(number, surface, part, part_, path_, deviations_m);
     const Depth depth = object->walk.at_pose(installed, std::nullopt);
     object->allowed_m = std::max(0.0, depth.found_m) + object->margin_m + depth_m;
     if (!object->walk.is_settled() &&
@@ -125,21 +124,26 @@ SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part, double voxel_s
 
 SeatMeshes::~SeatMeshes() = default;
 
-// How much deeper than allowed it may be; minus the distance where the two are apart.
-double SeatMeshes::beyond_m(const Object& object, const Pose& world_from_center) const {
+// How much deeper than allowed it may be, which is not known `closely` where it is deeper; minus
+// the distance where the two are apart.
+double SeatMeshes::beyond_m(const Object& object, const Pose& world_from_center,
+                            bool closely) const {
   if (!object.walk.is_settled()) {  // two open surfaces may not even meet
     const double apart_m = object.distance.at(world_from_center, voxcheck::kNothingM).distance_m;
     return apart_m > object.margin_m ? object.margin_m - apart_m : voxcheck::kNothingM;
   }
-  const double at_most_m = object.walk.at_pose(world_from_center, object.allowed_m).at_most_m;
-  if (at_most_m > object.allowed_m) return at_most_m - object.allowed_m;
-  return std::min(at_most_m, 0.0);
+  Depth depth = object.walk.at_pose(world_from_center, object.allowed_m);
+  if (depth.found_m > object.allowed_m && closely) {
+    depth = object.walk.at_pose(world_from_center, std::nullopt, kBlockedFraction);
+  }
+  if (depth.at_most_m > object.allowed_m) return depth.at_most_m - object.allowed_m;
+  return std::min(depth.at_most_m, 0.0);
 }
 
 double SeatMeshes::leeway_m(const Pose& world_from_center) const {
   double leeway_m = voxcheck::kNothingM;
   for (const auto& object : objects_) {
-    leeway_m = std::min(leeway_m, -beyond_m(*object, world_from_center));
+    leeway_m = std::min(leeway_m, -beyond_m(*object, world_from_center, false));
     if (leeway_m < 0) break;
   }
   return leeway_m;
@@ -149,7 +153,7 @@ std::optional<std::uint32_t> SeatMeshes::blocked_by(const Pose& world_from_cente
   std::optional<std::uint32_t> deepest;
   double max_m = 0;
   for (const auto& object : objects_) {
-    const double beyond = beyond_m(*object, world_from_center);
+    const double beyond = beyond_m(*object, world_from_center, true);
     if (beyond > max_m) deepest = object->number, max_m = beyond;
   }
   return deepest;

@@ -17,8 +17,6 @@
 
 namespace forcelayer::exact {
 
-// Cracks of a mesh that are narrower do not open it, in voxels.
-inline constexpr double kCrackVoxels = 1.0 / 8;
 // How closely a depth in a seat is found, as a fraction of seat_margin_m().
 inline constexpr double kSeatWithin = 1.0 / 8;
 
@@ -30,8 +28,8 @@ class SeatMeshes {
  public:
   // `objects` of the scene, by number, are the part's seat at `installed`, a pose of its centroid
   // frame. There it may go deeper by `depth_m`. `part` is about its centroid.
-  SeatMeshes(const Surface& scene, const Surface& part, double voxel_size_m,
-             std::span<const std::uint32_t> objects, const Pose& installed, double depth_m);
+  SeatMeshes(const Surface& scene, const Surface& part, std::span<const std::uint32_t> objects,
+             const Pose& installed, double depth_m);
   ~SeatMeshes();
 
   // How far each point of the part may travel from a pose until the part may be deeper in an object
@@ -52,7 +50,7 @@ class SeatMeshes {
 
  private:
   struct Object;
-  double beyond_m(const Object& object, const Pose& world_from_center) const;
+  double beyond_m(const Object& object, const Pose& world_from_center, bool closely) const;
 
   clearance::CenterPath path_;  // of one pose: a SeatWalk has one
   Bodies part_;

@@ -5,15 +5,18 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <memory>
 #include <utility>
 
-#include "workbench/exact/motion_proof.h"
+#include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
 namespace {
 
 // Resolution of depths that decide nothing.
 constexpr double kWithinFraction = 1.0 / 64;
+// So many pieces may a proof leave open: at first, and where it is likely to succeed.
+constexpr std::size_t kFewOpen = 64, kAllOpen = std::numeric_limits<std::size_t>::max();
 
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
@@ -33,83 +36,88 @@ SeatWalk::SeatWalk(const clearance::CenterPath& path, const Bodies& part, const 
       radius_m_ = std::max(radius_m_, part::length(v));
     }
   }
+  for (const auto& own : part) {
+    for (const auto& other : object) {
+      if (other->is_solid()) all_.push_back({own.get(), other.get(), true, whole_surface()});
+      if (own->is_solid()) all_.push_back({other.get(), own.get(), false, whole_surface()});
+    }
+  }
 }
 
 bool SeatWalk::is_settled() const { return are_solid(part_) || are_solid(object_); }
 
 Depth SeatWalk::at_pose(const Pose& world_from_center, std::optional<double> allowed_m,
-                        double within_fraction) const {
+                        double within_fraction, const DepthProgress& progress) const {
+  return depth_of(all_, world_from_center, allowed_m, within_fraction, progress);
+}
+
+Depth SeatWalk::depth_of(const Opens& open, const Pose& world_from_center,
+                         std::optional<double> allowed_m, double within_fraction,
+                         const DepthProgress& progress) const {
   const Pose world{glm::dvec3(0), {1, 0, 0, 0}};
   std::vector<SurfaceInSolid> pairs;
-  for (const auto& part : part_) {
-    for (const auto& object : object_) {
-      if (object->is_solid()) pairs.push_back({part.get(), object.get(), world_from_center, world});
-    }
-  }
-  const std::size_t of_part = pairs.size();
-  for (const auto& part : part_) {
-    for (const auto& object : object_) {
-      if (part->is_solid()) pairs.push_back({object.get(), part.get(), world, world_from_center});
-    }
+  for (const Open& o : open) {
+    const auto& [of_surface, of_solid] =
+        o.is_of_part ? std::pair(world_from_center, world) : std::pair(world, world_from_center);
+    pairs.push_back({o.surface, o.solid, of_surface, of_solid, &o.parts});
   }
   const MeshDistance apart = distance_.at(world_from_center, voxcheck::kNothingM);
   if (apart.distance_m > 0 && std::none_of(pairs.begin(), pairs.end(), begins_inside)) {
     return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0, 0};
   }
-  Depth depth = deepest(pairs, allowed_m, within_m_, within_fraction);
-  if (depth.pair >= of_part) std::swap(depth.place_m, depth.foot_m);
+  Depth depth = deepest(pairs, allowed_m, within_m_, within_fraction, progress);
+  if (!pairs.empty() && !open[depth.pair].is_of_part) std::swap(depth.place_m, depth.foot_m);
   return depth;
 }
 
 const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m) {
-  const auto [place, is_new] =
-      depths_.try_emplace({moment.pose, moment.fraction, allowed_m.has_value()});
-  if (is_new) {
-    place->second = at_pose(path_.world_from_center(moment), allowed_m, kWithinFraction);
-    if (!deepest_ || place->second.found_m > deepest_->second.found_m) {
-      deepest_ = {moment, place->second};
-    }
-  }
-  return place->second;
+  return at(moment, allowed_m, all_);
+}
+
+const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m,
+                          const Opens& open) {
+  const std::tuple key{moment.pose, moment.fraction, allowed_m.has_value()};
+  if (const auto known = depths_.find(key); known != depths_.end()) return known->second;
+  const Depth depth =
+      depth_of(open, path_.world_from_center(moment), allowed_m, kWithinFraction, {});
+  if (!deepest_ || depth.found_m > deepest_->second.found_m) deepest_ = {moment, depth};
+  return depths_.emplace(key, depth).first->second;
 }
 
 // In the part's frame a place of the object moves by p' = R^T (p - c): it turns about the centroid,
 // which goes away from it. Its acceleration over the motion is turn^2 |p'| + 2 turn way at most,
 // that of a place of the part in the world is turn^2 |p|, and a way with the acceleration a leaves
 // its chord by a / 8 at most. A place that comes into the part is within its radius then.
-bool SeatWalk::is_proven(const Moment& begin, const Moment& end, double allowed_m) const {
-  if (clearance::CenterPath::between(begin, end).count() > 0) return false;
+SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, const Moment& end,
+                                     double allowed_m, std::size_t max_open) const {
+  if (clearance::CenterPath::between(begin, end).count() > 0) return open;
   const Pose from = path_.world_from_center(begin), to = path_.world_from_center(end);
   const Pose middle = path_.world_from_center(path_.middle(begin, end));
   const glm::dquat turned = glm::conjugate(from.orientation) * to.orientation;
   const double turn =
       2 * std::atan2(glm::length(glm::dvec3(turned.x, turned.y, turned.z)), std::abs(turned.w));
-  const double way_m = glm::length(to.position_m - from.position_m);
-  const double farthest_m = radius_m_ + way_m;
+  const double shift_m = glm::length(to.position_m - from.position_m);
+  const double farthest_m = radius_m_ + shift_m;
   const Motion of_part{from, middle, to, turn * turn * radius_m_ / 8,
-                       (way_m + turn * radius_m_) / 2};
+                       (shift_m + turn * radius_m_) / 2};
   const Motion of_object{inverse(from), inverse(middle), inverse(to),
-                         (turn * turn * farthest_m + 2 * turn * way_m) / 8,
-                         (way_m + turn * farthest_m) / 2};
+                         (turn * turn * farthest_m + 2 * turn * shift_m) / 8,
+                         (shift_m + turn * farthest_m) / 2};
   std::uint64_t cells = 0;
-  for (const auto& part : part_) {
-    for (const auto& object : object_) {
-      if (object->is_solid() && !is_never_deeper(*part, *object, of_part, allowed_m, cells)) {
-        return false;
-      }
-      if (part->is_solid() && !is_never_deeper(*object, *part, of_object, allowed_m, cells)) {
-        return false;
-      }
-    }
+  Opens left;
+  for (const Open& o : open) {
+    Parts parts = exact::not_proven(o.parts, *o.surface, *o.solid,
+                                    o.is_of_part ? of_part : of_object, allowed_m, max_open, cells);
+    if (!parts.empty()) left.push_back({o.surface, o.solid, o.is_of_part, std::move(parts)});
   }
-  return true;
+  return left;
 }
 
 // Looks at moments all over a stretch, its poses first, for the deepest, and then closer and closer
 // about that. Where a part lies deep in an object along all of a long face, one moment takes
 // seconds. A stretch that is known to be too deep is then left after a few of them: no verdict
 // depends on how deep it is.
-void SeatWalk::find_worst(Stretch& stretch) {
+void SeatWalk::find_worst(Stretch& stretch) try {
   constexpr std::size_t kMoments = 12, kHalvings = 6;
   constexpr std::uint64_t kMaxLooks = 50000;  // at nodes and pieces: a few seconds
   std::uint64_t looks = 0;
@@ -133,40 +141,79 @@ void SeatWalk::find_worst(Stretch& stretch) {
       if (time_s > from_s && time_s < to_s) look_at(path_.at(time_s));
     }
   }
+} catch (const Stopped&) {
+  if (!stretch.is_deeper) throw;
+}
+
+SeatWalk::Stretch SeatWalk::deepest_of(const Moment& from, const Moment& to, const Moment& known) {
+  Stretch stretch{from, to, known, {}, true};
+  find_worst(stretch);
+  return stretch;
 }
 
 std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const Moment& to,
-                                                     double allowed_m, double resolution_m) {
+                                                     double allowed_m, double resolution_m,
+                                                     bool all) {
   // Where both ends are too deep, what is between is looked at only this closely.
   const double coarse_m = 64 * resolution_m;
   bool is_any_close = false;  // one is enough to be found as closely as can be
   std::vector<Stretch> found;
   const double whole_m =
       std::max(path_.travel_m(to) - path_.travel_m(from), std::numeric_limits<double>::min());
-  std::vector<std::pair<Moment, Moment>> open{{from, to}};
-  at(from, std::nullopt), at(to, std::nullopt);  // how deep it is, be it proven or not
-  while (!open.empty()) {
-    const auto [begin, end] = open.back();
+  // Motions, and what of the surfaces may go too deep in them.
+  struct Motions {
+    Moment begin, end;
+    std::shared_ptr<const Opens> parts;
+  };
+  std::vector<Motions> open{{from, to, std::make_shared<const Opens>(all_)}};
+  reached_s_ = path_.time_s(from);
+  const auto is_cut_short = [](const Open& o) {
+    return !o.parts.nodes.empty() || o.parts.pieces.size() > kFewOpen;
+  };
+  const auto is_known_deeper = [&](const Moment& moment) {
+    const auto known = depths_.find({moment.pose, moment.fraction, true});
+    return known != depths_.end() && known->second.found_m > allowed_m;
+  };
+  const auto prove = [&](const Opens& parts, const Moment& begin, const Moment& end,
+                         std::size_t max_open) {
+    return std::make_shared<const Opens>(not_proven(parts, begin, end, allowed_m, max_open));
+  };
+  const auto is_deeper_so_far = [&] { return !found.empty() && found.back().is_deeper; };
+  const auto look_at_next = [&] {
+    const auto [begin, end, parts] = open.back();
     open.pop_back();
+    reached_s_ = path_.time_s(begin);
     progress_((path_.travel_m(begin) - path_.travel_m(from)) / whole_m);
-    if (is_proven(begin, end, allowed_m)) continue;
-    const double way_m = path_.travel_m(end) - path_.travel_m(begin);
+    // One that begins or ends too deep has no proof.
+    auto left = parts;
+    const bool is_hopeless = is_known_deeper(begin) || is_known_deeper(end);
+    if (!is_hopeless) left = prove(*parts, begin, end, kFewOpen);
+    // Where much may be too deep it mostly is.
+    const bool is_worth_more = !is_hopeless && std::ranges::any_of(*left, is_cut_short) &&
+                               !(at(begin, allowed_m, *left).found_m > allowed_m) &&
+                               !(at(end, allowed_m, *left).found_m > allowed_m);
+    if (is_worth_more) left = prove(*left, begin, end, kAllOpen);
+    if (left->empty()) {
+      if (!all && is_deeper_so_far()) open.clear();
+      return;
+    }
+    const double travel_m = path_.travel_m(end) - path_.travel_m(begin);
     bool is_end = false, is_deeper = false;
     Depth a, b;
-    if (way_m <= coarse_m) {
-      a = at(begin, allowed_m), b = at(end, allowed_m);
+    if (travel_m <= coarse_m) {
+      a = at(begin, allowed_m, *left), b = at(end, allowed_m, *left);
       is_deeper = std::max(a.found_m, b.found_m) > allowed_m;
       is_end = std::min(a.found_m, b.found_m) > allowed_m;
       const bool is_one_motion = clearance::CenterPath::between(begin, end).count() == 0;
-      if (way_m <= resolution_m && is_one_motion) {
-        is_end = is_deeper || is_any_close || way_m <= within_m_;
+      if (travel_m <= resolution_m && is_one_motion) {
+        is_end = is_deeper || is_any_close || travel_m <= within_m_;
       }
     }
     if (!is_end) {
       const Moment half = path_.middle(begin, end);
-      open.push_back({half, end});
-      open.push_back({begin, half});
-      continue;
+      open.push_back({half, end, left});
+      open.push_back({begin, half, left});
+      return;
     }
     is_any_close |= !is_deeper;
     const bool follows = !found.empty() && path_.time_s(found.back().to) == path_.time_s(begin);
@@ -176,6 +223,12 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
     stretch.is_deeper |= is_deeper;
     if (a.found_m > stretch.worst.found_m) stretch.worst_at = begin, stretch.worst = a;
     if (b.found_m > stretch.worst.found_m) stretch.worst_at = end, stretch.worst = b;
+  };
+  try {
+    at(from, std::nullopt), at(to, std::nullopt);  // how deep it is, be it proven or not
+    while (!open.empty()) look_at_next();
+  } catch (const Stopped&) {
+    if (!is_deeper_so_far()) throw;
   }
   for (Stretch& stretch : found) {
     find_worst(stretch);

@@ -14,6 +14,7 @@
 #include "runtime/clearance/center_path.h"
 #include "workbench/exact/depth.h"
 #include "workbench/exact/mesh_distance.h"
+#include "workbench/exact/motion_proof.h"
 
 namespace forcelayer::exact {
 
@@ -29,7 +30,7 @@ class SeatWalk {
   // The depth at a pose; less closely where it is far from `allowed_m`, if that is given, and else
   // by this fraction of it. Depth::place_m is of the part, Depth::foot_m of the object.
   Depth at_pose(const Pose& world_from_center, std::optional<double> allowed_m,
-                double within_fraction = 0) const;
+                double within_fraction = 0, const DepthProgress& progress = {}) const;
 
   // Whether each of the part's bodies has an inside or each of the object's has: then one surface
   // that passes through the other is deep in it.
@@ -45,27 +46,50 @@ class SeatWalk {
     bool is_deeper = false;  // than allowed; else it is too close to call
   };
   // Those between two moments, in the order of time. They are found to `resolution_m` of travel
-  // where they begin and end; one that is too close to call is found to `within_m`.
+  // where they begin and end; one that is too close to call is found to `within_m`. The search ends
+  // behind the first in which it is deeper, unless `all` are asked for. Where a Watch stops it,
+  // what was found counts if it is deeper.
   std::vector<Stretch> deeper_than(const Moment& from, const Moment& to, double allowed_m,
-                                   double resolution_m);
+                                   double resolution_m, bool all = false);
+
+  // Until when the last search has proven or found something.
+  double reached_s() const { return reached_s_; }
+
+  // The deepest place between two moments, of some that are looked at; `known` is one of them.
+  Stretch deepest_of(const Moment& from, const Moment& to, const Moment& known);
 
   // The deepest place of all moments so far, and the moment.
   const std::optional<std::pair<Moment, Depth>>& deepest_so_far() const { return deepest_; }
   std::uint64_t measured() const { return depths_.size(); }
 
  private:
+  // Parts of the surface of one body of both that may go too deep into one of the other.
+  struct Open {
+    const Body *surface, *solid;
+    bool is_of_part;
+    Parts parts;
+  };
+  using Opens = std::vector<Open>;
+  Opens not_proven(const Opens& open, const Moment& begin, const Moment& end, double allowed_m,
+                   std::size_t max_open) const;
+  // The depth at a moment, and at a pose, of these parts. Those that are proven need not be among
+  // them to know whether it is more than allowed.
+  const Depth& at(const Moment& moment, std::optional<double> allowed_m, const Opens& open);
   const Depth& at(const Moment& moment, std::optional<double> allowed_m);
-  bool is_proven(const Moment& begin, const Moment& end, double allowed_m) const;
+  Depth depth_of(const Opens& open, const Pose& world_from_center, std::optional<double> allowed_m,
+                 double within_fraction, const DepthProgress& progress) const;
   void find_worst(Stretch& stretch);
 
   const clearance::CenterPath& path_;
   const Bodies& part_;
   const Bodies& object_;
   const MeshPair& distance_;
+  Opens all_;                       // of both surfaces
   double within_m_, radius_m_ = 0;  // radius of the part about its centroid
   std::map<std::tuple<std::size_t, double, bool>, Depth> depths_;
   std::optional<std::pair<Moment, Depth>> deepest_;
   std::function<void(double)> progress_ = [](double) {};
+  double reached_s_ = 0;
 };
 
 }  // namespace forcelayer::exact

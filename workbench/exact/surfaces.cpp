@@ -35,7 +35,7 @@ Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, dou
 Error other_meshes(const std::string& file, std::string why) {
   return {ErrorCode::kFilesDoNotMatch, file, "--exact",
           "was not baked from these meshes: " + std::move(why),
-          "name the inputs of the bake, with its --without and units, or bake again"};
+          "give the inputs of the bake with the same --without and units, or bake again"};
 }
 
 Surface surface_of(const mesh::Scene& scene) {
@@ -74,15 +74,16 @@ Surface surface_of(const part::Part& part, const glm::dvec3& origin_m) {
 
 Status check_triangles(const std::string& file, std::size_t read, std::uint64_t baked) {
   if (read == baked) return {};
-  return other_meshes(file, command::text("they have %zu triangles, and it was made from %llu",
-                                          read, static_cast<unsigned long long>(baked)));
+  return other_meshes(
+      file, command::text("the meshes have %zu triangles, but the file was made from %llu", read,
+                          static_cast<unsigned long long>(baked)));
 }
 
 Status check_names(const std::string& file, const mesh::Scene& scene, const Voxmap& voxmap) {
   const std::uint32_t count = voxmap.header().object_count;
   if (count != scene.objects.size()) {
-    return other_meshes(
-        file, command::text("they are %zu objects, and it has %u", scene.objects.size(), count));
+    return other_meshes(file, command::text("the meshes have %zu objects, but the file has %u",
+                                            scene.objects.size(), count));
   }
   for (std::uint32_t n = 1; n <= count; ++n) {
     const std::string& name = scene.objects[n - 1].name;
@@ -100,7 +101,7 @@ Status check_content(const std::string& file, const mesh::Scene& scene, const Vo
   for (std::size_t n = 0; n < std::min(baked.size(), scene.objects.size()); ++n) {
     const mesh::MeshObject& object = scene.objects[n];
     if (mesh::content_hash(scene.mesh_of(object), object.world_from_mesh) == baked[n]) continue;
-    return other_meshes(file, "'" + object.name + "' has another shape, size or place");
+    return other_meshes(file, "'" + object.name + "' has another shape, size or position");
   }
   return {};
 }
@@ -154,6 +155,7 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
   mesh::ReadOptions options;
   options.deflection_m = mesh::baked_deflection_m(header.voxel_size_m);
   options.missing_faces = reading->missing_faces;
+  options.allow_outside = request.allow_outside;
   options.up = reading->up;
   auto files = part::read_part(request.part_meshes, request.part_unit_m, options, reading->read);
   if (!files) return files.error();
@@ -164,7 +166,7 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
   }
   const std::string baked = command::part_hash_in(shell.provenance());
   if (!baked.empty() && pointshell::part_hash(part) != baked) {
-    return other_meshes(request.part, "the part has another shape, size or place");
+    return other_meshes(request.part, "the part has another shape, size or position");
   }
   const auto& c = header.center_m;
   Surface surface = surface_of(part, {c[0], c[1], c[2]});
@@ -174,12 +176,14 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {
   return those_of(surface, [&](std::uint32_t object) {
-    return std::find(left_out.begin(), left_out.end(), object) == left_out.end();
+    return std::ranges::find(left_out, object) == left_out.end();
   });
 }
 
-Surface only(const Surface& surface, std::uint32_t object) {
-  return those_of(surface, [&](std::uint32_t other) { return other == object; });
+Surface only(const Surface& surface, std::span<const std::uint32_t> objects) {
+  return those_of(surface, [&](std::uint32_t object) {
+    return std::ranges::find(objects, object) != objects.end();
+  });
 }
 
 }  // namespace forcelayer::exact

@@ -35,7 +35,7 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
 // The triangles of those objects that are not among `left_out`.
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out);
 
-// The triangles of one object.
-Surface only(const Surface& surface, std::uint32_t object);
+// The triangles of these objects.
+Surface only(const Surface& surface, std::span<const std::uint32_t> objects);
 
 }  // namespace forcelayer::exact

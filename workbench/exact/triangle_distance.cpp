@@ -65,9 +65,10 @@ class Face {
   // The place straight below `p`; none where that lies outside of the triangle.
   std::optional<Vec> foot(const Vec& p) const {
     if (!(height_ > 0)) return std::nullopt;
-    const Vec way = p - origin_;
-    const double of_third = dot(way, up_) / height_;
-    const double of_edge = (dot(way, along_) - of_third * dot(third_, along_)) / dot(edge_, along_);
+    const Vec offset = p - origin_;
+    const double of_third = dot(offset, up_) / height_;
+    const double of_edge =
+        (dot(offset, along_) - of_third * dot(third_, along_)) / dot(edge_, along_);
     if (!(of_third >= 0 && of_edge >= 0 && of_third + of_edge <= 1)) return std::nullopt;
     return origin_ + of_edge * edge_ + of_third * third_;
   }

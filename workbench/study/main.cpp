@@ -1,8 +1,5 @@
 // forcelayer: lists the commands, and makes a study of a part with them.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -24,10 +21,10 @@ struct Listed {
 constexpr Listed kCommands[] = {
     {"voxelize", "bakes the static scene into a .vox file"},
     {"pointshell", "bakes the part into a .pshell file"},
-    {"voxinfo", "says what a baked file is; verifies, samples and exports it"},
+    {"voxinfo", "prints the facts of a baked file; verifies, samples and exports it"},
     {"voxrun", "runs the haptic loop; voxrun doctor checks the machine"},
     {"voxcheck", "proves that a part keeps its clearance along a path"},
-    {"voxplan", "finds a path that takes a part out of its installed position"},
+    {"voxplan", "searches for a path that takes a part out of its installed position"},
     {"voxview", "shows meshes, baked files and runs"},
 };
 
@@ -41,7 +38,8 @@ std::string command_lines() {
                   here ? "" : " (not installed)");
     lines += line;
   }
-  return lines + "  forcelayer study: all of it, from an assembly to a page with a verdict\n" +
+  return lines +
+         "  forcelayer study: calls these commands, from an assembly to a page with a verdict\n" +
          "Each has --help.";
 }
 
@@ -68,6 +66,8 @@ forcelayer::Status check_folder(const forcelayer::study::Options& options) {
       {"scene.vox", FileKind::kVoxmap},      {"part.pshell", FileKind::kPshell},
       {"scene.json", FileKind::kReport},     {"part.json", FileKind::kReport},
       {"run.json", FileKind::kReport},       {"plan.json", FileKind::kReport},
+      {"list.json", FileKind::kReport},      {"installed.json", FileKind::kReport},
+      {"hand.json", FileKind::kReport},      {"installed.csv", FileKind::kTable},
       {"path.csv", FileKind::kTable},        {"straight.csv", FileKind::kTable},
       {"trace.csv", FileKind::kTable},       {"curve.csv", FileKind::kTable},
       {"installed.png", FileKind::kPicture}, {"worst.png", FileKind::kPicture}};
@@ -82,31 +82,12 @@ forcelayer::Status check_folder(const forcelayer::study::Options& options) {
   return {};
 }
 
-std::string left_line;  // what a signal leaves of a study
-
-extern "C" void end_study(int number) {
-  const bool said = ::write(2, left_line.data(), left_line.size()) >= 0;
-  static_cast<void>(said);  // nobody is there
-  forcelayer::command::end_on_signal(number);
-}
-
-void say_on_signals_that_it_goes_on(const std::string& folder) {
-  left_line = "forcelayer: " + forcelayer::escaped(folder) +
-              " holds the steps that are finished; the same command goes on from there\n";
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction current {};
-    sigaction(number, nullptr, &current);
-    if (current.sa_handler == SIG_IGN) continue;
-    current.sa_handler = end_study;
-    sigaction(number, &current, nullptr);
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Lists the commands; makes a study of a part with them", "forcelayer"};
+  CLI::App app{"Lists the commands; with study, uses them to check a part of an assembly",
+               "forcelayer"};
   CLI::App* const made = app.add_subcommand(
       "study", "bake scene and part, find, run or check a path, and write a page with the verdict");
   const study::OptionParser parser(*made);
@@ -119,19 +100,20 @@ int main(int argc, char** argv) {
   command::arrange_help(
       app, {},
       "  forcelayer                                                 lists the commands\n"
-      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin");
+      "  forcelayer study 'gearbox.glb#Pin' --pull 0,0,60mm -o pin");
   made->footer(
-      "Called again it goes on: what is finished and unchanged is not done again.\n"
+      "The same command continues an earlier study. It skips finished steps whose inputs did not "
+      "change.\n"
       "Exit status 0: clear; 6: not clear, or the part does not come out.");
   command::arrange_help(
       *made,
-      {{"What is asked",
-        {"--voxel-size", "--range", "--path", "--pull", "--time", "--seed", "--clearance", "--seat",
+      {{"Question",
+        {"--voxel-size", "--range", "--path", "--pull", "--time", "--clearance", "--seat",
          "--seat-depth", "--allow"}},
-       {"What is read", {"--without", "--missing-faces", "--units", "--up", "--sandbox"}},
-       {"Output", {"--output", "--files-alone", "--no-pictures"}}},
-      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o out\n"
-      "  forcelayer study 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o pin\n"
+       {"Meshes", {"--without", "--missing-faces", "--units", "--up", "--sandbox"}},
+       {"Output", {"--output", "--plan", "--files-alone", "--no-pictures"}}},
+      "  forcelayer study 'gearbox.glb#Pin' --clearance 1mm -o out\n"
+      "  forcelayer study 'gearbox.glb#Pin' --pull 0,0,60mm -o pin\n"
       "  forcelayer study 'gearbox.glb#Cover' --without Lid --voxel-size 1mm --path out.csv -o "
       "cover");
   int status = 0;
@@ -145,7 +127,14 @@ int main(int argc, char** argv) {
     const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     if (Status s = check_folder(*options); !s) return s;
-    say_on_signals_that_it_goes_on(options->folder);
-    return study::make_study(*options);
+    command::stop_programs_on_signals();
+    const Status ended = study::make_study(*options);
+    const int stopped = command::stop_signal();
+    if (stopped == 0 || ended || ended.error().code == ErrorCode::kAnswerIsNo) return ended;
+    std::fprintf(
+        stderr,
+        "forcelayer: %s contains the finished steps; the same command continues from there\n",
+        escaped(options->folder).c_str());
+    command::end_on_signal(stopped);
   });
 }

@@ -16,13 +16,15 @@ namespace forcelayer::study {
 struct Options {
   std::string assembly;  // before "#": the file, or manifest
   std::string node;      // behind it: the part
-  std::string voxel_size, range, clearance, units, up, path, pull, time, seed, seat, seat_depth,
-      folder, missing_faces;
+  std::string voxel_size, range, clearance, units, up, path, pull, time, seat, seat_depth, folder,
+      missing_faces;
   std::vector<std::string> allow, without;
   bool searches() const { return path.empty() && pull.empty(); }
+  bool no_pictures = false;
   bool files_alone = false;  // the meshes do not settle what the files leave open
   bool sandbox = false;      // meshes are read in processes of their own
-  bool no_pictures = false;
+  bool plan = false;         // only a first look: which voxel sizes there are, and what they cost
+  bool is_auto() const { return voxel_size == "auto"; }
   std::string json;
   bool quiet = false;
 };
@@ -39,8 +41,6 @@ class OptionParser {
   Options options_;
   std::string input_;
   unsigned missing_faces_ = 0;
-  static constexpr unsigned kSeed = 1;  // the default of voxplan
-  unsigned seed_ = kSeed;
 };
 
 }  // namespace forcelayer::study

@@ -98,12 +98,12 @@ std::string facts_table(const Page& page) {
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
-  table += row(is_seated ? "least distance, contact aside" : "least distance",
+  table += row(is_seated ? "smallest distance outside of contact" : "least distance",
                at_least ? "at least " + mm(smallest["clearance_m"])
                         : clearance(smallest) + " to " + name_of(smallest["object"]));
   if (!at_least) {
-    table += row("there", "after " + along(smallest["along_path_m"]) + " of the path, at " +
-                              place(smallest["point_m"]));
+    table += row("position", "after " + along(smallest["along_path_m"]) + " of the path, at " +
+                                 place(smallest["point_m"]));
   }
   std::string seat;
   for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
@@ -116,12 +116,12 @@ std::string facts_table(const Page& page) {
   }
   for (const Json& s : v["seated"]) {
     table += row("in contact", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
-                                   along(v["way_m"]) + "; " + clearance(s) + " to " +
+                                   along(v["travel_m"]) + "; " + clearance(s) + " to " +
                                    name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {
     table += row("not checked", "objects less than " + mm(v["hidden_within_m"]) +
-                                    " behind those that it is installed on");
+                                    " behind the objects that the part is installed on");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",
@@ -138,11 +138,17 @@ std::string depth_words(const Json& violation) {
   return violation.contains("exact_m") ? " deep" : " deeper than installed";
 }
 
+bool is_open(const Json& violation) {
+  return violation.value("seat_not_settled", false) || violation.value("graze", false);
+}
+
 std::string violations_table(const Json& violations) {
   if (violations.empty()) return "";
-  std::string table =
-      "<h2>Where it is too near</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th>"
-      "<th>to</th><th>nearest after</th><th>place</th></tr>\n";
+  std::string table = "<h2>Positions that are ";
+  table += std::all_of(violations.begin(), violations.end(), is_open) ? "not decided" : "too near";
+  table +=
+      "</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th><th>to</th><th>nearest "
+      "after</th><th>place</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
     if (v.contains("exact_m") && v["exact_m"] == 0) {
@@ -150,12 +156,13 @@ std::string violations_table(const Json& violations) {
       if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
     }
     if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
-    if (v.value("object_inside", false)) how = "it lies inside the part";
+    if (v.value("object_inside", false)) how = "the object lies inside the part";
     if (v.value("seat_not_settled", false)) how = "undecided in contact";
     if (v.value("graze", false)) how += ", too close to call";
+    const bool is_placed = !v.value("seat_not_settled", false);
     table += "<tr><td>" + along(v["from_m"]) + "</td><td>" + along(v["to_m"]) + "</td><td>" + how +
              "</td><td>" + name_of(v["object"]) + "</td><td>" + along(v["along_path_m"]) +
-             "</td><td>" + place(v["point_m"]) + "</td></tr>\n";
+             "</td><td>" + (is_placed ? place(v["point_m"]) : "") + "</td></tr>\n";
   }
   return table + "</table>\n";
 }
@@ -173,6 +180,7 @@ Result<std::string> pictures(const std::vector<Picture>& pictures) {
 }
 
 Result<std::string> files_table(const std::vector<std::string>& files) {
+  if (files.empty()) return std::string();
   std::string table = "<h2>Files</h2>\n<table>\n<tr><th>file</th><th>SHA-256</th></tr>\n";
   for (const std::string& path : files) {
     const auto digest = digest::sha256_of_file(path);
@@ -190,7 +198,26 @@ constexpr const char* kStyle =
     "vertical-align:top}figure{margin:1rem 0}img,svg{max-width:100%;height:auto}"
     ".verdict{padding:.8rem 1rem;border-left:.5rem solid;white-space:pre-wrap}"
     ".yes{border-color:#009e73;background:#e6f5f0}.no{border-color:#d55e00;background:#fbeee6}"
-    "pre{background:#f4f4f4;padding:.8rem;overflow-x:auto}code{font-size:.85rem}";
+    ".open{border-color:#767676;background:#f2f2f2}"
+    "pre{background:#f4f4f4;padding:.8rem;white-space:pre-wrap;overflow-wrap:anywhere}"
+    "code{font-size:.85rem}";
+
+// The color of a verdict: yes, no, or open, where a longer search or more exact files may decide.
+const char* class_of(command::VerdictKind kind) {
+  using command::VerdictKind;
+  if (command::is_yes(kind)) return "yes";
+  return kind == VerdictKind::kUndecided || kind == VerdictKind::kTooCloseToCall ||
+                 kind == VerdictKind::kNoPathFound
+             ? "open"
+             : "no";
+}
+
+std::string commands_of(const Page& page) {
+  if (page.commands.empty()) return "";
+  std::string lines;
+  for (const std::string& line : page.commands) lines += html(line) + "\n";
+  return "<h2>Commands</h2>\n<pre>" + lines + "</pre>\n";
+}
 
 }  // namespace
 
@@ -200,21 +227,22 @@ Result<std::string> html_of(const Page& page) {
   const auto files = files_table(page.files);
   if (!files) return files.error();
   const std::string title = page.part + " of " + page.assembly;
-  std::string commands;
-  for (const std::string& line : page.commands) commands += html(line) + "\n";
+  const std::string heading = command::heading(page.verdict);
+  const bool is_first = page.text.starts_with(heading);
+  const std::string text = is_first ? page.text.substr(heading.size()) : "\n" + page.text;
   std::string found;
   if (page.report.is_object()) {
-    found = facts_table(page) + violations_table(page.report["violations"]) +
-            "<h2>Clearance along the path</h2>\n" + page.curve_svg +
-            "<p>The curve is a safe lower bound; the real distance is larger. Dot: the least "
-            "distance. Gray: in contact, as installed. Red: less than required.</p>\n";
+    found =
+        facts_table(page) + violations_table(page.report["violations"]) +
+        "<h2>Clearance along the path</h2>\n" + page.curve_svg +
+        "<p>The curve is a safe lower bound; the real distance is larger. Dot: the least "
+        "distance. Gray: in contact, as installed. Red: less than required, or not decided.</p>\n";
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
-         "</h1>\n<p class=\"verdict " + (command::is_yes(page.verdict.kind) ? "yes" : "no") +
-         "\"><strong>" + html(command::heading(page.verdict)) + "</strong>\n" +
-         html_lines(page.text) + "</p>\n" + found + *drawn + "<h2>How it was found</h2>\n<pre>" +
-         commands + "</pre>\n" + *files + "<p>Made by forcelayer " + command::kVersion +
+         "</h1>\n<p class=\"verdict " + class_of(page.verdict.kind) + "\"><strong>" +
+         html(heading) + "</strong>" + html_lines(text) + "</p>\n" + found + *drawn +
+         commands_of(page) + *files + "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +
          ".</p>\n</body></html>\n";
 }

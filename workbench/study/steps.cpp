@@ -117,32 +117,72 @@ void Steps::say(const std::string& text) const {
   std::fflush(stdout);
 }
 
-Result<StepEnd> Steps::run(const Step& step) {
+bool Steps::is_known(const Step& step) const {
+  const auto last = known_.find(command_line(step));
+  if (last == known_.end()) return false;
+  const auto inputs = digests_of(step.inputs), outputs = digests_of(step.outputs);
+  return inputs && outputs && (*last)["inputs"] == *inputs && (*last)["outputs"] == *outputs;
+}
+
+Status Steps::remember(const Step& step) {
+  const auto inputs = digests_of(step.inputs), outputs = digests_of(step.outputs);
+  if (!inputs || !outputs) return inputs ? outputs.error() : inputs.error();
+  kept_[command_line(step)] = {{"inputs", *inputs}, {"outputs", *outputs}};
+  return write();
+}
+
+Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begins) {
   const std::string line = command_line(step);
   const auto inputs = digests_of(step.inputs);
   if (!inputs) return inputs.error();
-  if (const auto last = known_.find(line); last != known_.end() && (*last)["inputs"] == *inputs) {
+  const bool is_own = kept_.contains(line);  // run before in this study
+  const Json& known = is_own ? kept_ : known_;
+  if (const auto last = known.find(line); last != known.end() && (*last)["inputs"] == *inputs) {
     const auto outputs = digests_of(step.outputs);
     if (outputs && (*last)["outputs"] == *outputs) {
       say("unchanged: " + line + "\n");
-      kept_[line] = *last;
-      lines_.push_back({line, (*last)["status"], true});
-      return StepEnd{(*last)["status"], (*last)["output"], true};
+      const StepEnd end{(*last)["status"], (*last)["output"], true};
+      lines_.push_back({line, end.status, true});
+      if (!is_own) kept_[line] = *last;
+      return end;
     }
   }
   say("$ " + line + "\n");
+  if (Status s = begins(); !s) return s.error();
   const auto end = command::run_program(step.program, step.arguments, "",
                                         command::ProgramOutput::kTaken, step.package);
   if (!end) return end.error();
-  say(end->output);
+  if (step.shows) say(end->output);
   lines_.push_back({line, end->status});
+  // Where it failed, the files are those of an earlier step.
+  const bool answered = end->status == 0 || end->status == exit_status(ErrorCode::kAnswerIsNo);
+  if (!answered) return StepEnd{end->status, end->output};
   const auto outputs = digests_of(step.outputs);
   if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
   kept_[line] = {
       {"status", end->status}, {"output", end->output}, {"inputs", *inputs}, {"outputs", *outputs}};
-  const Json memory = {{"version", version()}, {"steps", kept_}};
-  if (Status written = command::write_report(memory_, memory); !written) return written.error();
+  if (Status written = write(); !written) return written.error();
   return StepEnd{end->status, end->output};
+}
+
+Status Steps::write() const {
+  return command::write_report(memory_, Json{{"version", version()}, {"steps", kept_}});
+}
+
+nlohmann::json Steps::recall(const std::string& question, const std::vector<std::string>& inputs) {
+  const auto last = known_.find(question);
+  const auto digests = digests_of(inputs);
+  if (last == known_.end() || !digests || (*last)["inputs"] != *digests) return nullptr;
+  kept_[question] = *last;
+  return (*last)["answer"];
+}
+
+Status Steps::keep(const std::string& question, const std::vector<std::string>& inputs,
+                   const nlohmann::json& answer) {
+  const auto digests = digests_of(inputs);
+  if (!digests) return digests.error();
+  kept_[question] = {{"inputs", *digests}, {"answer", answer}};
+  return write();
 }
 
 }  // namespace forcelayer::study

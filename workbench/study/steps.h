@@ -2,6 +2,7 @@
 // inputs are those of the last time.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct Step {
   std::vector<std::string> inputs;   // files that its outcome depends on
   std::vector<std::string> outputs;  // files that it writes
   std::string package;               // that it is installed with
+  bool shows = true;  // whether its output is for the reader: not that of a measurement
 };
 
 // The end of a step.
@@ -33,17 +35,31 @@ class Steps {
   // Remembers in this file what was run.
   static Result<Steps> open(const std::string& memory, bool quiet);
 
-  // Runs a step to its end, and prints its command and output. Errors: kFileNotFound for a program
-  // or an input that is not there. A step that fails is forgotten, and its status reported.
-  Result<StepEnd> run(const Step& step);
+  // Runs a step to its end, and prints its command and output; `begins` is called before. Errors:
+  // kFileNotFound for a program or an input that is not there. A step that fails is forgotten, and
+  // its status reported.
+  Result<StepEnd> run(const Step& step, const std::function<Status()>& begins);
 
-  // Those of this time, in their order.
+  // Whether an earlier study remembered this step with the inputs and outputs as they are now.
+  bool is_known(const Step& step) const;
+  Status remember(const Step& step);
+
+  // The answer that an earlier study kept to a question with these inputs; null: none.
+  nlohmann::json recall(const std::string& question, const std::vector<std::string>& inputs);
+  Status keep(const std::string& question, const std::vector<std::string>& inputs,
+              const nlohmann::json& answer);
+
+  // Prints it, unless the study is quiet.
+  void say(const std::string& text) const;
+
+  // Those since the last forget_lines(), in their order.
   struct Line {
     std::string command;
     int status = 0;
     bool again = false;
   };
   const std::vector<Line>& lines() const { return lines_; }
+  void forget_lines() { lines_.clear(); }
 
  private:
   Steps(std::string memory, bool quiet) : memory_(std::move(memory)), quiet_(quiet) {}
@@ -52,7 +68,7 @@ class Steps {
   bool quiet_;
   nlohmann::ordered_json known_ = nlohmann::ordered_json::object();  // by command line
   nlohmann::ordered_json kept_ = nlohmann::ordered_json::object();   // of this time
-  void say(const std::string& text) const;
+  Status write() const;
 
   std::vector<Line> lines_;
 };

@@ -2,28 +2,35 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "formats/command/command.h"
+#include "formats/command/program.h"
 #include "formats/command/quantity.h"
 #include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/command/verdict/hosts.h"
 #include "formats/command/verdict/verdict.h"
+#include "formats/command/version.h"
 #include "formats/file/descriptor.h"
 #include "formats/file/file_bytes.h"
 #include "workbench/study/curve.h"
 #include "workbench/study/page.h"
 #include "workbench/study/steps.h"
+#include "workbench/study/voxel_size.h"
 
 namespace forcelayer::study {
 namespace {
@@ -40,7 +47,8 @@ json read_json(const std::string& path) {
 // One study, step by step.
 class Study {
  public:
-  Study(const Options& options, Steps steps) : options_(options), steps_(std::move(steps)) {}
+  Study(const Options& options, Steps steps)
+      : options_(options), steps_(std::move(steps)), voxel_size_(options.voxel_size) {}
 
   Status make();
 
@@ -53,65 +61,114 @@ class Study {
   std::vector<std::string> left_out() const;
   void add_reading(Step& step) const;
   void add_meshes(Step& step) const;
+  void add_check_meshes(Step& step) const;
   void add_bake_reading(Step& step) const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
   Step plan_step() const;
   Step check_step() const;
+  Step hand_step() const;
   Step picture_step() const;
+  Step list_step() const;
+  Step installed_step() const;
+
+  Status choose_voxel_size();
+  Status look();
+  Result<double> look_size() const;
+  Status plan() const;
+  Status answer();
+  std::string open_answer() const;
+  nlohmann::ordered_json play_json() const;
+  void note_voxel_size();
 
   Status bake();
   Status find_path();
   Status pull();
-  Status write_straight_path();
+  Status write_path(const char* name, std::initializer_list<double> fractions) const;
   Status check();
+  Result<StepEnd> check_path(const std::string& path);
   Status say_that_no_path_was_found();
+  command::Subject subject() const {
+    return {"forcelayer study", "forcelayer.study", options_.node};
+  }
+  Status write_verdict(const std::string& junit, const json& exit_status);
+  Status write_bare_page(const command::Verdict& verdict) const;
   Status draw();
   Status write_page();
-  Status report() const;
+  Status report(int status = 0) const;
   Status judge() const;
+
+  Step question() const;
+  Status begin_step(const Step& step);
+  command::Verdict unfinished(const std::string& why) const;
+  Status make_all();
+  void say_that_it_failed(const Error& error);
 
   // A step that must not fail; `or_no`: the answer no is not a failure.
   Result<StepEnd> run(const Step& step, bool or_no = false);
 
   const Options& options_;
   Steps steps_;
+  std::string voxel_size_;  // of the bakes
+  bool is_deep_ = false;    // the part lies so deep in its seat that distances are stored deeper
+  std::optional<SizeCost> look_;
+  Play play_;
+  SizeChoice choice_;
+  std::vector<json> tried_;  // sizes that left the answer open, and why
+  std::string no_finer_;     // why a smaller size gave no answer at all; empty: none was tried
+  bool draws_ = false;
   std::string path_;  // that is checked; empty where the search found none
   json checked_;      // report of voxcheck; null where there is no path
   command::Verdict verdict_;
-  std::string held_;      // how far the pulled part went; empty: to the end, or its path was given
-  std::string sentence_;  // the first one
-  std::string text_;      // that and the lines that follow it
+  std::string held_;       // how far the pulled part went; empty: to the end, or its path was given
+  std::string sentence_;   // the first one
+  std::string text_;       // that and the lines that follow it
+  bool is_known_ = false;  // the page is there, of the same question
+  bool is_checked_ = false;  // the verdict in the folder is that of these voxels
+  std::string failure_;      // why a step failed, in its own words
 };
 
-// The objects that a path is not clear of, by name. Those that are entered deepest come first, to
-// the micrometer: depths that differ by rounding alone keep the order of the report.
-std::vector<std::string> blockers(const json& verdict) {
-  if (!verdict.is_object()) return {};
-  std::vector<std::pair<long long, std::string>> found;
-  for (const json& violation : verdict.value("violations", json::array())) {
-    const json& object = violation["object"];
-    if (!object.is_string()) continue;
-    const long long depth_um = std::llround(1e6 * violation.value("depth_m", 0.0));
-    const auto same = std::find_if(found.begin(), found.end(),
-                                   [&](const auto& other) { return other.second == object; });
-    if (same == found.end()) {
-      found.emplace_back(depth_um, object.get<std::string>());
-    } else {
-      same->first = std::max(same->first, depth_um);
-    }
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<std::string> names;
-  for (auto& [depth_um, name] : found) names.push_back(std::move(name));
-  return names;
+// The error that a command wrote into its report since `begun`; empty: none.
+std::string error_line(const Step& step, std::filesystem::file_time_type begun) {
+  const auto option = std::find(step.arguments.begin(), step.arguments.end(), "--json");
+  if (option == step.arguments.end() || option + 1 == step.arguments.end()) return "";
+  std::error_code failure;
+  const auto written = std::filesystem::last_write_time(*(option + 1), failure);
+  if (failure || written < begun) return "";
+  const json report = read_json(*(option + 1));
+  const json error = report.is_object() ? report.value("error", json::object()) : json::object();
+  return error.is_object() ? error.value("line", "") : "";
+}
+
+std::string end_text(int status) {
+  if (status <= 128) return "ended with status " + std::to_string(status);
+  const char* const name = sigabbrev_np(status - 128);
+  return std::string("was ended by ") + (name == nullptr ? "a signal" : "SIG" + std::string(name));
+}
+
+Error stopped_error(const std::string& program) {
+  return {ErrorCode::kInternal, "", "",
+          std::string("it was stopped by SIG") + sigabbrev_np(command::stop_signal()) +
+              " in the step " + program,
+          ""};
+}
+
+// voxplan refuses a seat beside objects from which the files prove too little.
+bool is_refused_search(const Error& error) {
+  return error.code == ErrorCode::kUsage && error.where == "voxplan";
 }
 
 Result<StepEnd> Study::run(const Step& step, bool or_no) {
-  const auto end = steps_.run(step);
-  if (!end || end->status == 0 || (or_no && end->status == kAnswerIsNo)) return end;
+  failure_.clear();
+  if (command::stop_signal() != 0) return stopped_error(step.program);
+  const auto begun = std::filesystem::file_time_type::clock::now();
+  const auto end = steps_.run(step, [&] { return begin_step(step); });
+  if (!end) return end;
+  if (end->status != 0 && command::stop_signal() != 0) return stopped_error(step.program);
+  if (end->status == 0 || (or_no && end->status == kAnswerIsNo)) return end;
+  const std::string line = error_line(step, begun);
+  failure_ = step.program + " " + end_text(end->status) + (line.empty() ? "" : ": " + line);
   ErrorCode code = ErrorCode::kInternal;
   for (const ErrorCode other :
        {ErrorCode::kUsage, ErrorCode::kMeshUnreadable, ErrorCode::kNotThisFormat,
@@ -120,11 +177,9 @@ Result<StepEnd> Study::run(const Step& step, bool or_no) {
   }
   // The system's refusals and signals pass; a wrong command line or file stays wrong.
   const bool may_pass = end->status == exit_status(ErrorCode::kInternal) || end->status >= 128;
-  return Error{
-      code, "", step.program,
-      "ended with status " + std::to_string(end->status) + ", so the study is not finished",
-      std::string("see its line above") +
-          (may_pass ? "; the same command goes on from there" : "")};
+  return Error{code, "", step.program, end_text(end->status) + ", so the study is not finished",
+               std::string("see its error above") +
+                   (may_pass ? "; the same command continues from there" : "")};
 }
 
 std::vector<std::string> Study::left_out() const {
@@ -154,6 +209,14 @@ void Study::add_meshes(Step& step) const {
   add_reading(step);
 }
 
+// The same for voxcheck, which has them measured only as long as is allowed.
+void Study::add_check_meshes(Step& step) const {
+  if (options_.files_alone) return;
+  add_meshes(step);
+  if (options_.time.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--time", options_.time});
+}
+
 // The reports of the baked files.
 void Study::add_bake_reading(Step& step) const {
   add_reading(step);
@@ -170,17 +233,22 @@ Step Study::scene_step() const {
             "forcelayer-tools"};
   const auto out = left_out();
   step.arguments.insert(step.arguments.end(), out.begin(), out.end());
-  step.arguments.insert(step.arguments.end(), {"--voxel-size", options_.voxel_size, "-o",
-                                               in("scene.vox"), "--json", in("scene.json")});
-  if (!options_.range.empty())
+  step.arguments.insert(step.arguments.end(), {"--voxel-size", voxel_size_, "-o", in("scene.vox"),
+                                               "--json", in("scene.json")});
+  if (!options_.range.empty()) {
     step.arguments.insert(step.arguments.end(), {"--range", options_.range});
+  } else if (is_deep_) {
+    constexpr double kDeepestVoxels = 32;
+    const double voxel_m = *command::parse_length(voxel_size_);
+    step.arguments.insert(step.arguments.end(), {"--range", size_option(kDeepestVoxels * voxel_m)});
+  }
   add_bake_reading(step);
   return step;
 }
 
 Step Study::part_step() const {
   Step step{"pointshell",
-            {part_mesh(), "--voxel-size", options_.voxel_size, "-o", in("part.pshell"), "--json",
+            {part_mesh(), "--voxel-size", voxel_size_, "-o", in("part.pshell"), "--json",
              in("part.json")},
             with_references(options_.assembly),
             {in("part.pshell"), in("part.json")},
@@ -195,7 +263,8 @@ Step Study::pull_step() const {
              "--save-path", in("path.csv"), "--trace", in("trace.csv"), "--json", in("run.json")},
             {in("scene.vox"), in("part.pshell")},
             {in("path.csv"), in("trace.csv"), in("run.json")},
-            "forcelayer-runtime"};
+            "forcelayer-runtime",
+            false};
   if (!options_.seat.empty()) {
     step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
   }
@@ -208,16 +277,14 @@ Step Study::plan_step() const {
              options_.seat, "-o", in("path.csv"), "--json", in("plan.json")},
             {in("scene.vox"), in("part.pshell")},
             {in("path.csv"), in("plan.json")},
-            "forcelayer-tools"};
+            "forcelayer-tools",
+            false};
   for (const std::string& object : options_.allow) {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
   if (!options_.files_alone) add_meshes(step);
   if (!options_.time.empty()) {
     step.arguments.insert(step.arguments.end(), {"--time", options_.time});
-  }
-  if (!options_.seed.empty()) {
-    step.arguments.insert(step.arguments.end(), {"--seed", options_.seed});
   }
   return step;
 }
@@ -227,19 +294,39 @@ Step Study::check_step() const {
             {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance},
             {in("scene.vox"), in("part.pshell"), path_},
             {in("verdict.json"), in("curve.csv"), in("verdict.xml")},
-            "forcelayer-runtime"};
+            "forcelayer-runtime",
+            false};
   const auto add = [&](const std::vector<std::string>& more) {
     step.arguments.insert(step.arguments.end(), more.begin(), more.end());
   };
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
-  if (!options_.files_alone) add_meshes(step);
+  add_check_meshes(step);
   add({"--json", in("verdict.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
-  if (!options_.no_pictures) {
+  if (draws_) {
     add({"--picture", in("worst.png")});
     step.outputs.push_back(in("worst.png"));
   }
+  return step;
+}
+
+// The path of the simulated hand, beside the straight one.
+Step Study::hand_step() const {
+  Step step{"voxcheck",
+            {in("scene.vox"), in("part.pshell"), in("path.csv"), "--clearance", options_.clearance,
+             "--fail-on", "nothing", "--json", in("hand.json")},
+            {in("scene.vox"), in("part.pshell"), in("path.csv")},
+            {in("hand.json")},
+            "forcelayer-runtime",
+            false};
+  if (!options_.seat.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
+  }
+  for (const std::string& object : options_.allow) {
+    step.arguments.insert(step.arguments.end(), {"--allow", object});
+  }
+  add_check_meshes(step);
   return step;
 }
 
@@ -279,26 +366,29 @@ Status Study::find_path() {
   return {};
 }
 
-// A part that is held off the end of its pull did not follow the straight path. Whether that path
-// is free is asked of the meshes, and which objects block it: a simulated hand feels one of them.
+// Whether the straight path is free is asked of the meshes, and which objects block it: a simulated
+// hand feels one of them, and what it feels depends on the voxels.
 Status Study::pull() {
   if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
-  if (!ended.is_object() || !ended.value("held", false)) return {};
-  held_ = command::text("pulled %.4g mm, it moved %.3g mm", 1e3 * ended.value("led_m", 0.0),
-                        1e3 * ended.value("went_m", 0.0));
+  held_.clear();
+  if (ended.is_object() && ended.value("held", false)) {
+    held_ = command::text("pulled %.4g mm, the part moved %.3g mm", 1e3 * ended.value("led_m", 0.0),
+                          1e3 * std::max(0.0, ended.value("went_m", 0.0)));
+  }
   path_ = in("straight.csv");
-  return write_straight_path();
+  return write_path("straight.csv", {0, 1});
 }
 
-Status Study::write_straight_path() {
-  const auto pull_m = command::parse_point(options_.pull);
+// Straight by fractions of the pull, from the seat.
+Status Study::write_path(const char* name, std::initializer_list<double> fractions) const {
+  const auto pull_m = command::parse_point(options_.pull.empty() ? "0,0,0m" : options_.pull);
   const auto seat = command::parse_pose(options_.seat.empty() ? "0,0,0m" : options_.seat);
   if (!pull_m || !seat) return pull_m ? seat.error() : pull_m.error();
   const auto& [position_m, orientation] = *seat;
   std::string rows = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
-  for (const double fraction : {0.0, 1.0}) {
+  for (const double fraction : fractions) {
     rows += command::text("%.17g", fraction);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       rows += command::text(",%.17g", position_m[axis] + fraction * (*pull_m)[axis]);
@@ -306,28 +396,39 @@ Status Study::write_straight_path() {
     for (const double q : orientation) rows += command::text(",%.17g", q);
     rows += "\n";
   }
-  return command::write_text(path_, rows);
+  return command::write_text(in(name), rows);
+}
+
+Result<StepEnd> Study::check_path(const std::string& path) {
+  path_ = path;
+  auto checked = run(check_step(), true);
+  if (checked) checked_ = read_json(in("verdict.json"));
+  is_checked_ = true;
+  return checked;
 }
 
 Status Study::check() {
+  checked_ = nullptr;
+  verdict_ = {};
   if (path_.empty()) return say_that_no_path_was_found();
-  const auto checked = run(check_step(), true);
+  auto checked = check_path(path_);
   if (!checked) return checked.error();
-  checked_ = read_json(in("verdict.json"));
+  if (!options_.pull.empty() && held_.empty() && checked->status != 0) {
+    // The hand went to the end of its pull. Where its own path is clear, that is the answer.
+    if (const auto hand = run(hand_step()); !hand) return hand.error();
+    const auto kind = command::verdict_kind(read_json(in("hand.json")).value("kind", ""));
+    if (command::is_yes(kind)) checked = check_path(in("path.csv"));
+    if (!checked) return checked.error();
+  }
+  verdict_ = {};
   verdict_.kind = command::verdict_kind(checked_.value("kind", ""));
   verdict_.required_m = checked_.value("required_clearance_m", 0.0);
   if (checked_["direction"].is_string()) verdict_.motion = checked_["direction"];
+  if (checked_["finding"].is_string()) verdict_.finding = checked_["finding"];
+  verdict_.blocked_by = checked_.value("blocked_by", std::vector<std::string>());
   sentence_ = checked_.value("sentence", "");
   text_ = checked->output;
-  if (!held_.empty() && command::is_yes(verdict_.kind)) {
-    text_ += "  a simulated hand did not follow this path: " + held_ + "\n";
-  } else if (!held_.empty()) {
-    verdict_.kind = command::VerdictKind::kDoesNotComeOut;
-    verdict_.finding = held_;
-    verdict_.blocked_by = blockers(checked_);
-    sentence_ = command::sentence(verdict_);
-    text_ = sentence_ + "\n  the straight path: " + text_;
-  }
+  if (!held_.empty()) text_ += "  a simulated hand did not follow this path: " + held_ + "\n";
   return command::write_text(in("verdict.txt"), text_);
 }
 
@@ -342,25 +443,342 @@ Status Study::say_that_no_path_was_found() {
     verdict_.finding = found["finding"];
     verdict_.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
   } else {  // refused before the search
-    verdict_.finding = found.value("error", json::object()).value("what", "it was refused");
+    verdict_.finding = found.value("error", json::object()).value("what", "the search was refused");
     const auto required_m = command::parse_length(options_.clearance);
     verdict_.required_m = required_m ? *required_m : 0;
   }
+  return write_verdict(command::junit_text(subject(), verdict_, 0), kAnswerIsNo);
+}
+
+// Where no path was checked.
+Status Study::write_verdict(const std::string& junit, const json& exit_status) {
   sentence_ = command::sentence(verdict_);
   text_ = command::terminal_text(verdict_);
   for (const char* name : {"curve.csv", "curve.svg", "worst.png"}) std::remove(in(name).c_str());
-  const std::string verdict = command::verdict_json(verdict_).dump(2) + "\n";
-  if (Status s = command::write_text(in("verdict.json"), verdict); !s) return s;
-  const command::Subject subject{"forcelayer study", "forcelayer.study", options_.node};
-  const std::string test = command::junit_text(subject, verdict_, 0);
-  if (Status s = command::write_text(in("verdict.xml"), test); !s) return s;
+  // It begins as the report of voxcheck, which replaces nothing else.
+  nlohmann::ordered_json verdict{{"schema_version", command::kReportSchema},
+                                 {"tool", "forcelayer"},
+                                 {"tool_version", command::kVersion},
+                                 {"commit", command::commit()},
+                                 {"exit_status", exit_status}};
+  verdict.update(command::verdict_json(verdict_));
+  if (Status s = command::write_report(in("verdict.json"), verdict); !s) return s;
+  if (Status s = command::write_text(in("verdict.xml"), junit); !s) return s;
   return command::write_text(in("verdict.txt"), text_);
 }
 
+command::Verdict Study::unfinished(const std::string& why) const {
+  command::Verdict verdict;
+  const auto required_m = command::parse_length(options_.clearance);
+  verdict.required_m = required_m ? *required_m : 0;
+  verdict.finding = "the study is not finished: " + why;
+  return verdict;
+}
+
+// Until there is an answer, the folder says that there is none, however this ends.
+Status Study::begin_step(const Step& step) {
+  if (is_known_ || options_.plan) return {};
+  const command::Verdict verdict =
+      unfinished("the step " + step.program + " is running, or was stopped");
+  if (!is_checked_) {
+    verdict_ = verdict;
+    const Error error{ErrorCode::kInternal, "", "", verdict.finding, ""};
+    if (Status s = write_verdict(command::junit_text(subject(), error), nullptr); !s) return s;
+  }
+  return write_bare_page(verdict);
+}
+
+// A study without pictures is still one: where voxview is not installed, or cannot draw.
 Status Study::draw() {
   if (options_.no_pictures) return {};
-  const auto drawn = run(picture_step());
-  return drawn ? Status{} : drawn.error();
+  if (command::program_path("voxview").empty()) {
+    command::warn("voxview is not installed: the page has no pictures", options_.quiet);
+    return {};
+  }
+  const Step picture = picture_step();
+  const auto drawn = steps_.run(picture, [&] { return begin_step(picture); });
+  if (!drawn) return drawn.error();
+  if (command::stop_signal() != 0) return stopped_error(picture.program);
+  draws_ = drawn->status == 0;
+  if (!draws_) command::warn("voxview cannot draw: the page has no pictures", options_.quiet);
+  return {};
+}
+
+// The whole assembly, for the size of the part and of all.
+Step Study::list_step() const {
+  Step step{"voxelize",
+            {"--list", options_.assembly, "--json", in("list.json")},
+            with_references(options_.assembly),
+            {in("list.json")},
+            "forcelayer-tools",
+            false};
+  add_reading(step);
+  if (!options_.up.empty()) step.arguments.insert(step.arguments.end(), {"--up", options_.up});
+  return step;
+}
+
+// How near the part is to its neighbors as installed.
+Step Study::installed_step() const {
+  Step step{"voxcheck",
+            {in("scene.vox"), in("part.pshell"), in("installed.csv"), "--clearance",
+             options_.clearance, "--fail-on", "nothing", "--json", in("installed.json")},
+            {in("scene.vox"), in("part.pshell"), in("installed.csv")},
+            {in("installed.json")},
+            "forcelayer-runtime",
+            false};
+  if (!options_.seat.empty()) {
+    step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
+  }
+  add_check_meshes(step);
+  return step;
+}
+
+Result<double> Study::look_size() const {
+  const json list = read_json(in("list.json"));
+  const auto longest_m = [](const json& node) {
+    double longest = 0;
+    for (std::size_t axis = 0; axis < 3 && node.contains("low_m"); ++axis) {
+      const double low = node["low_m"][axis], high = node["high_m"][axis];
+      longest = std::max(longest, high - low);
+    }
+    return longest;
+  };
+  double scene_m = 0, part_m = INFINITY;
+  for (const json& file : list.is_object() ? list.value("files", json::array()) : json::array()) {
+    scene_m = std::max(scene_m, longest_m(file["whole"]));
+    for (const json& node : file["nodes"]) {
+      const std::string path = node.value("node", "");
+      const bool is_part = path == options_.node || path.ends_with("/" + options_.node);
+      if (is_part && longest_m(node) > 0) part_m = std::min(part_m, longest_m(node));
+    }
+  }
+  if (scene_m == 0) {
+    return Error{ErrorCode::kUsage, options_.assembly, "--voxel-size",
+                 "auto needs the size of the assembly, but its files state no unit",
+                 "add --units, for example --units mm"};
+  }
+  const auto required_m = command::parse_length(options_.clearance);
+  return look_size_m(std::min(part_m, scene_m), scene_m, required_m ? *required_m : 0);
+}
+
+// Bakes coarse files, and measures with them how near the part is to its neighbors.
+Status Study::look() {
+  if (options_.is_auto()) {
+    if (const auto listed = run(list_step()); !listed) return listed.error();
+    const auto size_m = look_size();
+    if (!size_m) return size_m.error();
+    voxel_size_ = size_option(*size_m);
+  }
+  if (Status s = bake(); !s) return s;
+  if (Status s = write_path("installed.csv", {0}); !s) return s;
+  auto installed = run(installed_step());
+  const bool may_be_deep = options_.is_auto() && options_.range.empty();
+  if (!installed && may_be_deep && installed.error().code == ErrorCode::kUsage) {
+    is_deep_ = true;  // it overlaps a neighbor by more than the distances that are usually stored
+    if (Status s = bake(); !s) return s;
+    installed = run(installed_step());
+  }
+  if (!installed) return installed.error();
+  play_ = play_of(read_json(in("installed.json")));
+  const json scene = read_json(in("scene.json")), part = read_json(in("part.json"));
+  const json expected = scene.value("expected", json::object()), shell = part["expected"];
+  look_ = SizeCost{scene["voxel_size_m"], scene["zero_force_m"], part["points"],
+                   std::max(expected.value("bytes", 0.0), shell.value("bytes", 0.0)),
+                   expected.value("thread_s", 0.0) + shell.value("thread_s", 0.0)};
+  SizeQuestion question;
+  question.part_m = 2 * part["bounding_radius_m"].get<double>();
+  question.required_m = *command::parse_length(options_.clearance);
+  question.time_s = options_.time.empty() ? 60 : *command::parse_duration(options_.time);
+  question.memory_bytes =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  choice_ = choose_size(question, *look_, play_);
+  return {};
+}
+
+// All that the answer depends on, and the files that hold it.
+Step Study::question() const {
+  Step question;
+  question.program = "study";
+  question.arguments = {options_.assembly, options_.node, options_.range, options_.clearance};
+  for (const std::string* text :
+       {&options_.voxel_size, &options_.units, &options_.up, &options_.path, &options_.pull,
+        &options_.time, &options_.seat, &options_.seat_depth, &options_.missing_faces}) {
+    question.arguments.push_back(*text);
+  }
+  for (const auto* list : {&options_.allow, &options_.without}) {
+    question.arguments.push_back("--");
+    question.arguments.insert(question.arguments.end(), list->begin(), list->end());
+  }
+  question.arguments.push_back(options_.files_alone ? "files" : "meshes");
+  question.inputs = with_references(options_.assembly);
+  if (!options_.path.empty()) question.inputs.push_back(options_.path);
+  question.outputs = {in("report.html"), in("verdict.json"), in("verdict.xml"), in("verdict.txt")};
+  return question;
+}
+
+// Takes the size that an earlier study of the same inputs chose: its files are still there.
+Status Study::choose_voxel_size() {
+  const std::vector<std::string> inputs = question().inputs;
+  const std::string key = "auto: " + command_line(question());
+  const json known = steps_.recall(key, inputs);
+  if (known.is_object()) {
+    voxel_size_ = known["voxel_size"];
+    is_deep_ = known["is_deep"];
+    tried_ = known["tried"].get<std::vector<json>>();
+    no_finer_ = known["no_finer"];
+    play_ = play_of(known["installed"]);
+    choice_ = {known["first_m"], known["last_m"], known["why_first"], known["why_last"]};
+    return answer();
+  }
+  if (Status s = look(); !s) return s;
+  const json installed = read_json(in("installed.json"));
+  double size_m = choice_.first_m;
+  // The last with an answer, if only an open one; at first that with which the play was measured.
+  const double look_m = look_->voxel_size_m;
+  std::string answered_size = look_m > size_m * (1 + 1e-9) ? size_option(look_m) : "";
+  while (true) {
+    voxel_size_ = size_option(size_m);
+    const double next_m = smaller_size_m(size_m);
+    const bool is_last = next_m < choice_.last_m * (1 - 1e-9);
+    const Status answered = answer();
+    if (!answered && (is_last || !is_refused_search(answered.error()))) {
+      if (answered_size.empty() || command::stop_signal() != 0) return answered;
+      no_finer_ = "voxels of " + command::length_text(size_m) +
+                  " gave no answer: " + (failure_.empty() ? to_line(answered.error()) : failure_);
+      voxel_size_ = answered_size;
+      if (Status s = answer(); !s) return s;
+      break;
+    }
+    const std::string open =
+        answered ? open_answer() : "too little was proven where the part is installed";
+    if (open.empty() || is_last) break;
+    if (answered) answered_size = voxel_size_;
+    steps_.say("smaller voxels follow: " + open + "\n");
+    tried_.push_back({{"voxel_size_m", size_m}, {"open", open}});
+    size_m = next_m;
+  }
+  return steps_.keep(key, inputs,
+                     {{"voxel_size", voxel_size_},
+                      {"is_deep", is_deep_},
+                      {"tried", tried_},
+                      {"no_finer", no_finer_},
+                      {"installed", installed},
+                      {"first_m", choice_.first_m},
+                      {"last_m", choice_.last_m},
+                      {"why_first", choice_.why_first},
+                      {"why_last", choice_.why_last}});
+}
+
+// All steps with the files of one voxel size.
+Status Study::answer() {
+  steps_.forget_lines();
+  is_checked_ = false;
+  if (Status s = bake(); !s) return s;
+  if (Status s = draw(); !s) return s;
+  if (Status s = find_path(); !s) return s;
+  return check();
+}
+
+// Why smaller voxels may give another answer; empty where they cannot.
+std::string Study::open_answer() const {
+  using command::VerdictKind;
+  const double voxel_m = *command::parse_length(voxel_size_);
+  const json violations =
+      checked_.is_object() ? checked_.value("violations", json::array()) : json::array();
+  switch (verdict_.kind) {
+    case VerdictKind::kNoPathFound:
+      return "no path was found";
+    case VerdictKind::kTooCloseToCall: {
+      // STEP surfaces get finer triangles; of other meshes only rounding is left.
+      const json exact = checked_.value("exact", json::object());
+      const bool helps = exact.value("deviations_and_rounding_m", 0.0) > 1e-6;
+      return helps ? "the answer was too close to call" : "";
+    }
+    case VerdictKind::kUndecided:
+      for (const json& violation : violations) {
+        // Smaller voxels close no mesh, and give no time.
+        const bool stays_open =
+            violation.value("seat_not_settled", false) || violation.value("out_of_time", false);
+        if (!stays_open) return "the answer was undecided";
+      }
+      return "";
+    case VerdictKind::kDoesNotComeOut: {
+      if (held_.empty()) return "";  // no pull, or the hand went to its end
+      double depth_m = 0;
+      for (const json& violation : violations) {
+        depth_m = std::max(depth_m, violation.value("depth_m", 0.0));
+      }
+      return depth_m < voxel_m ? "the straight path is blocked by less than a voxel" : "";
+    }
+    default:
+      return "";
+  }
+}
+
+nlohmann::ordered_json Study::play_json() const {
+  if (!play_.is_measured) return nullptr;
+  const bool any = !play_.object.empty();
+  return {{"smallest_m", any ? json(play_.play_m) : json()},
+          {"object", any ? json(play_.object) : json()},
+          {"in_contact_with", play_.touched}};
+}
+
+// Lines behind the sentence: the voxels that were chosen, and why.
+void Study::note_voxel_size() {
+  const double size_m = *command::parse_length(voxel_size_);
+  std::string line = "voxels of " + command::length_text(size_m) + ", ";
+  if (!no_finer_.empty()) {
+    line += "the smallest with an answer; " + no_finer_;
+  } else if (tried_.empty()) {
+    line += "chosen: " + choice_.why_first;
+  } else {
+    line += "refined from " + command::length_text(tried_.front()["voxel_size_m"]) + ": " +
+            tried_.back()["open"].get<std::string>();
+  }
+  text_ += "  " + play_text(play_) + "\n  " + line + "\n";
+  if (open_answer().empty() || !no_finer_.empty()) return;
+  text_ += "  the answer is still open at the smallest size of " +
+           command::length_text(choice_.last_m) + ": " + choice_.why_last + "\n";
+}
+
+// The sizes from the first that is chosen to the last that would be tried.
+Status Study::plan() const {
+  SizeChoice choice = choice_;
+  if (!options_.is_auto()) {
+    choice.first_m = look_->voxel_size_m;
+    choice.last_m = std::min(choice.last_m, choice.first_m);
+    choice.why_first = "by --voxel-size";
+  }
+  const auto sizes = sizes_of(choice, *look_);
+  const std::string words = play_text(play_) + "\nvoxels of " +
+                            command::length_text(choice.first_m) + ", chosen: " + choice.why_first +
+                            "\nsmallest size " + command::length_text(choice.last_m) + ": " +
+                            choice.why_last + "\n";
+  if (!options_.quiet) std::fputs((table_of(sizes) + words).c_str(), stdout);
+  if (options_.json.empty()) return {};
+  nlohmann::ordered_json report;
+  for (const SizeCost& size : sizes) {
+    report["plan"].push_back({{"voxel_size_m", size.voxel_size_m},
+                              {"fits_down_to_m", size.fits_m},
+                              {"points", std::round(size.points)},
+                              {"bytes", std::round(size.bytes)},
+                              {"thread_s", size.thread_s}});
+  }
+  report["play"] = play_json();
+  report["words"] = words;
+  return command::write_report(options_.json, report);
+}
+
+Status Study::write_bare_page(const command::Verdict& verdict) const {
+  Page page;
+  page.part = options_.node;
+  page.assembly = std::filesystem::path(options_.assembly).filename().string();
+  page.verdict = verdict;
+  page.text = command::terminal_text(verdict);
+  for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
+  const auto html = html_of(page);
+  if (!html) return html.error();
+  return command::write_text(in("report.html"), *html);
 }
 
 Status Study::write_page() {
@@ -379,29 +797,43 @@ Status Study::write_page() {
     page.curve_svg = std::move(*svg);
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
     page.files.insert(page.files.end(), {path_, in("curve.csv")});
-    if (!options_.no_pictures) page.pictures.push_back({in("worst.png"), "The worst moment"});
+    if (draws_) page.pictures.push_back({in("worst.png"), "The worst moment"});
   }
-  if (!options_.no_pictures) {
+  if (draws_) {
     page.pictures.push_back({in("installed.png"), "Where the part is installed"});
   }
   for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
   const auto html = html_of(page);
   if (!html) return html.error();
   if (Status written = command::write_text(in("report.html"), *html); !written) return written;
-  if (!options_.quiet) std::printf("%s\n", escaped(in("report.html")).c_str());
+  if (!options_.quiet) {
+    std::fputs(text_.c_str(), stdout);
+    std::printf("%s\n", escaped(in("report.html")).c_str());
+  }
   return {};
 }
 
-Status Study::report() const {
+Status Study::report(int status) const {
   if (options_.json.empty()) return {};
   nlohmann::ordered_json report;
+  if (status != 0) report["exit_status"] = status;
   report.update(command::verdict_json(verdict_));
   report["sentence"] = sentence_;
   report["words"] = text_;
   report["page"] = in("report.html");
   report["path"] = path_.empty() ? json() : json(path_);
-  report["blocked_by"] = path_.empty() ? verdict_.blocked_by : blockers(checked_);
+  if (!path_.empty()) report["blocked_by"] = checked_["blocked_by"];
   report["check"] = checked_;
+  const auto voxel_m = command::parse_length(voxel_size_);
+  report["voxel_size_m"] = voxel_m ? json(*voxel_m) : json();
+  if (options_.is_auto() && choice_.first_m > 0) {
+    report["voxel_size_why"] = !no_finer_.empty() ? json(no_finer_)
+                               : tried_.empty()   ? json(choice_.why_first)
+                                                  : tried_.back()["open"];
+    report["voxel_sizes_tried"] = tried_;
+    report["smallest_voxel_size_m"] = choice_.last_m;
+    report["play"] = play_json();
+  }
   for (const auto& line : steps_.lines()) {
     report["steps"].push_back(
         {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
@@ -411,25 +843,58 @@ Status Study::report() const {
 
 Status Study::judge() const {
   if (command::is_yes(verdict_.kind)) return {};
-  const std::string mend =
-      path_.empty()
-          ? "the same search finds no path again; try a longer --time, another --seed, a smaller "
-            "--clearance or --voxel-size, or give a path of your own with --path or --pull"
-          : "see " + in("report.html");
+  const std::string mend = path_.empty()
+                               ? "the same search would find no path again; try a longer --time, a "
+                                 "smaller --clearance or --voxel-size, or give your own path with "
+                                 "--path or --pull"
+                               : "see " + in("report.html");
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
                sentence_.substr(0, sentence_.size() - 1), mend};
 }
 
+// The answer is not known: the page says why, in the words of the command that failed.
+void Study::say_that_it_failed(const Error& error) {
+  // Nothing is said of an input that is not there, unless the folder says something else.
+  if (steps_.lines().empty() && !std::filesystem::exists(in("report.html"))) return;
+  path_.clear();
+  checked_ = nullptr;
+  verdict_ = unfinished(failure_.empty() ? to_line(error) : failure_);
+  const Error told{error.code, "", "", verdict_.finding, ""};
+  const int stopped = command::stop_signal();
+  const int status = stopped != 0 ? 128 + stopped : exit_status(error.code);
+  Status written = write_verdict(command::junit_text(subject(), told), status);
+  if (written) written = write_bare_page(verdict_);
+  if (written) written = report(status);
+  if (written) return;
+  // No answer is better than one that is not true.
+  for (const std::string& file : question().outputs) std::remove(file.c_str());
+}
+
 Status Study::make() {
+  is_known_ = !options_.plan && steps_.is_known(question());
+  const Status made = make_all();
+  if (!made && !options_.plan && made.error().code != ErrorCode::kAnswerIsNo) {
+    say_that_it_failed(made.error());
+  }
+  return made;
+}
+
+Status Study::make_all() {
   if (!options_.path.empty()) {  // before minutes of baking
     if (const auto path = FileBytes::read(options_.path); !path) return path.error();
   }
-  if (Status s = bake(); !s) return s;
-  if (Status s = find_path(); !s) return s;
-  if (Status s = check(); !s) return s;
-  if (Status s = draw(); !s) return s;
-  if (Status s = write_page(); !s) return s;
+  if (options_.plan) {
+    if (Status s = look(); !s) return s;
+    return plan();
+  }
+  if (Status s = options_.is_auto() ? choose_voxel_size() : answer(); !s) return s;
+  if (options_.is_auto()) {
+    note_voxel_size();
+    if (Status s = command::write_text(in("verdict.txt"), text_); !s) return s;
+  }
   if (Status s = report(); !s) return s;
+  if (Status s = write_page(); !s) return s;
+  if (Status s = steps_.remember(question()); !s) return s;
   return judge();
 }
 
@@ -439,16 +904,32 @@ Status Study::make() {
 Result<Descriptor> lock_folder(const std::string& folder) {
   Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (locked.valid() && ::flock(locked.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    return Error{ErrorCode::kWriteFailed, folder, "--output", "another study is writing to it",
-                 "wait for its end, or name another folder"};
+    return Error{ErrorCode::kWriteFailed, folder, "--output",
+                 "another study is writing to this folder",
+                 "wait until it has ended, or name another folder"};
   }
   return locked;
+}
+
+// A plan whose files nobody asked for.
+Status measure_only(Options options) {
+  std::error_code failure;
+  const auto place = std::filesystem::temp_directory_path(failure) / "forcelayer-XXXXXX";
+  options.folder = place.string();
+  if (failure || mkdtemp(options.folder.data()) == nullptr) {
+    return Error{ErrorCode::kWriteFailed, options.folder, "--plan", "no folder can be made here",
+                 "set TMPDIR to a folder that can be written to, or add -o"};
+  }
+  const Status made = make_study(options);
+  std::filesystem::remove_all(options.folder, failure);
+  return made;
 }
 
 }  // namespace
 
 Status make_study(const Options& options) {
   std::error_code failure;
+  if (options.folder.empty()) return measure_only(options);
   const bool made = std::filesystem::create_directories(options.folder, failure);
   if (failure) {
     return Error{ErrorCode::kWriteFailed, options.folder, "--output", failure.message(),

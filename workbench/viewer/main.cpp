@@ -50,7 +50,7 @@ Status plan_live(const ViewOptions& options, const ViewScene& scene, PoseReceive
   Pose grip;
   const auto row = newest_row(receiver, options.duration_s.value_or(kListenS), grip);
   if (!row) {
-    return Error{ErrorCode::kReadFailed, "", "--listen " + options.listen, "no pose came",
+    return Error{ErrorCode::kReadFailed, "", "--listen " + options.listen, "no pose was received",
                  "start voxrun with --udp and this port"};
   }
   Moment moment = moment_of(*row, grip);
@@ -103,7 +103,7 @@ Status find_screen(const ViewOptions& options, char** argv) {
   const bool endless =
       !takes_picture(options) && options.frame_times.empty() && !options.duration_s;
   if (endless && !display_is_set()) {
-    return Error{ErrorCode::kDeviceNotFound, "", "", "no display to open a window on",
+    return Error{ErrorCode::kDeviceNotFound, "", "", "there is no display for a window",
                  "set DISPLAY, or give --screenshot FILE"};
   }
   return ensure_screen(argv);
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   app.footer(keys);
   forcelayer::command::arrange_help(
       app,
-      {{"What is shown",
+      {{"View",
         {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
          "--cut"}},
        {"A run and its moment",

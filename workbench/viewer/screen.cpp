@@ -32,8 +32,9 @@ constexpr const char* kUnderXvfb =
 // The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
 // does, with words and a status of its own.
 int end_without_display(Display*) {
-  const Error error{ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
-                    "the window was killed or its X server ended; a run that it showed goes on"};
+  const Error error{
+      ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
+      "the window was killed, or its X server ended; the run that the window showed goes on"};
   std::fprintf(stderr, "voxview: %s\n", to_line(error).c_str());
   remove_temporary_files();
   _exit(exit_status(error.code));
@@ -70,8 +71,8 @@ Status ensure_screen(char** argv) {
       return {};
     }
     return Error{ErrorCode::kDeviceNotFound, "", "",
-                 "the display '" + std::string(std::getenv("DISPLAY")) + "' does not open",
-                 "set DISPLAY to one that does, or unset it and give --screenshot FILE"};
+                 "the display '" + std::string(std::getenv("DISPLAY")) + "' cannot be opened",
+                 "set DISPLAY to another display, or unset it and add --screenshot FILE"};
   }
   std::string self = "/proc/self/exe", screen = "-screen 0 1280x1024x24";
   if (char* path = realpath("/proc/self/exe", nullptr); path != nullptr) {
@@ -80,7 +81,7 @@ Status ensure_screen(char** argv) {
   }
   if (command::program_path("xvfb-run").empty()) {
     return Error{ErrorCode::kDeviceNotFound, "", "",
-                 "no display to draw on, and no xvfb-run to make one",
+                 "there is no display, and xvfb-run is not installed to make one",
                  "install the packages xvfb and xauth, or set DISPLAY"};
   }
   std::vector<std::string> words = {"sh", "-c", kUnderXvfb, self, screen, self};

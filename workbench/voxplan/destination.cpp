@@ -9,7 +9,7 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr double kBeside = 1e-6;  // of the part's radius, more than the rounding of a box
+constexpr double kBeside = 1e-6;  // of the part's radius; exceeds the rounding of a box
 
 }  // namespace
 
@@ -21,7 +21,7 @@ Destination::Destination(const Problem& problem)
     scene_.low[axis] = static_cast<double>(h.origin_voxel[i]) * h.voxel_size_m;
     scene_.high[axis] = scene_.low[axis] + static_cast<double>(h.dims_voxels[i]) * h.voxel_size_m;
   }
-  // Room to pass by the scene, and to turn around beside it.
+  // Includes room to pass the scene and to turn beside it.
   const double around_m = 3 * problem.part.header().bounding_radius_m + problem.clearance_m;
   const glm::dvec3& start = problem.world_from_start.position_m;
   bounds_ = {glm::min(scene_.low, start) - around_m, glm::max(scene_.high, start) + around_m};
@@ -68,16 +68,16 @@ std::optional<Pose> Destination::straight_from(const Pose& from,
                                                const glm::dvec3& direction) const {
   if (pose_) return *pose_;
   const Box box = part_box(from);
-  double way_m = std::numeric_limits<double>::infinity();
+  double distance_m = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     const double up = direction[axis];
     if (up == 0 || !ends_at(axis, up > 0)) continue;
     const double beside_m = up > 0 ? scene_.high[axis] - box.low[axis] + beside()
                                    : box.high[axis] - scene_.low[axis] + beside();
-    way_m = std::min(way_m, std::max(0.0, beside_m) / std::abs(up));
+    distance_m = std::min(distance_m, std::max(0.0, beside_m) / std::abs(up));
   }
-  if (!std::isfinite(way_m)) return std::nullopt;
-  return Pose{from.position_m + way_m * direction, from.orientation};
+  if (!std::isfinite(distance_m)) return std::nullopt;
+  return Pose{from.position_m + distance_m * direction, from.orientation};
 }
 
 Pose Destination::sample(Random& random) const {

@@ -1,4 +1,4 @@
-// Where a path may end: at a pose, or anywhere outside of the scene.
+// The end of a path: one pose, or any pose outside of the scene.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +19,20 @@ class Destination {
  public:
   // A pose of the centroid frame.
   static Destination at(const Problem& problem, const Pose& world_from_center);
-  // The part's box is beside the scene's, the box of its voxels that are not free: at a side that
-  // is not cropped, beyond which the scene does not go on.
+  // Any pose at which the part's box is beside the box of the scene's voxels that are not free.
+  // Only sides that are not cropped count, because the scene does not go on there.
   static Destination out_of_scene(const Problem& problem);
-  // Whether there is such a side. Else nothing below may be asked.
+  // Whether there is such a side. If not, the functions below must not be called.
   bool is_known() const { return pose_ || cropped_sides_ != kAllSides; }
 
   bool is_reached(const Pose& pose) const { return distance_m(pose) <= 0; }
-  double distance_m(const Pose& pose) const;  // that is left to go at least
+  double distance_m(const Pose& pose) const;  // lower bound of the distance left to go
   Pose sample(Random& random) const;
-  // The one pose, or the nearest pose outside that a part gets to from `from` in that direction.
+  // The one pose, or the nearest pose outside that the part reaches from `from` in that direction.
   std::optional<Pose> straight_from(const Pose& from, const glm::dvec3& direction) const;
   bool is_one_pose() const { return pose_.has_value(); }
 
-  // Wherever it is of use to look for the part's centroid.
+  // The positions of the part's centroid among which a search is useful.
   const Box& bounds() const { return bounds_; }
 
  private:
@@ -40,7 +40,7 @@ class Destination {
 
   explicit Destination(const Problem& problem);
   Box part_box(const Pose& pose) const;
-  double beside() const;  // by so much more, m
+  double beside() const;  // extra distance between the boxes, m
   bool ends_at(int axis, bool high) const { return !(cropped_sides_ >> (2 * axis + high) & 1u); }
 
   const Problem& problem_;

@@ -1,4 +1,4 @@
-// voxplan: finds a way for a part out of its seat, or to a pose, with a proven clearance.
+// voxplan: finds a path for a part out of its seat, or to a pose, with a proven clearance.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
@@ -50,10 +50,10 @@ Status plan_for(const Options& options) {
   voxcheck::warn_of_missing_faces(options.scene, *scene, options.part, *part, options.quiet);
   if (const double radius_m = part->header().covering_radius_m; radius_m > scene->voxel_size_m()) {
     command::warn(
-        command::text("the part's covering radius, %.3g mm, is more than a voxel of the "
-                      "scene, %.3g mm: less is proven; bake the part with --voxel-size "
-                      "%.3gmm",
-                      1e3 * radius_m, 1e3 * scene->voxel_size_m(), 1e3 * scene->voxel_size_m()),
+        command::text(
+            "the part's covering radius, %.3g mm, is larger than a voxel of the scene, %.3g mm, so "
+            "less clearance can be proven; bake the part with --voxel-size %.3gmm",
+            1e3 * radius_m, 1e3 * scene->voxel_size_m(), 1e3 * scene->voxel_size_m()),
         options.quiet);
   }
   const auto allowed = voxcheck::named_objects(*scene, options.allow);
@@ -70,7 +70,7 @@ Status plan_for(const Options& options) {
   command::ProgressLine line(options.quiet);
   const auto planned =
       plan(problem, options, meshes ? &*meshes : nullptr, [&](double fraction, double out_m) {
-        line.show(command::text("out to %.3g mm", 1e3 * out_m), fraction);
+        line.show(command::text("moved up to %.3g mm", 1e3 * out_m), fraction);
       });
   line.clear();
   if (!planned) {
@@ -94,20 +94,20 @@ Status plan_for(const Options& options) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Finds a path for a part, out of its installed position or to a pose, with a clearance that "
-      "is proven for the whole path",
+      "Searches for a path of a part, out of its installed position or to a pose, with a clearance "
+      "that is proven for the whole path",
       "voxplan"};
-  app.footer("Exit status 0: a path was found; 6: no path was found in that time.");
+  app.footer("Exit status 0: a path was found; 6: no path was found within --time.");
   command::set_version(app, "OMPL " FORCELAYER_OMPL_VERSION);
   OptionParser parser(app);
   command::arrange_help(
       app,
-      {{"What is asked", {"--seat", "--goal", "--clearance", "--allow", "--seat-depth"}},
-       {"The meshes",
+      {{"Question", {"--seat", "--goal", "--clearance", "--allow", "--seat-depth"}},
+       {"Meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox"}},
-       {"The search", {"--time", "--seed", "--threads"}},
-       {"Output", {"--output", "--speed"}}},
+       {"Search", {"--time", "--seed", "--threads"}},
+       {"Output", {"--output"}}},
       "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        out of where it is "
       "installed\n"
       "  voxplan bay.vox part.pshell --seat 0.3m,0.2m,0.5m --goal 0.3m,0.2m,0.9m -o path.csv");

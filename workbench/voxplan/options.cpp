@@ -23,38 +23,37 @@ Result<Pose> read_pose(const char* option, const std::string& text) {
 
 }  // namespace
 
-OptionParser::OptionParser(CLI::App& app) : clearance_("12.7mm"), seat_("0,0,0m"), time_("60s") {
+OptionParser::OptionParser(CLI::App& app)
+    : clearance_(command::kDefaultClearance), seat_("0,0,0m"), time_("60s") {
   options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
   app.add_option("-o,--output", options_.path, "the path, a CSV of poses of the part")->required();
   app.add_option(
       "--seat", seat_,
-      "world_from_part where it starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. There it may be "
-      "near the objects that it touches, until it has left them");
+      "pose world_from_part in which the part starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. The "
+      "part may be near the objects that it touches in this pose, until it has left these objects");
   app.add_option("--goal", goal_,
-                 "target pose, world_from_part; default: anywhere beside the scene, with the "
-                 "part's box outside of the scene's box");
-  app.add_option("--clearance", clearance_,
-                 "that is proven along the path, for the exact surfaces; default 12.7mm");
+                 "target pose world_from_part; default: anywhere beside the scene, with the part's "
+                 "box outside of the scene's box");
+  app.add_option(
+      "--clearance", clearance_,
+      "required distance between the exact surfaces, proven along the path; default 1mm");
   app.add_option("--allow", options_.allow,
-                 "an object that may be near, by its name or the end of it; * and ? match; "
+                 "name of an object that may be near, or the end of its name; * and ? match; "
                  "repeatable")
       ->allow_extra_args(false);
   meshes_.declare(app, options_,
-                  "what the scene was baked from: only a path is taken that the meshes settle, as "
-                  "by voxcheck --exact; repeatable");
-  app.add_option("--time", time_, "after which the search is given up; default 60s");
+                  "the inputs from which the scene was baked. A path is written only if the meshes "
+                  "prove it, as in voxcheck --exact; repeatable");
+  app.add_option("--time", time_, "time after which the search ends; default 60s");
   app.add_option("--seed", options_.seed,
-                 "of its random numbers: another one, another path; default 1")
+                 "seed of the random numbers; another seed finds another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));
   app.add_option("--threads", options_.threads,
-                 "worker threads, default all; the path found does not depend on their number")
+                 "number of threads, default all; the number does not change the path")
       ->check(CLI::Range(1u, kMaxThreads));
-  options_.speed_mps = 0.1;
-  command::add_number(app, "--speed", options_.speed_mps, "of the part along the path, m/s",
-                      {1e-6, 1e3});
-  app.add_option("--json", options_.json, "write a report");
+  app.add_option("--json", options_.json, "write a report to this file");
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
 }
 

@@ -19,7 +19,6 @@ struct Options : voxcheck::MeshOptions {
   double clearance_m = 0;
   std::vector<std::string> allow;  // names of objects
   double max_s = 0;
-  double speed_mps = 0;
   std::uint64_t seed = 1;
   unsigned threads = 1;
   std::string json;

@@ -1,6 +1,6 @@
-// The poses that OMPL plans in. A state is a pose in one piece of memory: OMPL's own of SE(3) lie
-// in three, and its trees, which compare a new pose with thousands, spent half of a search's time
-// on the way to them.
+// The space of poses for OMPL. A state is one piece of memory. OMPL's own states of SE(3) are
+// three, and its trees compare a new pose with thousands of others: half of a search's time went
+// into reading them.
 #pragma once
 
 #include <ompl/base/StateSampler.h>
@@ -16,8 +16,8 @@ namespace forcelayer::voxplan {
 
 struct PoseState final : ompl::base::State {
   Pose pose;  // of the part's centroid frame, world
-  // How far its shell points are, as far as a test of it or of a motion to it told, so that the
-  // next motion from there need not ask again; below 0 where none did.
+  // The distance of the shell points that a test of this pose, or of a motion to it, has found, so
+  // that the next motion from here does not compute it again. Negative if there was no test.
   mutable clearance::MinDistance known{clearance::KnownEnds::kUnknown};
 };
 
@@ -38,8 +38,8 @@ class PoseSpace final : public ompl::base::StateSpace {
   using MakeSampler =
       std::function<ompl::base::StateSamplerPtr(const ompl::base::StateSpace* space)>;
 
-  // Positions in `bounds`. Distances are pose_distance_m() with `turn_m`. `cell_m`: the side of the
-  // cells of positions in which a planner counts where it has been.
+  // Positions in `bounds`. Distances are pose_distance_m() with `turn_m`. `cell_m` is the side of
+  // the cells in which a planner counts its visits.
   PoseSpace(const Box& bounds, double turn_m, double cell_m, MakeSampler make_sampler);
 
   unsigned getDimension() const override { return 6; }

@@ -39,11 +39,13 @@ command::Verdict found_verdict(const Report& report) {
   if (!checked.seated.empty()) {
     verdict.notes.push_back(
         report.options.meshes.empty()
-            ? "contact is felt by shell points alone: voxcheck --exact settles it"
-            : "contact is settled by the meshes: no surface passes through another");
+            ? "contact was checked with shell points only: voxcheck --exact checks it with the "
+              "meshes"
+            : "contact was checked with the meshes: no surface passes through another");
   }
   if (const double within_m = hidden_within_m(report); within_m > 0) {
-    verdict.notes.push_back(voxcheck::hidden_text(within_m));
+    verdict.notes.push_back(voxcheck::hidden_text(within_m) +
+                            "; check the path with voxcheck --exact");
   }
   return verdict;
 }
@@ -53,16 +55,19 @@ command::Verdict not_found_verdict(const Report& report) {
   command::Verdict verdict;
   verdict.kind = command::VerdictKind::kNoPathFound;
   verdict.required_m = report.options.clearance_m;
-  verdict.finding = text("in %.3g s it came %.3g mm far", result.seconds, 1e3 * result.out_m);
+  verdict.finding =
+      text("in %.3g s the search moved the part ", result.seconds) +
+      (result.out_m < 1e-6 ? "less than 0.001 mm" : text("at most %.3g mm", 1e3 * result.out_m)) +
+      " from its start";
   if (result.refused > 0) {
-    verdict.finding += text(", and %llu found paths could not be proven",
+    verdict.finding += text(", and %llu paths that it found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
   for (const std::uint32_t object : result.blocked_by) {
     verdict.blocked_by.push_back(voxcheck::object_name(report.problem.scene, object));
   }
   verdict.advice =
-      "which does not prove that there is no path: try a longer --time, another --seed, a smaller "
+      "this does not prove that there is no path: try a longer --time, another --seed, a smaller "
       "--clearance or smaller voxels";
   return verdict;
 }
@@ -89,7 +94,7 @@ Json report_json(const Report& report) {
   if (result.found) {
     json["path"] = report.options.path;
     json["rows"] = report.plan.rows.size();
-    json["way_m"] = path_facts(report.plan.rows).way_m;
+    json["length_m"] = path_facts(report.plan.rows).length_m;
     json["duration_s"] = report.plan.rows.back().time_s;
     const voxcheck::CheckedPath checked_path = checked_of(report);
     json["min_clearance"] =

@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t kMaxFloors = 512;
 constexpr int kRounds = 40;
-constexpr double kStiffness = 1e-3;  // of free motions, beside at most 2 of floors
-// How far a floor may lean along an axis to count for it: one guess after the other.
+constexpr double kStiffness = 1e-3;  // e, the stiffness of free motions; floors give at most 2
+// How far a floor may lean along the axis and still count. One value after the other is used.
 constexpr std::array<double, 4> kLeans{1, 0.3, 0.1, 0.01};
-constexpr double kSoftest = 1e-9;  // of an axis that nothing resists, beside 1 of floors
+constexpr double kSoftest = 1e-9;  // stiffness of an axis that nothing resists; floors give 1
 constexpr int kAxisRounds = 20;    // of inverse iteration
 
-// A point keeps before its floor while along . twist >= -left_m.
+// A point stays in front of its floor while along . twist >= -left_m.
 struct Bound {
   Twist6 along;
   double left_m, squared;
@@ -63,7 +63,7 @@ Twist6 random_twist(double length_m, Random& random) {
   return of_length(twist, length_m);
 }
 
-// By going to the nearest place before one floor after the other (Kaczmarz).
+// Moves to the nearest allowed motion of one floor after the other (Kaczmarz).
 Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
                      double radius_m) {
   const bool turns = wanted[3] != 0 || wanted[4] != 0 || wanted[5] != 0;
@@ -84,7 +84,7 @@ Twist6 allowed_twist(const Twist6& wanted, std::span<const clearance::SeatStretc
   return twist;
 }
 
-// Gauss and Jordan without pivots: A + e is positive definite.
+// Gauss-Jordan elimination without pivoting, because A + e is positive definite.
 Twist6 free_twist(const Twist6& wanted, std::span<const clearance::SeatStretch::Floor> floors,
                   double radius_m) {
   std::array<std::array<double, 6>, 6> a{};
@@ -131,7 +131,7 @@ std::vector<glm::dvec3> free_directions(std::span<const clearance::SeatStretch::
     if (count == 0) return directions;
     const glm::dmat3 softer =
         glm::inverse(resisted / static_cast<double>(count) + kSoftest * glm::dmat3(1));
-    if (axis == glm::dvec3(0)) axis = {0.48, 0.64, 0.6};  // along none of the world's
+    if (axis == glm::dvec3(0)) axis = {0.48, 0.64, 0.6};  // parallel to no axis of the world
     for (int n = 0; n < kAxisRounds; ++n) axis = glm::normalize(softer * axis);
   }
   directions.push_back(axis);

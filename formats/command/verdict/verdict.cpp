@@ -14,6 +14,7 @@ namespace {
 using Known = VerdictDistance::Known;
 
 constexpr std::size_t kListed = 5;          // objects in a sentence
+constexpr std::size_t kListedBytes = 150;   // of their names, unless the first is longer
 constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
 constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
 
@@ -36,8 +37,13 @@ std::string printed(const std::string& object) {
 
 // "A", "A and B", "A, B and 3 more".
 std::string listed(std::span<const std::string> objects) {
+  std::size_t shown = 0, bytes = 0;
+  while (shown < std::min(kListed, objects.size())) {
+    bytes += printed(objects[shown]).size();
+    if (shown > 0 && bytes > kListedBytes) break;
+    ++shown;
+  }
   std::string line;
-  const std::size_t shown = std::min(kListed, objects.size());
   for (std::size_t n = 0; n < shown; ++n) {
     const bool is_last = n + 1 == objects.size();
     line += (n == 0 ? "" : is_last ? " and " : ", ") + printed(objects[n]);
@@ -58,16 +64,18 @@ std::string position_text(const Verdict& v, double along_m) {
 }
 
 // "slides along A and B for the first 51.6 mm", with the play where there is some. Where the answer
-// is no the part may have been near other objects in the meantime.
+// is no, other objects are named behind it, so this names none.
 std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
   const std::string length = cut_mm(std::round(1e4 * (slide.to_m - slide.from_m)) / 1e4, 1) + " mm";
-  const std::string objects = slide.objects.empty() ? "its seat" : listed(slide.objects);
   if (!is_yes(v.kind)) {
-    if (begins && ends) return "never comes free of " + objects;
-    if (begins) return "comes free of " + objects + " after " + length;
-    return "is back at " + objects + " for " + (ends ? "the last " : "") + length;
+    const std::string away =
+        v.required_m > 0 ? length_text(v.required_m) + " away from its seat" : "free of its seat";
+    if (begins && ends) return "never gets " + away;
+    if (begins) return "gets " + away + " after " + length;
+    return "returns to its seat for " + std::string(ends ? "the last " : "") + length;
   }
+  const std::string objects = slide.objects.empty() ? "its seat" : listed(slide.objects);
   std::string line = (slide.objects.empty() ? "is in " : "slides along ") + objects;
   if (begins && ends) {
     line += " for the whole path of " + length;
@@ -118,8 +126,10 @@ std::string finding_text(const Verdict& v) {
   if (!v.is_asked) return v.finding;
   std::string line = v.finding;
   line += " (";
-  if (v.nearest.known != Known::kNot) line += position_text(v, v.nearest.along_m) + "; ";
-  return line + length_text(v.required_m) + " required)";
+  if (v.nearest.known == Known::kNot)
+    return line + length_text(v.required_m) + " of clearance required)";
+  return line + position_text(v, v.nearest.along_m) + "; " + length_text(v.required_m) +
+         " required)";
 }
 
 // The reason: a distance, or the finding.
@@ -129,6 +139,15 @@ std::string answer_text(const Verdict& v) {
   if (is_yes(v.kind)) return distance_text(v, "stays ", " away or more");
   return v.kind == VerdictKind::kNeverNear ? distance_text(v, "it stays ", " away or more")
                                            : distance_text(v, "comes as near as ", "");
+}
+
+// The same, and the objects behind it. A single one is not named twice.
+std::string reason_text(const Verdict& v) {
+  const std::string reason = answer_text(v);
+  if (v.blocked_by.empty()) return reason;
+  const bool is_said = reason.find(printed(v.blocked_by.front())) != std::string::npos;
+  if (v.blocked_by.size() == 1 && is_said) return reason;
+  return reason + "; blocked by " + listed(v.blocked_by);
 }
 
 std::string head_of(const Verdict& v) {
@@ -204,18 +223,12 @@ std::string heading(const Verdict& v) {
 std::string explanation(const Verdict& v) {
   std::string line = slides_text(v);
   if (!line.empty()) line += is_yes(v.kind) ? ", otherwise " : ", but ";
-  line += answer_text(v);
-  if (!v.blocked_by.empty()) line += "; blocked by " + listed(v.blocked_by);
-  return line;
+  return line + reason_text(v);
 }
 
 std::string sentence(const Verdict& v) { return heading(v) + ": " + explanation(v) + "."; }
 
-std::string gist(const Verdict& v) {
-  std::string line = head_of(v) + ": " + answer_text(v);
-  if (!v.blocked_by.empty()) line += "; blocked by " + listed(v.blocked_by);
-  return line;
-}
+std::string gist(const Verdict& v) { return head_of(v) + ": " + reason_text(v); }
 
 std::string terminal_text(const Verdict& v) {
   std::string lines = sentence(v) + "\n";

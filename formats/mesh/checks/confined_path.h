@@ -11,6 +11,6 @@ bool lies_under(const std::filesystem::path& file, const std::filesystem::path& 
 
 inline constexpr const char* kOutsideWhat = "leads outside the folder of the file that names it";
 inline constexpr const char* kOutsideMend =
-    "move the file there, or add --allow-outside if you trust who wrote this";
+    "move the file into that folder, or add --allow-outside if you trust the author";
 
 }  // namespace forcelayer::mesh

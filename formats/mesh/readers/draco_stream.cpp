@@ -46,7 +46,7 @@ class CountReader {
       return faces;
     }
     if (method_ != draco::MESH_EDGEBREAKER_ENCODING) {
-      stream_.fail(ErrorCode::kMeshUnreadable, "a Draco stream of unknown encoding");
+      stream_.fail(ErrorCode::kMeshUnreadable, "the Draco stream has an unknown encoding");
     }
     value<std::uint8_t>();  // traversal
     if (version_ < kVersion22) count(kVersion20, "vertices");
@@ -95,7 +95,7 @@ class CountReader {
   }
 
   [[noreturn]] void fail_end() const {
-    stream_.fail(ErrorCode::kMeshIncomplete, "the Draco stream ends in its header");
+    stream_.fail(ErrorCode::kMeshIncomplete, "the Draco stream ends inside its header");
   }
 
   const Stream& stream_;
@@ -106,7 +106,7 @@ class CountReader {
 
 void check_is_mesh(const Stream& stream) {
   if (!stream.bytes.starts_with("DRACO")) {
-    stream.fail(ErrorCode::kMeshUnreadable, "no Draco stream: it does not start with 'DRACO'");
+    stream.fail(ErrorCode::kMeshUnreadable, "not a Draco stream: it does not start with 'DRACO'");
   }
   draco::DecoderBuffer buffer;
   buffer.Init(stream.bytes.data(), stream.bytes.size());
@@ -138,7 +138,7 @@ const draco::PointAttribute& positions_of(const Stream& stream, const draco::Mes
       position_id ? mesh.GetAttributeByUniqueId(*position_id)
                   : mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   if (positions == nullptr || positions->num_components() != 3) {
-    stream.fail(ErrorCode::kMeshUnreadable, "no three-dimensional positions in the Draco stream");
+    stream.fail(ErrorCode::kMeshUnreadable, "the Draco stream has no three-dimensional positions");
   }
   // Draco would read any byte as a bool, although not every byte is one.
   if (positions->data_type() == draco::DT_BOOL) {
@@ -189,7 +189,7 @@ void read_triangles(const Stream& stream, const draco::Mesh& mesh,
           point < mesh.num_points() ? positions.mapped_index(point).value() : UINT32_MAX;
       if (value >= surface.vertices.size()) {
         stream.fail(ErrorCode::kMeshUnreadable,
-                    "face " + std::to_string(f.value()) + " uses a vertex that is not there");
+                    "face " + std::to_string(f.value()) + " uses a vertex that does not exist");
       }
       triangle[corner] = value;
     }
@@ -206,7 +206,7 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view bytes, const 
   const std::unique_ptr<draco::Mesh> mesh = decode(stream);
   if (mesh->num_faces() != faces) {
     stream.fail(ErrorCode::kMeshIncomplete, "the Draco stream announces " + counted(faces, "face") +
-                                                " and gives " + std::to_string(mesh->num_faces()));
+                                                " but has " + std::to_string(mesh->num_faces()));
   }
   const draco::PointAttribute& positions = positions_of(stream, *mesh, position_id);
   DracoSurface surface;

@@ -59,7 +59,7 @@ class ChunkWalker {
  private:
   void read_header() {
     if (!file_.bytes.starts_with("OM")) {
-      fail(ErrorCode::kMeshUnreadable, "no OpenMesh file: it does not start with 'OM'");
+      fail(ErrorCode::kMeshUnreadable, "not an OpenMesh file: it does not start with 'OM'");
     }
     at_ = 2;
     kind_ = value<char>();
@@ -68,10 +68,10 @@ class ChunkWalker {
     content_.faces = value<std::uint32_t>();
     content_.edges = value<std::uint32_t>();
     if (kind_ != 'T' && kind_ != 'Q' && kind_ != 'P') {
-      fail(ErrorCode::kMeshUnreadable, "an OpenMesh file of unknown kind");
+      fail(ErrorCode::kMeshUnreadable, "the OpenMesh file has an unknown kind of faces");
     }
     if (version_ > version(2, 2)) {
-      fail(ErrorCode::kMeshUnsupported, "an OpenMesh file of a newer version than 2.2");
+      fail(ErrorCode::kMeshUnsupported, "the version of this OpenMesh file is newer than 2.2");
     }
     content_.stripped = file_.bytes.substr(0, at_);
   }
@@ -87,7 +87,7 @@ class ChunkWalker {
     }
     const bool wanted = header.type() == kPosition || header.type() == kTopology;
     if (wanted && !seen_.insert({header.entity(), header.type()}).second) {
-      fail(ErrorCode::kMeshUnreadable, "a second chunk of positions or topology");
+      fail(ErrorCode::kMeshUnreadable, "positions or topology are stored in two chunks");
     }
     skip_data(header);
     if (wanted) content_.stripped += file_.bytes.substr(start, at_ - start);
@@ -110,14 +110,14 @@ class ChunkWalker {
       case kColor:
         return skip(count_of(header) * header.dimensions() * header.scalar_bytes());
       default:
-        fail(ErrorCode::kMeshUnsupported, "a chunk of unknown type");
+        fail(ErrorCode::kMeshUnsupported, "the chunk has an unknown type");
     }
   }
 
   void skip_positions(ChunkHeader header) {
     const bool known = header.entity() == kVertex && header.is_float() &&
                        header.dimensions() == 3 && header.scalar_bytes() <= 8;
-    if (!known) fail(ErrorCode::kMeshUnsupported, "positions that are not three floats or doubles");
+    if (!known) fail(ErrorCode::kMeshUnsupported, "positions are not three floats or doubles");
     content_.single_precision = header.scalar_bytes() == 4;
     skip(content_.vertices * 3ull * header.scalar_bytes());
   }
@@ -125,7 +125,7 @@ class ChunkWalker {
   void skip_topology(ChunkHeader header) {
     // OpenMesh knows no other, and would take their bytes for the next chunk.
     if (header.entity() != kVertex && header.entity() != kFace && header.entity() != kHalfedge) {
-      fail(ErrorCode::kMeshUnsupported, "a topology of other than vertices, faces and halfedges");
+      fail(ErrorCode::kMeshUnsupported, "the topology is not of vertices, faces and halfedges");
     }
     const std::uint64_t faces = content_.faces;
     if (header.entity() == kFace && version_ < version(2, 0)) {
@@ -148,8 +148,8 @@ class ChunkWalker {
     if (header.entity() != kFace) return;
     for (at_ = first; at_ != first + count_of(header) * kStatusBytes;) {
       if ((value<std::uint32_t>() & kDeleted) == 0) continue;
-      fail(ErrorCode::kMeshUnsupported, "faces that are marked as deleted",
-           "collect the garbage before the mesh is written");
+      fail(ErrorCode::kMeshUnsupported, "some faces are marked as deleted",
+           "call garbage_collection() before you write the mesh");
     }
   }
 
@@ -166,7 +166,7 @@ class ChunkWalker {
       case kMesh:
         return 1;
       default:
-        fail(ErrorCode::kMeshUnsupported, "a chunk of an unknown entity");
+        fail(ErrorCode::kMeshUnsupported, "the chunk belongs to an unknown entity");
     }
   }
 
@@ -194,13 +194,14 @@ class ChunkWalker {
         (content_.faces > 0 && !has_faces)) {
       fail(ErrorCode::kMeshIncomplete,
            "the header announces " + std::to_string(content_.vertices) + " vertices and " +
-               counted(content_.faces, "face") + ", whose chunks are missing",
+               counted(content_.faces, "face") + ", but chunks are missing",
            "copy or write the file again");
     }
   }
 
   [[noreturn]] void fail_end() const {
-    fail(ErrorCode::kMeshIncomplete, "the file ends in a chunk", "copy or write the file again");
+    fail(ErrorCode::kMeshIncomplete, "the file ends inside a chunk",
+         "copy or write the file again");
   }
   [[noreturn]] void fail(ErrorCode code, std::string what, std::string mend = {}) const {
     fail_read(file_, code, at_byte(at_), std::move(what), std::move(mend));

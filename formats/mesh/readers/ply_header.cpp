@@ -24,7 +24,7 @@ class HeaderReader {
   explicit HeaderReader(const SourceFile& file) : file_(file), cursor_(file) {}
 
   PlyHeader read() {
-    if (cursor_.word() != "ply") fail("no PLY file: it does not start with 'ply'");
+    if (cursor_.word() != "ply") fail("not a PLY file: it does not start with 'ply'");
     end_line();
     for (;;) {
       if (cursor_.at_end()) {
@@ -71,18 +71,18 @@ class HeaderReader {
     } else {
       fail("unknown encoding " + in_quotes(encoding));
     }
-    if (cursor_.word() != "1.0") fail("not version 1.0 of the PLY format");
+    if (cursor_.word() != "1.0") fail("the PLY format is not version 1.0");
     has_format_ = true;
   }
 
   void read_property() {
-    if (header_.elements.empty()) fail("a property before the first element");
+    if (header_.elements.empty()) fail("a property comes before the first element");
     PlyProperty property{};
     std::string_view type = cursor_.word();
     if (type == "list") {
       property.is_list = true;
       property.count_type = type_of(cursor_.word());
-      if (!is_integer(property.count_type)) fail("a list's count that is not an integer");
+      if (!is_integer(property.count_type)) fail("the count of a list is not an integer");
       type = cursor_.word();
     }
     property.type = type_of(type);

@@ -201,12 +201,12 @@ void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
   if (not_planar_ > 0) {
     std::ostringstream text;
     text << counted(not_planar_, "polygon") << " not planar, by up to " << largest_deviation_units_
-         << " file units; split into triangles in one of several equal ways";
+         << " file units; each was split into triangles in one of several possible ways";
     warnings.push_back(text.str());
   }
   if (crossing_ > 0) {
     warnings.push_back(counted(crossing_, "polygon") +
-                       " with an outline that crosses itself; split into triangles that overlap");
+                       " with an outline that crosses itself; their triangles overlap");
   }
 }
 

@@ -27,10 +27,10 @@ struct MorphTarget {
 std::string morph_warning(const std::vector<double>& weights) {
   constexpr std::size_t kListed = 8;
   if (std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0; })) {
-    return "morph targets left out: their default weights are zero";
+    return "morph targets are left out: their default weights are zero";
   }
   std::ostringstream text;
-  text << "morph targets applied with their default weights ";
+  text << "morph targets are applied with their default weights ";
   for (std::size_t n = 0; n < std::min(weights.size(), kListed); ++n) {
     text << (n == 0 ? "" : ", ") << weights[n];
   }
@@ -114,7 +114,7 @@ class MeshReader {
       const std::vector<double> added = document_.read_numbers(target.positions, 3);
       if (added.size() != numbers.size()) {
         document_.fail(ErrorCode::kMeshUnreadable, primitive_where_,
-                       "has a morph target of another number of vertices");
+                       "has a morph target with another number of vertices");
       }
       for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += target.weight * added[i];
     }
@@ -150,7 +150,7 @@ class MeshReader {
     if (count == 0) return;
     if (mode == kTriangles ? count % 3 != 0 : count < 3) {
       document_.fail(ErrorCode::kMeshIncomplete, primitive_where_,
-                     counted(count, "corner") + " make no whole number of triangles");
+                     counted(count, "corner") + " do not make a whole number of triangles");
     }
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       mesh_.triangles.push_back({corners[a] + first, corners[b] + first, corners[c] + first});
@@ -200,7 +200,7 @@ class MeshReader {
         document_.index(document_.element("accessors", accessor), "count");
     if (announced == 3 * triangles) return;
     document_.fail(ErrorCode::kMeshIncomplete, primitive_where_,
-                   "announces " + counted(announced, "corner") + ", its Draco stream has " +
+                   "announces " + counted(announced, "corner") + ", but its Draco stream has " +
                        counted(triangles, "triangle"));
   }
 
@@ -228,9 +228,12 @@ class GltfReader {
     if (assembly_.instances.empty()) {
       document_.fail(ErrorCode::kMeshEmpty, "",
                      lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
-                     : !nodes_.left_out().empty() ? "no node with a mesh is left in this file"
-                                                  : "no node with a mesh in this file",
-                     "export a surface mesh");
+                     : !nodes_.left_out().empty()
+                         ? "--without leaves no node with a mesh in this file"
+                         : "no node with a mesh in this file",
+                     nodes_.left_out().empty()
+                         ? "export a surface mesh"
+                         : "a scene needs at least one other part: leave out less, or add a file");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();
@@ -269,13 +272,13 @@ class GltfReader {
     nodes_.add_warnings(warnings);
     if (lines_and_points_ > 0) {
       warnings.push_back(counted(lines_and_points_, "primitive") +
-                         " of points or lines left out: they have no surface");
+                         " of points or lines left out: points and lines have no surface");
     }
     for (std::string& line : morph_warnings_.lines()) warnings.push_back(std::move(line));
     if (has_integer_positions_) {
       warnings.push_back(
-          "positions are stored as rounded integers (KHR_mesh_quantization); declare what the "
-          "rounding cost (see --mesh-deviation)");
+          "positions are stored as rounded integers (KHR_mesh_quantization); give the rounding "
+          "error with --mesh-deviation");
     }
     if (quantization_) warnings.push_back(quantization_warning(*quantization_));
   }

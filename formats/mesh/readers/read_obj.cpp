@@ -43,10 +43,10 @@ class ObjReader {
     Assembly assembly = assembly_of(file_, std::move(mesh_));
     splitter_.add_warnings(assembly.warnings);
     if (unknown_ > 0) {
-      assembly.warnings.push_back(counted(unknown_, "statement") +
-                                  " left out that OBJ does not have: " + in_quotes(first_unknown_) +
-                                  " in line " + std::to_string(cursor_.line_of(unknown_place_)) +
-                                  (unknown_ > 1 ? ", ..." : ""));
+      assembly.warnings.push_back(
+          counted(unknown_, "statement") +
+          " ignored because OBJ does not define them: " + in_quotes(first_unknown_) + " in line " +
+          std::to_string(cursor_.line_of(unknown_place_)) + (unknown_ > 1 ? ", ..." : ""));
     }
     if (lines_and_points_ > 0) {
       assembly.warnings.push_back(counted(lines_and_points_, "line or point element") +
@@ -69,7 +69,7 @@ class ObjReader {
     }
     if (keyword == "curv" || keyword == "surf" || keyword == "call") {
       cursor_.fail(ErrorCode::kMeshUnsupported,
-                   in_quotes(keyword) + " (free-form surface or included file) is not read",
+                   in_quotes(keyword) + " (free-form surface or included file) is not supported",
                    "export the mesh as polygons in one file");
     }
   }
@@ -91,7 +91,7 @@ class ObjReader {
     }
     if (corners_.size() < 3) {
       cursor_.fail_at(place, ErrorCode::kMeshUnreadable,
-                      counted(corners_.size(), "corner") + " make no face",
+                      counted(corners_.size(), "corner") + " do not make a face",
                       "export the mesh again");
     }
     if (corners_.size() == 3) {
@@ -120,7 +120,8 @@ class ObjReader {
     if (index < 0) index += known + 1;  // -1 is the newest vertex
     if (index < 1 || index > std::numeric_limits<std::uint32_t>::max()) {
       cursor_.fail_at(place, ErrorCode::kMeshUnreadable,
-                      "a face with a corner before the first vertex", "export the mesh again");
+                      "a corner of a face has a vertex number before the first vertex",
+                      "export the mesh again");
     }
     if (index > highest_index_) {
       highest_index_ = index;
@@ -130,7 +131,7 @@ class ObjReader {
   }
 
   [[noreturn]] void fail_corner(std::uint64_t place) {
-    cursor_.fail_at(place, ErrorCode::kMeshUnreadable, "a face's corner is not a vertex number",
+    cursor_.fail_at(place, ErrorCode::kMeshUnreadable, "a corner of a face is not a vertex number",
                     "export the mesh again");
   }
 

@@ -35,15 +35,16 @@ class OffReader {
       has_vertex_extras_ = true;
     }
     if (starts_with("4") || starts_with("n")) {
-      cursor_.fail(ErrorCode::kMeshUnsupported, "OFF with other than three dimensions",
+      cursor_.fail(ErrorCode::kMeshUnsupported,
+                   "OFF files that do not have three dimensions are not supported",
                    "export the mesh as plain OFF");
     }
     if (!starts_with("OFF")) {
-      cursor_.fail(ErrorCode::kMeshUnreadable, "no OFF file: it does not start with 'OFF'");
+      cursor_.fail(ErrorCode::kMeshUnreadable, "not an OFF file: it does not start with 'OFF'");
     }
     cursor_.advance(3);
     if (TextCursor(cursor_).word() == "BINARY") {
-      cursor_.fail(ErrorCode::kMeshUnsupported, "binary OFF is not read",
+      cursor_.fail(ErrorCode::kMeshUnsupported, "binary OFF is not supported",
                    "export the mesh as ASCII OFF");
     }
   }
@@ -64,7 +65,7 @@ class OffReader {
         face_count_ > cursor_.bytes_left() / kFaceBytes + 1) {
       cursor_.fail(ErrorCode::kMeshIncomplete,
                    "the header announces " + std::to_string(vertex_count_) + " vertices and " +
-                       counted(face_count_, "face") + ", more than the file has room for",
+                       counted(face_count_, "face") + ", but the file is too short for them",
                    "copy or export the file again");
     }
   }
@@ -101,9 +102,10 @@ class OffReader {
       if (has_vertex_extras_) {
         cursor_.skip_to_line_end();
       } else if (!at_rest_of_line_end()) {
-        cursor_.fail(ErrorCode::kMeshUnreadable,
-                     "more than three numbers for vertex " + std::to_string(i) + " of a plain OFF",
-                     "name colors or normals in the first word (COFF, NOFF)");
+        cursor_.fail(
+            ErrorCode::kMeshUnreadable,
+            "vertex " + std::to_string(i) + " has more than three numbers in a plain OFF file",
+            "for colors or normals the file must begin with COFF or NOFF");
       }
     }
   }
@@ -114,7 +116,8 @@ class OffReader {
     const std::uint64_t corner_count = cursor_.count("the number of corners");
     if (corner_count < 3 || corner_count > cursor_.bytes_left()) {
       cursor_.fail_at(place, ErrorCode::kMeshUnreadable,
-                      counted(corner_count, "corner") + " make no face", "export the mesh again");
+                      counted(corner_count, "corner") + " do not make a face",
+                      "export the mesh again");
     }
     corners_.clear();
     for (std::uint64_t i = 0; i < corner_count; ++i) {
@@ -137,8 +140,8 @@ class OffReader {
     cursor_.skip_space('#');
     if (!cursor_.at_end()) return;
     cursor_.fail(ErrorCode::kMeshIncomplete,
-                 "the file ends in " + std::string(what) + " " + std::to_string(index) + " of " +
-                     std::to_string(count),
+                 "the file ends before the end of " + std::string(what) + " " +
+                     std::to_string(index) + " of " + std::to_string(count),
                  "copy or export the file again");
   }
 
@@ -146,8 +149,8 @@ class OffReader {
     cursor_.skip_space('#');
     if (cursor_.at_end()) return;
     cursor_.fail(ErrorCode::kMeshIncomplete,
-                 "more data after the " + counted(face_count_, "face") + " of the header",
-                 "export the mesh again, the count may be wrong");
+                 "more data follow after the " + counted(face_count_, "face") + " of the header",
+                 "export the mesh again; the count may be wrong");
   }
 
   const SourceFile& file_;

@@ -114,12 +114,12 @@ void decode(const SourceFile& file, const OmContent& content, Collector& collect
   try {
     done = om::IO::OMReader().read(stream, collector, options);
   } catch (const std::logic_error& what) {  // handles of a width that it has no type for
-    fail_read(file, ErrorCode::kMeshUnsupported, "", std::string("OpenMesh says: ") + what.what(),
-              "write the mesh again");
+    fail_read(file, ErrorCode::kMeshUnsupported, "",
+              std::string("OpenMesh reports: ") + what.what(), "write the mesh again");
   }
   if (!done || collector.n_vertices() != content.vertices || collector.n_faces() != content.faces) {
     fail_read(file, ErrorCode::kMeshIncomplete, "",
-              "OpenMesh gives " + std::to_string(collector.n_faces()) + " of " +
+              "OpenMesh reads only " + std::to_string(collector.n_faces()) + " of " +
                   counted(content.faces, "face") + " and " +
                   std::to_string(collector.n_vertices()) + " of " +
                   std::to_string(content.vertices) + " vertices",
@@ -139,7 +139,7 @@ void collect_rings(const SourceFile& file, Collector& collector) {
           halfedges[static_cast<std::size_t>(halfedge)].face == static_cast<int>(face);
       if (!in_face || polygon.size() == halfedges.size()) {
         fail_read(file, ErrorCode::kMeshUnreadable, "face " + std::to_string(face),
-                  "its halfedges do not make a ring", "write the mesh again");
+                  "its halfedges do not form a ring", "write the mesh again");
       }
       polygon.push_back(halfedges[static_cast<std::size_t>(halfedge)].to_vertex);
       halfedge = halfedges[static_cast<std::size_t>(halfedge)].next;
@@ -163,7 +163,7 @@ void split_polygons(const SourceFile& file, const Collector& collector, Mesh& me
     }
     if (corners.size() < 3) {
       fail_read(file, ErrorCode::kMeshUnreadable, "face " + std::to_string(face),
-                counted(corners.size(), "corner") + " make no face", "write the mesh again");
+                counted(corners.size(), "corner") + " do not make a face", "write the mesh again");
     }
     splitter.split(corners, mesh);
   }

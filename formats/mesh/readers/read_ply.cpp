@@ -64,7 +64,7 @@ class BinaryValues {
     if (rest.find_first_not_of(std::string_view("\r\n \0", 4)) == std::string_view::npos) return;
     fail_read(file_, ErrorCode::kMeshIncomplete, place(),
               counted(rest.size(), "byte") + " after the last element that the header announces",
-              "export the mesh again, a count may be wrong");
+              "export the mesh again; a count may be wrong");
   }
 
  private:
@@ -80,8 +80,8 @@ class BinaryValues {
 
   [[noreturn]] void fail_end() const {
     fail_read(file_, ErrorCode::kMeshIncomplete, at_byte(file_.bytes.size()),
-              "the file ends in " + element_->name + " " + std::to_string(item_) + " of " +
-                  std::to_string(element_->count),
+              "the file ends before the end of " + element_->name + " " + std::to_string(item_) +
+                  " of " + std::to_string(element_->count),
               "copy or export the file again");
   }
 
@@ -110,7 +110,7 @@ class TextValues {
   void end_item() {
     cursor_.skip_blanks();
     if (cursor_.at_line_end()) return;
-    cursor_.fail(ErrorCode::kMeshUnreadable, "more values on this line than the header announces",
+    cursor_.fail(ErrorCode::kMeshUnreadable, "this line has more values than the header announces",
                  "export the mesh again");
   }
   std::string place() const { return "line " + std::to_string(cursor_.line_of(cursor_.offset())); }
@@ -122,7 +122,7 @@ class TextValues {
     const double value = cursor_.number("a whole number");
     constexpr double kExact = 9007199254740992;  // 2^53
     if (!(std::abs(value) < kExact) || value != std::floor(value)) {
-      cursor_.fail(ErrorCode::kMeshUnreadable, "a whole number is wanted here");
+      cursor_.fail(ErrorCode::kMeshUnreadable, "a whole number is needed here");
     }
     return static_cast<std::int64_t>(value);
   }
@@ -130,15 +130,15 @@ class TextValues {
     for (std::uint64_t i = 0; i < count; ++i) {
       if (!cursor_.word().empty()) continue;
       cursor_.fail(ErrorCode::kMeshIncomplete,
-                   "fewer values on this line than the header announces",
+                   "this line has fewer values than the header announces",
                    "copy or export the file again");
     }
   }
   void check_nothing_left() {
     cursor_.skip_space();
     if (cursor_.at_end()) return;
-    cursor_.fail(ErrorCode::kMeshIncomplete, "more data than the header announces",
-                 "export the mesh again, a count may be wrong");
+    cursor_.fail(ErrorCode::kMeshIncomplete, "the file has more data than the header announces",
+                 "export the mesh again; a count may be wrong");
   }
 
  private:
@@ -171,7 +171,7 @@ class PlyReader {
         element.count - 1 > values_.bytes_left() / element.min_bytes(header_.encoding)) {
       fail_read(file_, ErrorCode::kMeshIncomplete, "line " + std::to_string(element.line),
                 "the header announces " + counted(element.count, element.name.c_str()) +
-                    " elements, more than the file has room for",
+                    " elements, but the file is too short for them",
                 "copy or export the file again");
     }
     if (element.name == "vertex") return read_vertices(element);
@@ -190,7 +190,7 @@ class PlyReader {
     check_count(file_, mesh_.vertices.size() + element.count, "vertices");
     for (const int axis : {x, y, z}) {
       const PlyProperty& property = element.properties[static_cast<std::size_t>(axis)];
-      if (property.is_list) fail_properties(element, "has a list as coordinate");
+      if (property.is_list) fail_properties(element, "has a list as a coordinate");
       mesh_.single_precision = mesh_.single_precision && property.type == PlyType::kFloat32;
     }
     mesh_.vertices.reserve(mesh_.vertices.size() + element.count);
@@ -214,7 +214,7 @@ class PlyReader {
   void read_lists(const PlyElement& element, void (PlyReader::*add)(const PlyElement&)) {
     if (element.count == 0) return;
     const int indices = element.find({"vertex_indices", "vertex_index"});
-    if (indices < 0) fail_properties(element, "lacks vertex_indices");
+    if (indices < 0) fail_properties(element, "has no vertex_indices");
     const PlyProperty& list = element.properties[static_cast<std::size_t>(indices)];
     if (!list.is_list || !is_integer(list.type)) {
       fail_properties(element, "has vertex_indices that are not a list of integers");
@@ -243,7 +243,7 @@ class PlyReader {
   std::uint64_t list_length(const PlyProperty& list) {
     const std::int64_t count = values_.integer(list.count_type);
     if (count < 0) {
-      fail_read(file_, ErrorCode::kMeshUnreadable, values_.place(), "a list of negative length",
+      fail_read(file_, ErrorCode::kMeshUnreadable, values_.place(), "a list has a negative length",
                 "export the mesh again");
     }
     return static_cast<std::uint64_t>(count);
@@ -267,7 +267,7 @@ class PlyReader {
     for (std::size_t i = 0; i <= list_.size(); ++i) {
       if (i < list_.size() && list_[i] != -1) continue;
       if (i != first && i - first < 3) {
-        fail_item(element, "holds a strip of " + std::to_string(i - first) + " vertices");
+        fail_item(element, "has a strip of only " + std::to_string(i - first) + " vertices");
       }
       for (std::size_t t = first; t + 2 < i; ++t) {
         const std::size_t odd = (t - first) % 2;

@@ -43,7 +43,8 @@ void check_binary_size(const SourceFile& file) {
   if (bytes < kHeaderBytes) {
     refuse_foreign_content(file);
     fail_read(file, ErrorCode::kMeshUnreadable, at_byte(bytes),
-              "too short for a binary STL (84 bytes) and no ASCII STL ('solid')",
+              "the file is neither a binary STL (84 bytes or more) nor an ASCII STL (beginning "
+              "with 'solid')",
               "export the mesh again");
   }
   const std::uint64_t announced = announced_triangles(file.bytes);
@@ -51,15 +52,15 @@ void check_binary_size(const SourceFile& file) {
   if (bytes == expected) return;
   refuse_foreign_content(file);
   const std::string counts = "the header announces " + counted(announced, "triangle") + " (" +
-                             std::to_string(expected) + " bytes), the file has " +
+                             std::to_string(expected) + " bytes), but the file has " +
                              std::to_string(bytes) + " bytes";
   if (bytes < expected) {
-    fail_read(file, ErrorCode::kMeshIncomplete, at_byte(bytes), "binary STL cut short: " + counts,
+    fail_read(file, ErrorCode::kMeshIncomplete, at_byte(bytes), "binary STL is cut off: " + counts,
               "copy or export the file again");
   }
   fail_read(file, ErrorCode::kMeshIncomplete, at_byte(expected),
-            "binary STL with bytes after its last triangle: " + counts,
-            "export the mesh again, the count may be wrong");
+            "binary STL has bytes after its last triangle: " + counts,
+            "export the mesh again; the count may be wrong");
 }
 
 Mesh read_binary(const SourceFile& file) {
@@ -124,8 +125,8 @@ class AsciiReader {
     cursor_.skip_space();
     if (cursor_.at_end()) {
       cursor_.fail(ErrorCode::kMeshIncomplete,
-                   "ASCII STL cut short after " + counted(mesh_.triangles.size(), "facet") + ": " +
-                       expected + " expected",
+                   "ASCII STL is cut off after " + counted(mesh_.triangles.size(), "facet") + ": " +
+                       expected + " is missing",
                    "copy or export the file again");
     }
     return cursor_.word();
@@ -138,8 +139,8 @@ class AsciiReader {
   }
 
   [[noreturn]] void fail_word(std::string_view word, const std::string& expected) {
-    cursor_.fail(ErrorCode::kMeshUnreadable,
-                 in_quotes(word) + " where " + expected + " should stand", "export the mesh again");
+    cursor_.fail(ErrorCode::kMeshUnreadable, in_quotes(word) + " is not " + expected,
+                 "export the mesh again");
   }
 
   const SourceFile& file_;

@@ -52,7 +52,7 @@ Assembly read_step(const SourceFile& file) {
   library.read(file, assembly);
   return assembly;
 #else
-  fail_read(file, ErrorCode::kMeshUnsupported, "", "built without STEP and IGES",
+  fail_read(file, ErrorCode::kMeshUnsupported, "", "this program was built without STEP and IGES",
             "export the assembly as glTF (.glb), or configure with -DFORCELAYER_STEP=ON");
 #endif
 }

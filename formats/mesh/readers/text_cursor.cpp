@@ -61,7 +61,7 @@ std::uint64_t TextCursor::count(const char* what) {
   if (failure != std::errc{} || (after != end_ && !is_space(*after))) {
     fail(ErrorCode::kMeshUnreadable, std::string(what) + " '" +
                                          std::string(TextCursor(*this).word().substr(0, 40)) +
-                                         "' is not a whole number from 0");
+                                         "' is not a whole number of zero or more");
   }
   at_ = after;
   return value;
@@ -88,7 +88,7 @@ void TextCursor::fail_at(std::uint64_t offset, ErrorCode code, std::string what,
 void TextCursor::fail_number(const char* what) const {
   const std::string_view word = TextCursor(*this).word();
   if (word.empty() && at_ == end_) {
-    fail(ErrorCode::kMeshIncomplete, std::string("the file ends where ") + what + " should stand",
+    fail(ErrorCode::kMeshIncomplete, std::string("the file ends before ") + what,
          "export the mesh again");
   }
   fail(ErrorCode::kMeshUnreadable,

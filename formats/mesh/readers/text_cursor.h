@@ -136,7 +136,7 @@ class TextCursor {
     at_ = after;
     return true;
   }
-  // The next word of this line as a count; throws "WHAT is not a whole number from 0".
+  // The next word of this line as a count; throws "WHAT is not a whole number of zero or more".
   std::uint64_t count(const char* what);
 
   std::uint64_t line_of(std::uint64_t offset) const;  // from 1

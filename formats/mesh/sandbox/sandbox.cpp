@@ -83,7 +83,9 @@ void limit(__rlimit_resource_t resource, std::uint64_t amount) {
 
 Error no_child(const std::string& path, int number) {
   return {ErrorCode::kInternal, path, "",
-          "no sandbox can be started for it: " + std::generic_category().message(number), ""};
+          "the sandbox that should read it cannot be started: " +
+              std::generic_category().message(number),
+          ""};
 }
 
 std::string in_gib(std::uint64_t bytes) {
@@ -94,20 +96,20 @@ std::string in_gib(std::uint64_t bytes) {
 
 Error too_much_memory(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
-          "reading it takes more than the sandbox's " + in_gib(limits.memory_bytes),
+          "reading it takes more than the sandbox's limit of " + in_gib(limits.memory_bytes),
           "raise --sandbox=memory= if you trust the file"};
 }
 
 Error too_late(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
-          "reading it takes longer than the sandbox's " + exact_text(limits.time_s) + " s",
+          "reading it takes longer than the sandbox's limit of " + exact_text(limits.time_s) + " s",
           "raise --sandbox=time= if you trust the file"};
 }
 
 std::string deflection_text(const std::string& path, const ReadOptions& options) {
   if (!may_crash_its_reader(path) || !(options.deflection_m > 0)) return "";
   return ": its surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
-         " mm (in a bake a hundredth of a voxel); coarser is faster";
+         " mm (in a bake: a hundredth of a voxel); a coarser tessellation is faster";
 }
 
 constexpr double kMinuteS = 60, kGigabyte = 1e9;
@@ -122,9 +124,10 @@ void tell_if_large(const std::string& path) {
   if (failure || !may_crash_its_reader(path)) return;
   if (seconds <= kMinuteS && bytes <= kGigabyte) return;
   char text[120];
-  std::snprintf(text, sizeof text,
-                " has %.3g MB, which take about %.2g minutes and %.2g GB to parse; Ctrl-C stops it",
-                1e-6 * size, seconds / kMinuteS, bytes / kGigabyte);
+  std::snprintf(
+      text, sizeof text,
+      ": parsing its %.3g MB takes about %.2g minutes and %.2g GB of memory; Ctrl-C stops it",
+      1e-6 * size, seconds / kMinuteS, bytes / kGigabyte);
   command::tell_waiting(path + text);
 }
 
@@ -137,10 +140,10 @@ void tell_if_expensive(const ReadingProgress& forecast, const std::string& path,
                bytes = kBytesPerTriangle * forecast.expected_triangles;
   if (seconds <= kMinuteS && bytes <= kGigabyte) return;
   char text[120];
-  std::snprintf(
-      text, sizeof text,
-      " will be some %.2g million triangles, which take about %.2g minutes and up to %.2g GB",
-      1e-6 * forecast.expected_triangles, seconds / kMinuteS, bytes / kGigabyte);
+  std::snprintf(text, sizeof text,
+                " becomes about %.2g million triangles, which take about %.2g minutes and up to "
+                "%.2g GB of memory",
+                1e-6 * forecast.expected_triangles, seconds / kMinuteS, bytes / kGigabyte);
   command::tell_waiting(path + text + deflection_text(path, options) + "; Ctrl-C stops it");
 }
 
@@ -164,8 +167,8 @@ void follow_progress(int result, int progress, const std::string& path, const Re
     if (ready < 0 && errno != EINTR) return;
     if (ready == 0 && !is_told && Clock::now() >= slow) {
       is_told = true;
-      command::tell_waiting(path + " has been read for " + std::to_string(kToldAfterS) + " s" +
-                            deflection_text(path, options) +
+      command::tell_waiting(path + " is still being read after " + std::to_string(kToldAfterS) +
+                            " s" + deflection_text(path, options) +
                             "; Ctrl-C stops it, and --sandbox=time=5min sets a limit");
     }
     if (ready <= 0) continue;
@@ -180,16 +183,17 @@ void follow_progress(int result, int progress, const std::string& path, const Re
 
 // The error for a child that ended with this status and sent no mesh.
 Error no_mesh(const std::string& path, int status) {
-  std::string what = "its reader sent no sound mesh";
+  std::string what = "its reader sent a damaged mesh";
   if (WIFSIGNALED(status)) {
     what = std::string("its reader crashed (") + ::strsignal(WTERMSIG(status)) + ")";
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {
-    return {ErrorCode::kInternal, path, "", "its sandbox did not start", "raise --sandbox=memory="};
+    return {ErrorCode::kInternal, path, "", "its sandbox did not start",
+            "raise the limit --sandbox=memory="};
   } else if (WIFEXITED(status) && WEXITSTATUS(status) != 0) {
     what = "its reader ended with status " + std::to_string(WEXITSTATUS(status));
   }
   return {ErrorCode::kMeshUnreadable, path, "", what,
-          "export the mesh again, or in another format"};
+          "export the mesh again, or use another format"};
 }
 
 // The reader's process reads below the folders of the file, as it is named and as it lies, and what

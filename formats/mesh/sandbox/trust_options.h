@@ -1,7 +1,6 @@
 // The options that say how far a command trusts its mesh files and manifests.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "formats/mesh/mesh.h"
@@ -13,9 +12,6 @@ class App;
 }
 
 namespace forcelayer::mesh {
-
-using AssemblyReader =
-    std::function<Result<Assembly>(const std::string& path, const ReadOptions& options)>;
 
 struct TrustOptions {
   std::string sandbox;  // as typed behind --sandbox=; "true": without limits; empty: not given

@@ -66,7 +66,7 @@ void keep_references(const SourceFile& file, const std::vector<StepReference>& r
     if (label.IsNull()) {
       fail_read(file, ErrorCode::kMeshIncomplete, product_name(product),
                 "its shape is in the file " + in_quotes(names.front()) +
-                    ", and OpenCASCADE finds no place for it",
+                    ", but OpenCASCADE does not find the place of this product",
                 "export the assembly into one file");
     }
     document.references[entry_of(label)].push_back(names);
@@ -121,7 +121,7 @@ void check_placings(const SourceFile& file, std::string_view text,
 }
 
 std::string hidden_text(const std::string& what) {
-  return "the file hides " + what + ", read all the same";
+  return "the file hides " + what + ", but hidden shapes are read, too";
 }
 
 void read_step_file(const SourceFile& file, std::string_view text, StepDocument& document) {
@@ -151,9 +151,9 @@ void read_step_file(const SourceFile& file, std::string_view text, StepDocument&
   keep_losses(find_step_losses(session, document.document), reader, document);
   keep_references(file, references, reader, document);
   if (const std::string shape = shape_without_unit(session); !shape.empty()) {
-    document.warnings.push_back(shape +
-                                " states no unit of length that is understood: its numbers "
-                                "were taken for millimeters; --units says what they are");
+    document.warnings.push_back(
+        shape +
+        " has no known unit of length, and was read in millimeters; give the unit with --units");
   } else if (std::string unit = odd_unit(session); !unit.empty()) {
     document.warnings.push_back(std::move(unit));
   }
@@ -169,15 +169,15 @@ void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument
   const std::string name = global.UnitName().IsNull() ? "" : global.UnitName()->ToCString();
   const int of_name = name.empty() ? 0 : IGESData_BasicEditor::UnitNameFlag(name.c_str());
   if (global.UnitFlag() != kByName && of_name > 0 && of_name != global.UnitFlag()) {
-    document.warnings.push_back("its unit is called " + in_quotes(name) + ", and its number " +
-                                std::to_string(global.UnitFlag()) +
-                                " is that of another unit, which was taken: look at the size");
+    document.warnings.push_back("the file calls its unit " + in_quotes(name) +
+                                ", but its unit number " + std::to_string(global.UnitFlag()) +
+                                " means another unit, which was used: check the size");
   }
   if (global.Scale() != 1) {
     char scale[40];
     std::snprintf(scale, sizeof scale, "%.6g", global.Scale());
-    document.warnings.push_back("its model is drawn to a scale of " + std::string(scale) +
-                                ", which is not applied: look at the size");
+    document.warnings.push_back("the model is drawn to a scale of " + std::string(scale) +
+                                ", which is not applied: check the size");
   }
 }
 

@@ -9,6 +9,7 @@ namespace {
 // In deflections: a gap between edges and faces that is reported. The coarsest deflection that is
 // tried is as large.
 constexpr double kNotableGap = 4;
+constexpr double kFinestMm = 1e-3;  // shorter bounds are reported as this
 
 std::string length_text(double length_mm) {
   char text[40];
@@ -19,13 +20,13 @@ std::string length_text(double length_mm) {
 std::string place_text(const MissingPiece& piece) {
   const MissingFace& face = piece.face;
   const std::string node = face.node.empty() ? "of an unknown node" : face.node;
-  if (face.size == 0) return node + ", whose place is unknown";
+  if (face.size == 0) return node + " at an unknown place";
   char place[160];
   std::snprintf(place, sizeof place, " at (%.6g, %.6g, %.6g) mm, ", face.center[0], face.center[1],
                 face.center[2]);
   return node +
          (piece.has_edges      ? ""
-          : piece.name.empty() ? ", a face without edges somewhere in its node,"
+          : piece.name.empty() ? ", a face without edges, somewhere in its node,"
                                : ", somewhere in its node,") +
          place + length_text(face.size) + " across";
 }
@@ -46,10 +47,10 @@ std::string places_text(std::span<const MissingPiece> missing) {
   return text;
 }
 
-std::string way_out(std::string mend, std::span<const MissingPiece> missing,
-                    const std::vector<std::string>& unknown_nodes, std::size_t nodes) {
-  if (nodes == 0) return mend + "; no other face is in this file";
-  if (nodes > 1) mend += ", leave their node out with --without";
+std::string remedy(std::string mend, std::span<const MissingPiece> missing,
+                   const std::vector<std::string>& unknown_nodes, std::size_t nodes) {
+  if (nodes == 0) return mend + "; the file has no other face";
+  if (nodes > 1) mend += ", leave out their node with --without";
   mend += ", or accept the holes with --missing-faces " + std::to_string(missing.size());
   for (const std::string& name : unknown_nodes) {
     mend += "; no node of this file is called " + in_quotes(name);
@@ -62,38 +63,42 @@ std::string way_out(std::string mend, std::span<const MissingPiece> missing,
 void add_face_warnings(const Tessellation& tessellation, const std::string& path,
                        std::vector<std::string>& warnings) {
   if (tessellation.dropped > 0) {
-    warnings.push_back(path + ": " + counted(tessellation.dropped, "face") +
-                       " thinner than the deflection left out: no point of " +
-                       (tessellation.dropped == 1 ? "it" : "them") + " is farther than " +
-                       length_text(tessellation.dropped_reach_mm) + " from the faces beside them");
+    warnings.push_back(
+        path + ": " + counted(tessellation.dropped, "face") + " thinner than the deflection " +
+        (tessellation.dropped == 1 ? "is left out: every point of this face is within "
+                                   : "are left out: every point of these faces is within ") +
+        length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }
   if (tessellation.sewn > 0) {
     warnings.push_back(
-        path + ": " + counted(tessellation.sewn, "loose face") + " sewn where edges are within " +
+        path + ": " + counted(tessellation.sewn, "loose face") + " joined where edges are within " +
         length_text(tessellation.sewing_tolerance_mm) +
-        " of each other; the joined edges lie up to " + length_text(tessellation.sewn_gap_mm) +
-        " from their faces, and the guarantee is less by it" +
+        " of each other; the joined edges are up to " +
+        length_text(std::max(tessellation.sewn_gap_mm, kFinestMm)) +
+        " away from their faces, and the guaranteed distance is smaller by this length" +
         (tessellation.open_edges > 0
-             ? "; " + counted(tessellation.open_edges, "edge") + " of them still open"
+             ? "; " + counted(tessellation.open_edges, "edge") + " of them not joined"
              : "") +
         (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
-             ? "; look whether an edge is damaged"
+             ? "; check whether an edge is damaged"
              : ""));
   }
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": an edge lies up to " + length_text(tessellation.edge_gap_mm) +
-                       " from its faces: the triangles deviate as much, and the guarantee is less "
-                       "by it; look whether the edge is damaged");
+                       " from its faces: the guaranteed distance is smaller by this length; check "
+                       "whether the edge is damaged");
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
-    warnings.push_back(path + ": the triangles of a surface lie up to " +
-                       length_text(tessellation.surface_gap_mm) + " from it, where " +
-                       length_text(tessellation.wanted_deflection_mm) +
-                       " were asked of OpenCASCADE: the guarantee is less by it");
+    warnings.push_back(
+        path + ": the triangles of a surface lie up to " +
+        length_text(tessellation.surface_gap_mm) + " from this surface, although " +
+        length_text(tessellation.wanted_deflection_mm) +
+        " were required of OpenCASCADE: the guaranteed distance is smaller by this length");
   }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
-    warnings.push_back(path + ": tessellated to " + length_text(tessellation.deflection_mm) +
-                       ", because faces fail at " + length_text(tessellation.wanted_deflection_mm));
+    warnings.push_back(path + ": surfaces are tessellated to " +
+                       length_text(tessellation.deflection_mm) + " because some faces fail at " +
+                       length_text(tessellation.wanted_deflection_mm));
   }
 }
 
@@ -113,8 +118,8 @@ void check_missing_faces(const SourceFile& file, const FileLosses& losses,
         "OpenCASCADE " + (is_read ? untessellated + ": " + places_text(missing)
                                   : "could not read " + losses.text + (failed > 0 ? ", and " : "") +
                                         untessellated + " (" + places_text(missing) + ")"),
-        way_out(is_read ? "mend them where the part was drawn" : losses.mend, missing,
-                unknown_nodes, nodes));
+        remedy(is_read ? "repair these faces in the CAD system" : losses.mend, missing,
+               unknown_nodes, nodes));
   }
   for (const MissingPiece& piece : missing) {
     assembly.missing_faces.push_back(piece.face);

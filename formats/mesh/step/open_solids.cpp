@@ -54,9 +54,9 @@ std::vector<OpenSolid> open_solids(const Handle(XSControl_WorkSession) & session
     const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
     const std::uint64_t open = shape.IsNull() ? 0 : count_open_edges(shape, tolerance_mm);
     if (open == 0) continue;
-    found.push_back({entity_name(model, entity) + " does not close: " + counted(open, "edge") +
-                         " of one face only; look whether its faces are damaged, no guarantee "
-                         "covers what is missing there",
+    found.push_back({entity_name(model, entity) + " is not closed: " + counted(open, "edge") +
+                         " with one face only; check whether faces are damaged; no guarantee "
+                         "covers missing faces",
                      shape});
   }
   return found;

@@ -119,10 +119,12 @@ class StepReader {
                         missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
       fail_read(file_, ErrorCode::kMeshEmpty, "",
-                !missing_.empty()          ? "none of its faces can be read"
+                !missing_.empty()          ? "no face of this file can be read"
                 : to_read.left_out.empty() ? "no faces in this file"
-                                           : "no faces are left in this file",
-                "export the file again");
+                                           : "--without leaves no faces in this file",
+                to_read.left_out.empty() || !missing_.empty()
+                    ? "export the file again"
+                    : "a scene needs at least one other part: leave out less, or add a file");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
@@ -214,10 +216,10 @@ class StepReader {
     }
     for (const auto& [first, others] : joined_) {
       assembly_.warnings.push_back(
-          names_[first].path + ": " + counted(others.size(), "other node") + " (" +
+          names_[first].path + ": this node and " + counted(others.size(), "other node") + " (" +
           names_[others.front()].path + (others.size() > 1 ? ", ..." : "") +
-          ") whose faces meet it at open edges read as one with it; the group of their faces may "
-          "be damaged or missing");
+          ") are read as one body, because their faces meet at open edges; the group that joins "
+          "them may be damaged or missing in the file");
     }
   }
 
@@ -372,14 +374,14 @@ class StepReader {
     }
     const auto [path, is_elsewhere] = find_reference(from.source, file_, *chosen, node);
     if (is_elsewhere && warned_of_.insert(path.string()).second) {
-      assembly_.warnings.push_back(node + ": its file " + in_quotes(chosen->front()) +
-                                   " was read from " + path.string());
+      assembly_.warnings.push_back(node + ": the file " + in_quotes(chosen->front()) +
+                                   " that it names was read from " + path.string());
     }
     const OpenFile& other = open({path.string(), {}, file_.options}, node);
     if (std::find(chain_.begin(), chain_.end(), &other) != chain_.end()) {
       fail_read(from.source, ErrorCode::kMeshUnreadable, node,
                 "its shape is in the file " + in_quotes(chosen->front()) +
-                    ", which it is itself a part of",
+                    ", which contains this node itself",
                 "export the assembly into one file");
     }
     chain_.push_back(&other);
@@ -428,7 +430,8 @@ class StepReader {
     for (const LostFace& face : lost) add_missing(node_of(face, node), face, "");
     if (mesh == kNoTriangles) {
       if (lost.empty() && !is_flawed_.contains(node)) {
-        node_warnings_.add(names_[node].path, "left out: no faces, only curves or points");
+        node_warnings_.add(names_[node].path,
+                           "left out because it has no faces, only curves or points");
       }
       return;
     }
@@ -449,8 +452,8 @@ class StepReader {
                       const std::string& node) {
     for (const auto& names : references) {
       if (!std::any_of(names.begin(), names.end(), is_step_name)) continue;
-      assembly_.warnings.push_back(node + " has a shape of its own: its file " +
-                                   in_quotes(names.front()) + " was not read");
+      assembly_.warnings.push_back(node + " has its own shape, so the file that it names, " +
+                                   in_quotes(names.front()) + ", was not read");
     }
   }
 

@@ -129,7 +129,7 @@ FoundFile find_reference(const SourceFile& file, const SourceFile& top,
     }
   }
   fail_read(file, ErrorCode::kFileNotFound, where, what + ", which is missing",
-            "put it beside the file that names it, or leave its node out with --without");
+            "put that file beside the one that names it, or leave out the node with --without");
 }
 
 }  // namespace forcelayer::mesh

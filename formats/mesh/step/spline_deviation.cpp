@@ -131,11 +131,12 @@ class Spline {
   }
 
   // Whether no knot within is as often there as the degree: there the surface may have an edge.
-  static bool is_smooth(const Direction& way) {
-    if (way.degree < 2) return way.knots.size() == 2 * static_cast<std::size_t>(way.degree + 1);
-    const auto degree = static_cast<std::size_t>(way.degree);
-    for (std::size_t i = degree + 1; i + degree < way.knots.size() - degree; ++i) {
-      if (!(way.knots[i + degree - 1] > way.knots[i])) return false;
+  static bool is_smooth(const Direction& direction) {
+    if (direction.degree < 2)
+      return direction.knots.size() == 2 * static_cast<std::size_t>(direction.degree + 1);
+    const auto degree = static_cast<std::size_t>(direction.degree);
+    for (std::size_t i = degree + 1; i + degree < direction.knots.size() - degree; ++i) {
+      if (!(direction.knots[i + degree - 1] > direction.knots[i])) return false;
     }
     return true;
   }

@@ -33,7 +33,9 @@ Error refused(const HidDeviceInfo& info, std::string_view what, std::string_view
 
 // One application collection of ours, one input and one output report of 64 bytes, no numbers.
 Status check_descriptor(HidPort& port, const HidDeviceInfo& info) {
-  const char* const mend = "is it the device meant? its firmware must speak hid_haptic_report.md";
+  const char* const mend =
+      "check that it is the right device; its firmware must send reports as in "
+      "hid_haptic_report.md";
   const auto parsed = parse_hid_report_descriptor(port.report_descriptor());
   if (!parsed) {
     return refused(info, parsed.error().where + ": " + parsed.error().what, mend);
@@ -47,7 +49,7 @@ Status check_descriptor(HidPort& port, const HidDeviceInfo& info) {
   if (parsed->applications.size() != 1 || parsed->applications.front() != kHapticUsage ||
       parsed->numbered() || bits(HidReportKind::kInput) != 8 * kHapticReportBytes ||
       bits(HidReportKind::kOutput) != 8 * kHapticReportBytes) {
-    return refused(info, "its report descriptor is not that of a haptic device", mend);
+    return refused(info, "its report descriptor does not describe a haptic device", mend);
   }
   return {};
 }
@@ -149,21 +151,21 @@ Status HidDevice::greet(HidPort& port, const HidDeviceInfo& info) {
   }
   return Error{ErrorCode::kDeviceFailed, to_text(info), "",
                defect == HapticDefect::kNone
-                   ? "does not say what it can do"
-                   : std::string("its reports are not sound: ") + to_text(defect),
-               "plug it in again; its firmware must speak version 1 of hid_haptic_report.md"};
+                   ? "does not send its capabilities"
+                   : std::string("its reports are damaged: ") + to_text(defect),
+               "plug it in again; its firmware must use version 1 of hid_haptic_report.md"};
 }
 
 Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDeviceInfo& info) const {
-  const char* const mend = "mend the ratings in its firmware";
+  const char* const mend = "correct the ratings in its firmware";
   if (!(device.watchdog_s > 0 && device.watchdog_s <= kMaxWatchdogS)) {
-    return refused(info, "it has no watchdog of its own, or one above 100 ms", mend);
+    return refused(info, "it has no watchdog, or the watchdog waits longer than 100 ms", mend);
   }
   if (device.sensed_axes != kAllAxes) return refused(info, "it does not sense all six axes", mend);
   if (!(device.max_force_n > 0 && device.max_force_n <= kMaxForceN &&
         device.max_torque_nm <= kMaxTorqueNm && forcelayer::check_ratings(device) &&
         (device.rate_hz == 0 || device.rate_hz >= kMinMotorsHz))) {
-    return refused(info, "its ratings are not those of a hand-held device", mend);
+    return refused(info, "its ratings are impossible for a hand-held device", mend);
   }
   const bool same = device.max_force_n == capabilities_.max_force_n &&
                     device.max_torque_nm == capabilities_.max_torque_nm &&
@@ -174,7 +176,8 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
                     device.actuated_axes == capabilities_.actuated_axes &&
                     device.senses_velocity == capabilities_.senses_velocity;
   if (known_ && !same) {
-    return refused(info, "it came back with other ratings than before", "start voxrun again");
+    return refused(info, "its ratings are not the same as before it was unplugged",
+                   "start voxrun again");
   }
   return {};
 }
@@ -205,13 +208,13 @@ Status HidDevice::await_state(HidPort& port, const HidDeviceInfo& info) {
     }
     if (now != HapticDefect::kKind) defect = now;
   }
-  std::string what = "sends no poses";
+  std::string what = "does not send poses";
   if (defect != HapticDefect::kNone) {
-    what = std::string("its reports are not sound: ") + to_text(defect);
+    what = std::string("its reports are damaged: ") + to_text(defect);
   } else if ((status & kHapticFault) != 0) {
     what = "reports a fault";
   } else if ((status & kHapticWatchdog) != 0) {
-    what = "its watchdog does not open on a zero wrench";
+    what = "its watchdog stays on after a zero wrench";
   }
   return Error{ErrorCode::kDeviceFailed, to_text(info), "", what, "plug it in again"};
 }
@@ -264,13 +267,13 @@ HidLoss HidDevice::look(long long now_ns) noexcept {
     states_.put(watch_.newest);
   }
   if (write_failed_.load(std::memory_order_relaxed)) {
-    return {"the device takes no commands", "look at plug and power"};
+    return {"the device does not accept commands", "check plug and power"};
   }
   if (now_ns - watch_.newest_ns <= kSilentNs) return {};
   if (watch_.malformed > 0) {
-    return {"the device's reports are not sound", "look at its cable and its firmware"};
+    return {"the device's reports are damaged", "check its cable and its firmware"};
   }
-  const char* const mend = "switch it off and on, and look at its firmware";
+  const char* const mend = "switch it off and on, and check its firmware";
   if (watch_.repeated > 0) return {"the device is frozen: it repeats its reports", mend};
   return {"the device is frozen: it sends no reports", mend};
 }
@@ -350,11 +353,14 @@ DeviceTrouble HidDevice::trouble() const {
   // The device's own report counts unless the connection was lost since.
   const std::uint16_t bad = bad_losses_.load() == link_.losses() ? bad_status_.load() : 0;
   if ((bad & kHapticFault) != 0) {
-    return {"the device reports a fault", "look it up in its manual, and switch it off and on"};
+    return {"the device reports a fault",
+            "look up the fault in the manual of the device, and switch the device off and on"};
   }
   if ((bad & kHapticWatchdog) != 0) {
-    return {"the device's watchdog tripped",
-            "it heard nothing in time: see voxrun doctor, and leave its USB bus to it alone"};
+    return {
+        "the device's watchdog tripped",
+        "no command reached the device in time: run voxrun doctor, and connect nothing else to the "
+        "same USB bus"};
   }
   return link_.trouble();
 }

@@ -107,13 +107,13 @@ const char* to_text(HapticDefect defect) {
     case HapticDefect::kChecksum:
       return "wrong checksum";
     case HapticDefect::kVersion:
-      return "another version of the layout";
+      return "they have another version of the layout";
     case HapticDefect::kKind:
       return "unknown kind";
     case HapticDefect::kReserved:
-      return "reserved bits set";
+      return "reserved bits are set";
     case HapticDefect::kOrientation:
-      return "no unit quaternion";
+      return "the quaternion is not of length 1";
   }
   return "unknown";
 }

@@ -66,7 +66,7 @@ HidLoss HidLink::read_round() noexcept {
   int wait_ms = kReadWaitMs;
   for (int i = 0; i < kMaxDrained; ++i, wait_ms = 0) {
     const int bytes = port_->read(report, wait_ms);
-    if (bytes < 0) return {"the device was unplugged", "look at plug and power"};
+    if (bytes < 0) return {"the device was unplugged", "check plug and power"};
     if (bytes == 0) break;
     client_.take_report(std::span(report).first(static_cast<std::size_t>(bytes)),
                         machine::monotonic_ns());

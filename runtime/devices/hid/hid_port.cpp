@@ -31,7 +31,7 @@ Result<HidSelector> parse_hid_selector(const std::string& text) {
   if (colon == std::string::npos ||
       !read_hex(std::string_view(text).substr(0, colon), selector.vendor) ||
       !read_hex(std::string_view(text).substr(colon + 1, second - colon - 1), selector.product)) {
-    return Error{ErrorCode::kUsage, "", "", "'" + text + "' names no HID device",
+    return Error{ErrorCode::kUsage, "", "", "'" + text + "' is not a HID device",
                  "give VENDOR:PRODUCT[:SERIAL] in hexadecimal, like 16c0:0486, or /dev/hidrawN"};
   }
   if (second != std::string::npos) selector.serial = text.substr(second + 1);
@@ -60,18 +60,18 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
                                  [&](const HidDeviceInfo& info) { return info.usage == usage; });
   if (right) std::erase_if(found, [&](const HidDeviceInfo& info) { return info.usage != usage; });
   if (found.empty()) {
-    return Error{
-        ErrorCode::kDeviceNotFound, "", selector.path,
-        "no " + kind + (named ? " of that name" : "") + " is plugged in",
-        named ? "see lsusb and ls /dev/hidraw*" : "plug it in, or name it with id= of --device"};
+    return Error{ErrorCode::kDeviceNotFound, "", selector.path,
+                 "no " + kind + (named ? " with this name" : "") + " is plugged in",
+                 named ? "list the devices with lsusb and ls /dev/hidraw*"
+                       : "plug it in, or name the device with id= of --device"};
   }
   const bool several = std::any_of(found.begin(), found.end(), [&](const HidDeviceInfo& info) {
     return info.path != found.front().path;
   });
   if (several) {
     return Error{ErrorCode::kUsage, "", "",
-                 "several devices fit: " + to_text(found[0]) + ", " + to_text(found[1]),
-                 "name one with id=VENDOR:PRODUCT:SERIAL or id=PATH of --device"};
+                 "several devices are possible: " + to_text(found[0]) + ", " + to_text(found[1]),
+                 "choose one of them with id=VENDOR:PRODUCT:SERIAL or id=PATH of --device"};
   }
   return found.front();
 }

@@ -109,7 +109,7 @@ class Parser {
         globals_.report_count = data;
         return nullptr;
       case kReportId:
-        if (data == 0 || data > 255) return "a report id out of range";
+        if (data == 0 || data > 255) return "a report id is out of range";
         globals_.report_id = static_cast<std::uint8_t>(data);
         return nullptr;
       case kPush:
@@ -117,7 +117,7 @@ class Parser {
         stack_.push_back(globals_);
         return nullptr;
       case kPop:
-        if (stack_.empty()) return "a Pop without its Push";
+        if (stack_.empty()) return "a Pop has no Push before it";
         globals_ = stack_.back();
         stack_.pop_back();
         return nullptr;
@@ -145,7 +145,7 @@ class Parser {
       case kCollection:
         return open_collection(data);
       case kEndCollection:
-        if (collections_.empty()) return "the end of a collection that did not begin";
+        if (collections_.empty()) return "a collection ends that did not begin";
         collections_.pop_back();
         locals_ = {};
         return nullptr;
@@ -161,7 +161,7 @@ class Parser {
   }
 
   const char* usage_range(std::uint32_t last) {
-    if (last < locals_.usage_min) return "a usage range that runs backwards";
+    if (last < locals_.usage_min) return "a usage range ends before its beginning";
     const std::uint32_t after_first = last - locals_.usage_min;
     if (after_first >= kMaxUsages - locals_.usages.size()) return "too many usages";
     for (std::uint32_t n = 0; n <= after_first; ++n)
@@ -192,9 +192,10 @@ class Parser {
   const char* add_fields(HidReportKind kind, std::uint32_t flags) {
     const std::uint64_t bits = std::uint64_t{globals_.report_size} * globals_.report_count;
     HidReportSize& size = report(kind);
-    if (bits > kMaxReportBits - size.bits) return "a report that is too long";
+    if (bits > kMaxReportBits - size.bits) return "a report is too long";
     if ((flags & kConstant) == 0 && (flags & kVariable) != 0 && !locals_.usages.empty()) {
-      if (globals_.report_size == 0 || globals_.report_size > 32) return "a field's size";
+      if (globals_.report_size == 0 || globals_.report_size > 32)
+        return "the size of a field is not 1 to 32 bits";
       if (globals_.report_count > kMaxFields - descriptor_.fields.size()) return "too many fields";
       for (std::uint32_t i = 0; i < globals_.report_count; ++i) {
         const std::size_t usage = std::min<std::size_t>(i, locals_.usages.size() - 1);

@@ -75,8 +75,8 @@ class HidapiBus final : public HidBus {
       const int why = errno;
       return Error{why == ENOENT ? ErrorCode::kDeviceNotFound : ErrorCode::kDeviceFailed, info.path,
                    "", std::string("cannot be opened: ") + std::strerror(why),
-                   why == EACCES ? "let the desktop's user at it with a udev rule (see 'voxrun "
-                                   "doctor'), then plug it in again"
+                   why == EACCES ? "give the user access by a udev rule ('voxrun doctor' prints "
+                                   "it), then plug the device in again"
                                  : "plug it in again"};
     }
     hid_device* const device = hid_open_path(info.path.c_str());

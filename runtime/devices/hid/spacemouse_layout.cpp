@@ -35,7 +35,7 @@ Result<SpaceMouseLayout> SpaceMouseLayout::from(const HidReportDescriptor& descr
     if (found[axis]) continue;
     return Error{ErrorCode::kDeviceRefused, "", "report descriptor",
                  std::string("has no axis ") + kAxisNames[axis] + " of a multi-axis controller",
-                 "is it the device meant?"};
+                 "check that it is the right device"};
   }
   for (const HidReportSize& report : descriptor.reports) {
     if (layout.led_ && report.kind == HidReportKind::kOutput &&

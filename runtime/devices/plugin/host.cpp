@@ -137,10 +137,10 @@ const forcelayer_plugin* load(const char* library, PluginLink& link) {
   if (entry == nullptr) {
     fail(link, "is not a plugin: it has no function forcelayer_plugin_entry");
   } else if (plugin == nullptr) {
-    fail(link, "does not speak version 1 of the interface");
+    fail(link, "does not support version 1 of the interface");
   } else if (plugin->open == nullptr || plugin->close == nullptr ||
              (plugin->run == nullptr && (plugin->read == nullptr || plugin->write == nullptr))) {
-    fail(link, "lacks functions: open, close, and read with write or run");
+    fail(link, "must have the functions open, close, and either run or both read and write");
     return nullptr;
   }
   return plugin;
@@ -164,8 +164,8 @@ int serve(const char* library, const char* arguments, pid_t parent, PluginLink& 
   forcelayer_plugin_info info{};
   if (plugin->open(arguments, &info, &device, error.data(), error.size()) != 0) {
     error.back() = 0;
-    fail(link,
-         std::string("does not open: ") + (error[0] != 0 ? error.data() : "it does not say why"));
+    fail(link, std::string("does not open its device: ") +
+                   (error[0] != 0 ? error.data() : "the plugin gives no reason"));
     return 1;
   }
   link.info = info;
@@ -218,12 +218,13 @@ int main(int argc, char** argv) {
                                         MAP_SHARED, forcelayer::devices::kLinkDescriptor, 0)
                                  : MAP_FAILED;
   if (mapped == MAP_FAILED) {
-    std::fprintf(stderr, "voxrun-plugin: is started by voxrun --device plugin\n");
+    std::fprintf(stderr,
+                 "voxrun-plugin: this program can only be started by voxrun --device plugin\n");
     return 2;
   }
   auto& link = *static_cast<PluginLink*>(mapped);
   if (!link.whole()) {
-    forcelayer::devices::fail(link, "voxrun and voxrun-plugin are of different versions");
+    forcelayer::devices::fail(link, "voxrun and voxrun-plugin have different versions");
     return 1;
   }
   forcelayer::devices::give_up_rights(std::strcmp(argv[4], "trusted") == 0);

@@ -88,20 +88,21 @@ std::vector<char*> passed_environment() {
 // The first flaw of a handshake; null where it has none.
 const char* flaw(const forcelayer_plugin_info& info) {
   if (info.abi != FORCELAYER_PLUGIN_ABI) return "was built for another version of the interface";
-  if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not promise SI units";
+  if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not declare SI units";
   if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
-    return "does not promise right-handed frames";
+    return "does not declare right-handed frames";
   }
   if (info.sensed_axes == 0 || ((info.sensed_axes | info.actuated_axes) & ~kAllAxes) != 0) {
-    return "senses no axis, or declares one beyond the six";
+    return "senses no axis, or declares more than the six axes";
   }
   // A slower one would hold a force for longer than the longest stale limit.
   const double min_hz = info.actuated_axes == 0 ? 1 : kMinMotorsHz;
   if (!(info.rate_hz >= min_hz && info.rate_hz <= 100'000)) {
-    return "declares no rate of 1 to 100000 Hz, with motors of at least 50 Hz";
+    return "must declare a rate of 1 to 100000 Hz, with motors at least 50 Hz";
   }
-  if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "rates no force";
-  if ((info.actuated_axes & 56u) != 0 && info.max_torque_nm == 0) return "rates no torque";
+  if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "declares no maximum force";
+  if ((info.actuated_axes & 56u) != 0 && info.max_torque_nm == 0)
+    return "declares no maximum torque";
   return nullptr;
 }
 
@@ -175,7 +176,8 @@ Status PluginDevice::launch() {
   close(memory);
   if (failure != 0) {
     process_ = -1;
-    return failed(options_, "its process does not start: " + std::string(std::strerror(failure)));
+    return failed(options_,
+                  "its process cannot be started: " + std::string(std::strerror(failure)));
   }
   try {
     waiter_ = std::thread([this] { wait_for_end(); });
@@ -183,7 +185,8 @@ Status PluginDevice::launch() {
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
     process_ = -1;
-    return failed(options_, "no thread can wait for its process: " + none.code().message());
+    return failed(options_, "the thread that waits for its process cannot be started: " +
+                                none.code().message());
   }
   return {};
 }
@@ -204,7 +207,7 @@ Status PluginDevice::shake_hands() {
       return failed(options_, end_text(exit_status_) + " before the device was open");
     }
     if (options_.stop != nullptr && *options_.stop != 0) {
-      return failed(options_, "had not opened its device when the run was ended");
+      return failed(options_, "had not yet opened its device when the run was stopped");
     }
     if (machine::monotonic_ns() > until_ns)
       return failed(options_, "does not open its device in time");
@@ -223,7 +226,7 @@ Status PluginDevice::shake_hands() {
     const Error& error = rated.error();
     return Error{
         ErrorCode::kDeviceRefused, options_.library.string(), "handshake",
-        "declares a rating that no device in a hand has: " + error.where + " " + error.what,
+        "declares a rating that no hand-held device has: " + error.where + " " + error.what,
         kSeeManual};
   }
   capabilities_ = declared;
@@ -240,7 +243,7 @@ Status PluginDevice::start() {
     }
     return Error{ErrorCode::kDeviceNotFound, path->string(), "", "no such file",
                  path == &options_.host
-                     ? "voxrun-plugin is installed beside voxrun"
+                     ? "install voxrun-plugin in the same folder as voxrun"
                      : "give the plugin's library with --device plugin:library=FILE"};
   }
   if (Status launched = launch(); !launched) return launched;
@@ -306,18 +309,19 @@ void PluginDevice::stop() noexcept {
 DeviceTrouble PluginDevice::trouble() const {
   if (link_ == nullptr) return {};
   if (overwritten_) {
-    return {"the plugin wrote over the memory that it shares with the loop",
-            "look at the plugin, or its SDK: it writes outside its own memory"};
+    return {"the plugin damaged the memory that it shares with the loop",
+            "check the plugin and its SDK: it writes outside its own memory"};
   }
   if (killed_) {
-    return {"the plugin hung and was killed", "one of its functions, or its SDK, does not return"};
+    return {"the plugin hung and was killed",
+            "check the plugin and its SDK: one of their functions does not return"};
   }
   if (link_->state.load() == PluginState::kLost) {
-    return {"the plugin lost its device", "look at plug and power"};
+    return {"the plugin lost its device", "check plug and power"};
   }
   const bool crashed = ended_.load() && link_->state.load() != PluginState::kClosed;
   if (!crashed) return {};
-  return {"the plugin crashed: " + end_text(exit_status_), "look at the plugin, or its SDK"};
+  return {"the plugin crashed: " + end_text(exit_status_), "check the plugin and its SDK"};
 }
 
 }  // namespace forcelayer::devices

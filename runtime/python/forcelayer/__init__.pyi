@@ -38,7 +38,7 @@ class Scene:
         part: Part,
         t_s: ArrayLike,
         poses: ArrayLike,
-        clearance_m: float = 0.0127,
+        clearance_m: float = 0.001,
         *,
         allow: Sequence[str] = [],
         world_from_seat: Optional[ArrayLike] = None,

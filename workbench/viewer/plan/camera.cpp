@@ -26,8 +26,8 @@ VoxelValue value_at(const Voxmap& voxmap, const glm::dvec3& point_m) {
 bool sees(const Voxmap& voxmap, const glm::dvec3& point_m, const glm::dvec3& direction,
           double reach_m) {
   const double step_m = voxmap.voxel_size_m();
-  for (double way_m = step_m; way_m < reach_m; way_m += step_m) {
-    if (value_at(voxmap, point_m + way_m * direction) == VoxelValue::kInterior) return false;
+  for (double along_m = step_m; along_m < reach_m; along_m += step_m) {
+    if (value_at(voxmap, point_m + along_m * direction) == VoxelValue::kInterior) return false;
   }
   return true;
 }

@@ -7,17 +7,20 @@
 namespace forcelayer::viewer {
 
 inline constexpr std::array<std::string_view, 9> kKeyLines = {
-    "mouse: left turns (z stays upright), middle or shift-left moves, right or wheel zooms",
-    "1-8: meshes, interior, force layer, proximity, part, shell, contacts, hand on and off",
-    "f: whole scene   p: go with the part, or stop   x y z: along an axis, with shift against it",
-    "c: cut across x, y, z, none   shift-c: other side   , . move it by a voxel, with shift by ten",
-    "m: measure from what is under the pointer, m again: to what is under it then   shift-m: no "
-    "more",
-    "o: tree of objects, on and off   up down: choose   return: open or close   v: hide or show   "
-    "i: alone, or all   a: all   (without the tree: what is under the pointer)",
-    "space: play or pause   - +: slower, faster   or by the buttons in the strip   click or drag "
-    "in it: go there",
-    "left right: a frame, with shift ten   home end: first, last   n: next contact",
-    "g: next guard cut   shift-n shift-g: the one before   h: keys   q: end"};
+    "mouse: left turns the view (z stays up), middle or shift-left moves it, right or wheel zooms",
+    "1-8: show or hide meshes, interior, force layer, proximity, part, shell, contacts, hand",
+    "f: whole scene   p: follow the part, or stop   x y z: look along an axis, with shift the "
+    "opposite way",
+    "c: cut across x, y, z, none   shift-c: other side   , .: move the cut by a voxel, with shift "
+    "by ten",
+    "m: first point of a measurement   m again: second point   shift-m: stop",
+    "o: show or hide the tree of objects   up down: choose   return: open or close   v: hide or "
+    "show   i: show only this object, or all   a: show all   (without the tree: the object at "
+    "the pointer)",
+    "space: play or pause   - +: slower, faster   (or the buttons in the strip)   click or drag in "
+    "the strip: go there",
+    "left right: a frame back or on, with shift ten   home end: first, last   n: next contact",
+    "g: next guard cut   shift-n, shift-g: previous contact, previous guard cut   h: these keys   "
+    "q: end"};
 
 }  // namespace forcelayer::viewer

@@ -86,7 +86,8 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
     legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the part"});
   }
   if (plan.moment->world_from_target && plan.shown[Item::kHandle]) {
-    if (scene.part) legend.push_back({Swatch::kLine, kGhostColor, 1, "where the hand holds it"});
+    if (scene.part)
+      legend.push_back({Swatch::kLine, kGhostColor, 1, "where the hand holds the part"});
     legend.push_back({Swatch::kCoil, kGhostColor, 1, "virtual coupling"});
   }
   if (!plan.shown[Item::kContacts]) return;
@@ -95,15 +96,16 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
     legend.push_back({Swatch::kArrow, kContactColor, 1,
                       text_of("contact: force on the part, %g times the depth", arrows.per_depth)});
     if (arrows.left_out > 0) {
-      legend.push_back({Swatch::kDot, kContactColor, 1,
-                        text_of("%zu contacts less deep, without arrow", arrows.left_out)});
+      legend.push_back(
+          {Swatch::kDot, kContactColor, 1,
+           text_of("%zu contacts that are less deep, without arrows", arrows.left_out)});
     }
     legend.push_back({Swatch::kDot, kForceLayerColor, 1, "point in the force layer, depth 0"});
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});
     legend.push_back({Swatch::kDiamond, kPenetrationColor, 1, "point in interior"});
   }
   if (scene.voxmap && scene.shell && scene.voxmap->distances() != nullptr) {
-    legend.push_back({Swatch::kLine, kClearanceColor, 1, "clearance: the nearest places"});
+    legend.push_back({Swatch::kLine, kClearanceColor, 1, "clearance: the nearest points"});
   }
   if (plan.moment->on_hand) {
     legend.push_back({Swatch::kArrow, kNetForceColor, 1, "force on the hand"});

@@ -37,11 +37,12 @@ std::string Measurement::words(const Pose& world_from_part) const {
   const std::vector<glm::dvec3> places = places_m(world_from_part);
   const std::string first = last_name(places_[0].name);
   if (places.size() == 1) {
-    return "measured from " + first + " at " + at_mm(places[0]) + "    m: to what is pointed at";
+    return "measured from " + first + " at " + at_mm(places[0]) +
+           "    m: to the point under the pointer";
   }
-  const glm::dvec3 way_m = places[1] - places[0];
-  return text_of("measured: %.3f mm", 1e3 * glm::length(way_m)) + " from " + first + " to " +
-         last_name(places_[1].name) + "    " + at_mm(way_m);
+  const glm::dvec3 offset_m = places[1] - places[0];
+  return text_of("measured: %.3f mm", 1e3 * glm::length(offset_m)) + " from " + first + " to " +
+         last_name(places_[1].name) + "    " + at_mm(offset_m);
 }
 
 }  // namespace forcelayer::viewer

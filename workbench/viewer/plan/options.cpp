@@ -42,7 +42,7 @@ Status read_size(const std::string& text, ViewOptions& options) {
   for (const int side : {options.width, options.height}) {
     if (read != 2 || side < kSmallestPicture || side > kLargestPicture) {
       return usage("--size", "'" + text + "' is not a picture size",
-                   "give pixels as 1600x1000, each 64 to 8192");
+                   "write it in pixels like 1600x1000, each from 64 to 8192");
     }
   }
   return {};
@@ -55,56 +55,59 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   app.add_option("INPUT", options_.inputs.inputs,
                  "meshes, scene manifests, one .vox, one .pshell, in any order");
   app.add_option("--compare", options_.inputs.before,
-                 "an earlier .vox: show the gains and losses of the force layer since");
+                 "an earlier .vox: show where the force layer has grown or shrunk since then");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): needed where their format defines no "
-                 "unit; replaces the unit that the format defines");
-  app.add_option("--part-units", texts_.part_units, "unit of --part, if it differs");
+                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "otherwise it replaces the unit of the format");
+  app.add_option("--part-units", texts_.part_units,
+                 "unit of the mesh of --part, if it differs from --units");
   app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
   app.add_option("--turntable", options_.turntable,
-                 "write a movie in which the eye goes once about z (animated PNG) and end");
-  app.add_option("--json", options_.json, "write the facts of the picture in numbers");
+                 "write an animated PNG in which the camera goes once around z, and end");
+  app.add_option("--json", options_.json, "write the facts of the picture as numbers to this file");
   app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
-  command::add_number(app, "--scale", texts_.scale,
-                      "size of words and marks: 2 on a screen of 192 pixels an inch; default: the "
-                      "screen's Xft.dpi over 96, for pictures 1",
-                      {0.5, 8});
+  command::add_number(
+      app, "--scale", texts_.scale,
+      "scale of text and marks, such as 2 on a screen with 192 pixels an inch; default: the "
+      "screen's Xft.dpi / 96, and 1 for pictures",
+      {0.5, 8});
   auto* run = app.add_option("--trace,--replay", options_.run,
                              "the run to show: a trace or a recording of voxrun");
-  app.add_option(
-         "--at", texts_.at,
-         "time in the run (2.5s); default: the least proven clearance, else the strongest force")
+  app.add_option("--at", texts_.at,
+                 "time in the run, such as 2.5s; default: the moment of the smallest proven "
+                 "clearance, or else of the strongest force")
       ->needs(run);
   app.add_option("--listen", options_.listen,
                  "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
       ->excludes(run);
   app.add_option("--path", options_.path,
-                 "a path of the part to draw as a line, such as voxplan's or --guide of voxrun");
-  app.add_option(
-      "--duration", texts_.duration,
-      "close the window, or take the picture, after this; default: a window stays, a picture of a "
-      "stream is taken after 3s");
+                 "a path of the part to draw as a line, such as one of voxplan");
+  app.add_option("--duration", texts_.duration,
+                 "close the window, or take the picture, after this time. By default a window "
+                 "stays open, and a picture of a stream is taken after 3s");
   app.add_option("--part-pose", texts_.part_pose,
-                 "world_from_part, as of a start: x,y,z or x,y,z,qw,qx,qy,qz")
+                 "pose world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
   app.add_option("--view-from", texts_.view_from,
-                 "direction towards the eye, as 1,-1,0.5; default: where most is seen");
-  app.add_option("--focus", texts_.focus, "part or scene; auto is the part where there is one")
+                 "direction from the scene to the camera, such as 1,-1,0.5; default: the direction "
+                 "that shows most");
+  app.add_option("--focus", texts_.focus,
+                 "center of the picture: part or scene; auto is the part if there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
-  app.add_option("--cut", texts_.cut, "show one side only: z<300mm, x>0m");
-  app.add_option(
-      "--show", texts_.shown,
-      "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; default: "
-      "what suits the files");
+  app.add_option("--cut", texts_.cut, "show only one side, such as z<300mm or x>0m");
+  app.add_option("--show", texts_.shown,
+                 "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; "
+                 "the default depends on the files");
   app.add_option("--hide", options_.hide,
                  "hide an object of the scene, by its name in voxelize --list; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--only", options_.only, "show these objects alone; repeatable")
+  app.add_option("--only", options_.only, "show only this object; repeatable")
       ->allow_extra_args(false);
   app.add_option("--color", texts_.color,
-                 "color of the scene's meshes: one, or object for one each")
+                 "color of the scene's meshes: one color, or the word object for a different color "
+                 "for each object")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
@@ -115,16 +118,18 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
   app.add_option("--frame-times", options_.frame_times,
                  "turn the scene once in the window, write the frame times (JSON) and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; default: what is in focus fills it")
+                 "scale of the picture; by default the focus fills it")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
-                 "x0,y0,z0,x1,y1,z1: draw the distance of two points, the part's first");
+                 "x0,y0,z0 on the part, x1,y1,z1: draw the distance between them");
   app.add_option("--measure-object", texts_.measure_object,
-                 "the object that it leads to: in a color of its own, by its name");
-  app.add_option("--measure-words", texts_.measure_words, "beside it; default: its length");
-  app.add_option("--title", options_.title, "a line of words above the picture; repeatable")
+                 "name of the object at the second point, which gets its own color");
+  app.add_option("--measure-words", texts_.measure_words,
+                 "text beside the distance; default: its length");
+  app.add_option("--title", options_.title, "a line of text above the picture; repeatable")
       ->allow_extra_args(false);
-  app.add_flag("--plain", options_.plain, "flat opaque colors, no words: for measuring");
+  app.add_flag("--plain", options_.plain,
+               "flat opaque colors and no text, so that pixels can be counted");
 }
 
 Status ViewOptionParser::read_units(ViewOptions& options) const {
@@ -164,7 +169,7 @@ Status ViewOptionParser::read_camera(ViewOptions& options) const {
     if (!given) return about("--view-from", given.error());
     const glm::dvec3 direction((*given)[0], (*given)[1], (*given)[2]);
     if (!(glm::length(direction) > 0)) {
-      return usage("--view-from", "the direction has no length", "give it as 1,-1,0.5");
+      return usage("--view-from", "the direction has no length", "write it like 1,-1,0.5");
     }
     options.to_eye = direction;
   }
@@ -194,7 +199,7 @@ Status ViewOptionParser::read_measure(ViewOptions& options) const {
   const auto object = command::parse_point(text.substr(half));
   if (!part || !object) {
     return usage("--measure", "'" + texts_.measure + "' is not two points",
-                 "give x0,y0,z0,x1,y1,z1 with units, as 0,0,1mm,0,0,5mm");
+                 "write x0,y0,z0,x1,y1,z1 with units, like 0,0,1mm,0,0,5mm");
   }
   const auto point = [](const auto& p) { return glm::dvec3(p[0], p[1], p[2]); };
   options.measure = {point(*part), point(*object), texts_.measure_object, texts_.measure_words};
@@ -205,7 +210,7 @@ Status ViewOptionParser::read_measure(ViewOptions& options) const {
     options.measure->words = words;
   }
   return options.screenshot.empty() && options.turntable.empty()
-             ? usage("--measure", "goes with --screenshot or --turntable", "give both")
+             ? usage("--measure", "has no effect without --screenshot or --turntable", "give both")
              : Status();
 }
 
@@ -217,10 +222,10 @@ Result<ViewOptions> ViewOptionParser::finish() const {
   if (Status measure = read_measure(options); !measure) return measure.error();
   options.color_objects = texts_.color == "object";
   if (options.inputs.inputs.empty()) {
-    return usage("", "nothing to show", "name meshes, a manifest, a .vox or a .pshell");
+    return usage("", "no file to show is given", "name meshes, a manifest, a .vox or a .pshell");
   }
   if (!options.json.empty() && options.screenshot.empty()) {
-    return usage("--json", "goes with --screenshot alone", "give both");
+    return usage("--json", "has no effect without --screenshot", "give both");
   }
   return options;
 }

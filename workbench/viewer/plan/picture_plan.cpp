@@ -56,7 +56,7 @@ Result<std::optional<Moment>> plan_moment(const ViewOptions& options,
     const double frame_s = rows.size() > 1 ? last_s - rows[rows.size() - 2].time_s : 0;
     if (options.at_s && !(*options.at_s >= first_s && *options.at_s <= last_s + frame_s)) {
       return Error{ErrorCode::kUsage, options.run, "--at",
-                   text_of("the run has no %g s", *options.at_s),
+                   text_of("the run does not contain the time %g s", *options.at_s),
                    text_of("give a time from %g s to %g s", first_s, last_s)};
     }
     const NotableRows notable = notable_rows(rows);
@@ -187,7 +187,7 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
           command::NearestNames nearest(name);
           for (const std::string& object : objects) nearest.add(object);
           return Error{
-              ErrorCode::kUsage, "", option, "no object is called '" + name + "'",
+              ErrorCode::kUsage, "", option, "no object has the name '" + name + "'",
               nearest.text("voxinfo FILE.vox --objects and voxelize --list FILE list all")};
         }
       }

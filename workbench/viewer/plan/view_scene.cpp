@@ -50,8 +50,8 @@ ViewMesh view_mesh_of(const mesh::Scene& scene, const mesh::MeshObject& part,
 }
 
 Error twice(const std::string& path, const char* kind) {
-  return {ErrorCode::kUsage, path, "", std::string("a second ") + kind,
-          "give one, or --compare to set two beside each other"};
+  return {ErrorCode::kUsage, path, "", std::string("is a second ") + kind,
+          "give only one, or use --compare to compare two .vox files"};
 }
 
 // A scene whose layers can be drawn in some minutes: surfaces visit every node of its tree.
@@ -91,7 +91,7 @@ Status load_baked(const std::string& path, ViewScene& scene) {
 Status load_before(const std::string& path, ViewScene& scene) {
   if (path.empty()) return {};
   if (!scene.voxmap) {
-    return Error{ErrorCode::kUsage, path, "", "nothing to compare it with",
+    return Error{ErrorCode::kUsage, path, "", "there is no second .vox file to compare with",
                  "give the later .vox too, as in --compare before.vox after.vox"};
   }
   auto before = open_scene(path);

@@ -111,10 +111,10 @@ std::vector<std::string> describe(const Moment& moment) {
   }
   if (!view.seated_on.empty()) {
     lines.push_back(describe_seat(view.seated_on) +
-                    (view.clearance_m ? "" : ": no clearance is proven there"));
+                    (view.clearance_m ? "" : ": no clearance is proven in the seat"));
   }
   if (moment.other_files) {
-    lines.push_back("the run counted other points here: it ran with other files, or with --seat");
+    lines.push_back("at this moment the run has other counts: it used other files, or --seat");
   }
   return lines;
 }

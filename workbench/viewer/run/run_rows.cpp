@@ -57,7 +57,8 @@ Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
                                        const std::filesystem::path& shell) {
   if (!stream::is_recording(path)) return read_trace(path);
   if (voxmap.empty() || shell.empty()) {
-    return Error{ErrorCode::kUsage, path.string(), "", "a recording is played on its files",
+    return Error{ErrorCode::kUsage, path.string(), "",
+                 "a recording can be shown only with its files",
                  "give the .vox and the .pshell too"};
   }
   auto recording = stream::Recording::open(path);
@@ -70,7 +71,7 @@ Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
   if (!simulation) return simulation.error();
   auto rows = replayed(*recording, **simulation);
   if (rows && rows->empty()) {
-    return Error{ErrorCode::kFieldInvalid, path.string(), "", "a recording without a frame", ""};
+    return Error{ErrorCode::kFieldInvalid, path.string(), "", "the recording has no frames", ""};
   }
   return rows;
 }
@@ -83,7 +84,7 @@ Result<PoseReceiver> listen_at(const std::string& text) {
   const auto [end, code] = std::from_chars(port.data(), port.data() + port.size(), number);
   if (code != std::errc{} || end != port.data() + port.size() || number > 65535) {
     return Error{ErrorCode::kUsage, "", "--listen", "'" + text + "' is not a port number",
-                 "give PORT or ADDRESS:PORT, as 7000"};
+                 "write PORT or ADDRESS:PORT, like 7000"};
   }
   return PoseReceiver::open(static_cast<std::uint16_t>(number), address);
 }

@@ -162,7 +162,7 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
   if (!std::getline(file, line)) {
-    return Error{ErrorCode::kNotThisFormat, path.string(), "", "no header line",
+    return Error{ErrorCode::kNotThisFormat, path.string(), "", "the header line is missing",
                  "give the CSV that voxrun --trace wrote"};
   }
   const auto places = find_columns(path, line);
@@ -174,7 +174,7 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
     std::array<double, kColumns.size()> values{};
     for (std::size_t n = 0; n < kColumns.size(); ++n) {
       const std::size_t place = (*places)[n];
-      if (place >= cells.size()) return bad_line(path, number, "too few cells");
+      if (place >= cells.size()) return bad_line(path, number, "the line has too few cells");
       const std::string_view cell = cells[place];
       if (!read_number(cell, values[n])) {
         return bad_line(path, number, "'" + std::string(cell) + "' is not a number");
@@ -188,9 +188,9 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
     rows.push_back(row_of(values));
     rows.back().clearance = clearance.of(cells);
   }
-  if (file.bad()) return Error{ErrorCode::kReadFailed, path.string(), "", "read failed", ""};
+  if (file.bad()) return Error{ErrorCode::kReadFailed, path.string(), "", "cannot be read", ""};
   if (rows.empty()) {
-    return Error{ErrorCode::kNotThisFormat, path.string(), "", "no row after the header", ""};
+    return Error{ErrorCode::kNotThisFormat, path.string(), "", "no row follows the header", ""};
   }
   return rows;
 }

@@ -6,7 +6,7 @@ namespace forcelayer::viewer {
 
 Result<Cut> parse_cut(std::string_view text) {
   const Error wrong{ErrorCode::kUsage, "", "--cut", "'" + std::string(text) + "' is not a cut",
-                    "give the side that stays, as z<300mm or x>0m"};
+                    "write the side to keep, like z<300mm or x>0m"};
   constexpr std::string_view kAxes = "xyz";
   if (text.size() < 3) return wrong;
   const std::size_t axis = kAxes.find(text[0]);

@@ -65,7 +65,7 @@ Result<LayerChange> layer_change(const Voxmap& before, const Voxmap& after, Voxe
     return Error{ErrorCode::kFilesDoNotMatch, "", "",
                  "the voxel sizes differ: " + std::to_string(before.voxel_size_m()) + " m and " +
                      std::to_string(after.voxel_size_m()) + " m",
-                 "bake both scenes with one --voxel-size"};
+                 "bake both scenes with the same --voxel-size"};
   }
   Comparison added = difference(after, before, layer, origin_m);
   Comparison removed = difference(before, after, layer, origin_m);

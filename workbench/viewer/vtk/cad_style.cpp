@@ -17,7 +17,12 @@ namespace forcelayer::viewer {
 
 vtkStandardNewMacro(CadStyle);
 
-void CadStyle::OnKeyPress() { on_key(Interactor->GetKeySym()); }
+void CadStyle::OnKeyPress() {
+  // The event's own place: moves that wait behind it may have been handled before it.
+  const int* at = Interactor->GetEventPosition();
+  on_hover(at[0], at[1]);
+  on_key(Interactor->GetKeySym());
+}
 
 void CadStyle::OnLeftButtonDown() {
   const int* at = Interactor->GetEventPosition();

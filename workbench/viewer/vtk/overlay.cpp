@@ -216,7 +216,7 @@ struct Overlay::Drawing {
     for (std::size_t n = 0; n < room; ++n) {
       y -= kLine * scale;
       if (!whole && n + 1 == room) {
-        write("more in a larger window", left, y, kSize, false);
+        write("a larger window shows more lines", left, y, kSize, false);
         break;
       }
       draw_swatch(shapes, legend[n], left, y, key);

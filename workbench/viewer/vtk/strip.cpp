@@ -204,9 +204,9 @@ void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double e
   d.now.set({{x_of(now_s), low}, {x_of(now_s), top}});
   d.draw_buttons();
   const double right_of_words = d.play ? d.left_of(PlayButton::kSlower) : right;
-  const std::array<std::string, 3> parts = {text_of("force on the hand, to %.3g N", highest_n),
+  const std::array<std::string, 3> parts = {text_of("force on the hand, up to %.3g N", highest_n),
                                             text_of("    %.2f to %.2f s", d.begin_s, d.end_s),
-                                            "    bars: as the cells above"};
+                                            "    bars: kinds of frames, as in the cells above"};
   std::string words;
   for (const std::string& part : parts) {
     d.text->SetInput((words + part).c_str());

@@ -228,7 +228,7 @@ class Window {
     }
     if (!measurement_.empty()) lines.push_back(measurement_.words(world_from_part()));
     if (cut_) {
-      lines.push_back(text_of("cut at %c = %.1f mm, %s stays", "xyz"[cut_->axis],
+      lines.push_back(text_of("cut at %c = %.1f mm, %s is kept", "xyz"[cut_->axis],
                               1e3 * cut_ -> at_m,
                               cut_ -> keep_low ? "the side below" : "the side above"));
     }

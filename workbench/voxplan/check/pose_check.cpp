@@ -12,18 +12,18 @@ using clearance::LeftOut;
 using clearance::Moment;
 using clearance::SeatStretch;
 
-constexpr double kRefusedVoxels = 1;  // of travel around a pose that is refused
-// Between two poses at which the meshes are asked where they touch. Thinner walls may be passed
-// here; the whole way is proven by the meshes before it is taken.
+constexpr double kRefusedVoxels = 1;  // of travel around a refused pose
+// Distance between two poses at which the meshes are tested for contact. Thinner walls may be
+// missed here, but the meshes prove the whole path before it is taken.
 constexpr double kMeshStepVoxels = 1.0 / 16;
 
-// As far as check_path() looks: with a lesser cap a search tells some distances less, and the part
-// could not even be where it starts.
+// The distance up to which check_path() searches. With a smaller cap some distances would come out
+// smaller, and the start itself could be refused.
 double cap_voxels(const Problem& problem, double required_voxels) {
   return std::max(required_voxels + 2, clearance::reach_voxels(problem.scene.header())) + 1;
 }
 
-// No farther than distances are stored, where that is enough: nothing need be searched for.
+// Within the stored distances if they are enough, because no search is needed there.
 double clear_cap_voxels(const Problem& problem, double required_voxels) {
   const double reach = clearance::reach_voxels(problem.scene.header());
   return required_voxels + 2 <= reach ? reach : cap_voxels(problem, required_voxels);
@@ -48,12 +48,13 @@ double fraction_of(const Moment& moment) {
 
 Result<std::unique_ptr<PoseCheck>> PoseCheck::create(const Problem& problem) {
   if (problem.scene.distances() != nullptr) {
-    // A part that is clear where it starts has no seat to be in: to find none takes a fifth of a
+    // A part that starts clear of everything has no seat. Looking for one would take a fifth of a
     // short search.
     std::unique_ptr<PoseCheck> check(new PoseCheck(problem, {}));
     if (check->holds(Rule::kClear, problem.world_from_start)) return check;
   }
-  auto seat = SeatStretch::find(problem.scene, problem.part, problem.world_from_start);
+  auto seat =
+      SeatStretch::find(problem.scene, problem.part, problem.world_from_start, problem.seat_depth);
   if (!seat) return seat.error();
   return std::unique_ptr<PoseCheck>(new PoseCheck(problem, std::move(*seat)));
 }
@@ -106,13 +107,13 @@ bool PoseCheck::is_refused(const Pose& pose) const {
   });
 }
 
-// Up to where no pose of a motion is refused, told to half the way within which one is. From a pose
-// the motion may go on for as long as it cannot come within that way of a refused one.
-double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
-  const double way_m = travel_between_m(problem_, from, to);
+// The fraction of a motion before its first refused pose, to within half of kRefusedVoxels. From
+// each pose the motion may go on for as long as it cannot come near a refused one.
+double PoseCheck::fraction_not_refused(const Pose& from, const Pose& to) const {
+  const double travel_m = travel_between_m(problem_, from, to);
   double fraction = 1;
   for (const Refused& refused : refused_) {
-    if (travel_between_m(problem_, from, refused.pose) > way_m + refused.within_m) continue;
+    if (travel_between_m(problem_, from, refused.pose) > travel_m + refused.within_m) continue;
     double kept = 0;
     for (double at = 0; at < fraction;) {
       const double off_m = travel_between_m(problem_, pose_between(from, to, at), refused.pose);
@@ -121,7 +122,7 @@ double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
         break;
       }
       kept = at;
-      at += std::max(off_m - refused.within_m, refused.within_m / 2) / way_m;
+      at += std::max(off_m - refused.within_m, refused.within_m / 2) / travel_m;
     }
   }
   return fraction;
@@ -129,7 +130,7 @@ double PoseCheck::share_not_refused(const Pose& from, const Pose& to) const {
 
 double PoseCheck::fraction_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                                 KnownEnds& known) {
-  const double fraction = share_told(rule, from, to, or_nothing, known);
+  const double fraction = fraction_by_rule(rule, from, to, or_nothing, known);
   ++motions_tested_;
   if (fraction == 1) {
     ++motions_kept_;
@@ -138,22 +139,22 @@ double PoseCheck::fraction_kept(Rule rule, const Pose& from, const Pose& to, boo
   return fraction;
 }
 
-double PoseCheck::share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                             KnownEnds& known) {
+double PoseCheck::fraction_by_rule(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                                   KnownEnds& known) {
   if (!refused_.empty()) {
-    const double fraction = share_not_refused(from, to);
+    const double fraction = fraction_not_refused(from, to);
     if (fraction < 1 && (or_nothing || fraction == 0)) return 0;
     if (fraction < 1) {
       KnownEnds before{known.first, {KnownEnds::kUnknown}};
       return fraction *
-             share_by_proofs(rule, from, pose_between(from, to, fraction), false, before);
+             fraction_by_proofs(rule, from, pose_between(from, to, fraction), false, before);
     }
   }
-  return share_by_proofs(rule, from, to, or_nothing, known);
+  return fraction_by_proofs(rule, from, to, or_nothing, known);
 }
 
-double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                                  KnownEnds& known) {
+double PoseCheck::fraction_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                                     KnownEnds& known) {
   const CenterPath path = motion(problem_, from, to);
   const Moment begin{0, 0};
   Moment end{1, 0};
@@ -163,19 +164,20 @@ double PoseCheck::share_by_proofs(Rule rule, const Pose& from, const Pose& to, b
   tested_ += walk.tested();
   if (fraction_of(end) == 0 || rule == Rule::kClear || !has_seat()) return fraction_of(end);
   if (problem_.seat_meshes != nullptr) {
-    const double fraction = share_by_meshes(from, to, fraction_of(end));
+    const double fraction = fraction_by_meshes(from, to, fraction_of(end));
     return or_nothing && fraction < 1 ? 0 : fraction;
   }
   const auto pushed = seat_->first_moment_pushed_in(path, begin, end, problem_.allowed);
   if (!pushed) return fraction_of(end);
-  // It was tested in steps of half a voxel: the last but one was right.
+  // The motion was tested in steps of half a voxel: the last but one kept the rule.
   const double steps = path.travel_m({1, 0}) / (0.5 * problem_.scene.voxel_size_m());
   return or_nothing ? 0 : std::max(0.0, fraction_of(*pushed) - 1.001 / std::max(1.0, steps));
 }
 
-// From pose to pose: each as far as no point of the part can have come deeper, and a step at least.
-double PoseCheck::share_by_meshes(const Pose& from, const Pose& to, double largest) {
-  const double way_m = travel_between_m(problem_, from, to);
+// Tests pose after pose. Each step is as long as no point of the part can come deeper, but not
+// shorter than the step between two tests.
+double PoseCheck::fraction_by_meshes(const Pose& from, const Pose& to, double largest) {
+  const double travel_m = travel_between_m(problem_, from, to);
   const double step_m = kMeshStepVoxels * problem_.scene.voxel_size_m();
   double kept = 0;
   for (double fraction = 0;;) {
@@ -184,8 +186,8 @@ double PoseCheck::share_by_meshes(const Pose& from, const Pose& to, double large
     if (leeway_m < 0) return kept;
     kept = fraction;
     if (fraction == largest) return largest;
-    fraction =
-        way_m > 0 ? std::min(largest, fraction + std::max(leeway_m, step_m) / way_m) : largest;
+    fraction = travel_m > 0 ? std::min(largest, fraction + std::max(leeway_m, step_m) / travel_m)
+                            : largest;
   }
 }
 
@@ -216,7 +218,8 @@ std::uint32_t PoseCheck::met(Rule rule, const Pose& from, const Pose& to) {
   const double step = 0.5 * problem_.scene.voxel_size_m() / travel_between_m(problem_, from, to);
   for (int n = 0; n < 8; ++n) {
     const Pose there = pose_between(from, to, std::min(1.0, fraction + n * step));
-    // The seat first: beside its objects, another one counts as up to 1.7 voxels nearer than it is.
+    // The seat is tested first: near its objects, another object counts as up to 1.7 voxels nearer
+    // than it is.
     if (rule == Rule::kInSeat && problem_.seat_meshes != nullptr) {
       if (const auto object = problem_.seat_meshes->blocked_by(there)) return *object;
     } else if (rule == Rule::kInSeat && has_seat()) {

@@ -1,4 +1,4 @@
-// Whether the part may be at a pose, and go straight from one pose to another: by the proofs of
+// Whether the part may be at a pose, and move straight from one pose to another, by the proofs of
 // voxcheck (runtime/clearance). For one thread at a time.
 #pragma once
 
@@ -16,9 +16,9 @@
 
 namespace forcelayer::voxplan {
 
-// kClear: the clearance is proven to all objects. kInSeat: to all but those of the seat, into which
-// no shell point is pushed deeper than it may; with Problem::seat_meshes, into which the part goes
-// no deeper by the meshes, as far as poses a sixteenth of a voxel apart tell.
+// kClear: the clearance to all objects is proven. kInSeat: the clearance to all objects except
+// those of the seat is proven, and no shell point goes deeper into these than allowed. With
+// Problem::seat_meshes the meshes decide how deep, at poses a sixteenth of a voxel apart.
 enum class Rule { kInSeat, kClear };
 
 class PoseCheck {
@@ -28,55 +28,57 @@ class PoseCheck {
   virtual ~PoseCheck() = default;
 
   bool holds(Rule rule, const Pose& pose);
-  virtual bool holds(Rule rule, const Pose& pose, clearance::MinDistance& known);  // it tells
+  // Also writes the proven distance to `known`.
+  virtual bool holds(Rule rule, const Pose& pose, clearance::MinDistance& known);
 
-  // From now on no way leads by that pose, or within a voxel of travel around it: it belongs to a
-  // way that was found and did not prove clear. The start stays allowed.
+  // From now on this pose and all within a voxel of travel are refused, because a path through it
+  // was not proven clear. The start stays allowed.
   void refuse(const Pose& pose);
 
-  // How much of the motion keeps the rule from its beginning on: 1 where all of it does.
+  // The fraction of the motion, from its beginning, that keeps the rule: 1 if all of it does.
   double fraction_kept(Rule rule, const Pose& from, const Pose& to);
-  // Whether all of it does: quicker where it does not.
+  // Whether the whole motion keeps the rule. Faster than fraction_kept() if it does not.
   bool is_kept(Rule rule, const Pose& from, const Pose& to);
-  // The same; the rule holds at ends of which something is known, and of both more is known then.
+  // The same. The rule holds at each end whose distance is known, and both are known afterwards.
   bool is_kept(Rule rule, const Pose& from, const Pose& to, clearance::KnownEnds& known);
 
-  // The proven clearance at a pose; as much as the stored distances tell.
+  // The proven clearance at a pose, m, as far as distances are stored.
   double clearance_m(const Pose& pose);
 
-  // The object that the part meets first on the straight way between two poses; 0 where nothing is
-  // met, or the file does not name it.
+  // The object that the part meets first on the straight motion between two poses. 0 if it meets
+  // nothing, or an object without a name.
   std::uint32_t met(Rule rule, const Pose& from, const Pose& to);
 
-  // Where the floors of the seat are at a pose. Empty without a seat.
+  // The floors of the seat at a pose. Empty without a seat.
   const std::vector<clearance::SeatStretch::Floor>& floors(const Pose& pose);
 
-  // The objects that may be nearer than required while the part is in its seat, but allowed ones.
+  // The objects that may be nearer than required while the part is in its seat, without those that
+  // are allowed everywhere.
   std::vector<std::uint32_t> seat_objects() const;
   bool has_seat() const { return seat_ && !seat_->objects().empty(); }
   std::uint64_t poses_tested() const { return tested_ + (seat_ ? seat_->looked_up() : 0); }
   std::uint64_t motions_tested() const { return motions_tested_; }
-  std::uint64_t motions_kept() const { return motions_kept_; }  // as a whole
-  double kept_m() const { return kept_m_; }                     // their travel
+  std::uint64_t motions_kept() const { return motions_kept_; }  // from end to end
+  double kept_m() const { return kept_m_; }                     // the travel of these motions
   const Problem& problem() const { return problem_; }
 
  protected:
   PoseCheck(const Problem& problem, std::optional<clearance::SeatStretch> seat);
-  // All questions about motions end here.
+  // All functions about motions call this one.
   virtual double fraction_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
                                clearance::KnownEnds& known);
-  // For one that answers without a test: so many poses count as tested.
+  // For a derived class that answers without a test: adds `poses` to poses_tested().
   void count_tested(std::uint64_t poses) { tested_ += poses; }
 
  private:
   clearance::PartDistance& part(Rule rule) { return rule == Rule::kClear ? clear_ : in_seat_; }
-  double share_told(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                    clearance::KnownEnds& known);
-  double share_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
-                         clearance::KnownEnds& known);
+  double fraction_by_rule(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                          clearance::KnownEnds& known);
+  double fraction_by_proofs(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                            clearance::KnownEnds& known);
   bool is_refused(const Pose& pose) const;
-  double share_by_meshes(const Pose& from, const Pose& to, double largest);
-  double share_not_refused(const Pose& from, const Pose& to) const;
+  double fraction_by_meshes(const Pose& from, const Pose& to, double largest);
+  double fraction_not_refused(const Pose& from, const Pose& to) const;
 
   const Problem& problem_;
   clearance::RequiredDistance required_;
@@ -89,7 +91,7 @@ class PoseCheck {
     double within_m = 0;
   };
   std::vector<Refused> refused_;
-  std::uint64_t tested_ = 0;  // but for those of the seat
+  std::uint64_t tested_ = 0;  // poses, without those that the seat tested
   std::uint64_t motions_tested_ = 0, motions_kept_ = 0;
   double kept_m_ = 0;
 };

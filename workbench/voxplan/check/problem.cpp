@@ -31,26 +31,26 @@ PathRow row_of(double time_s, const Pose& pose) {
   return {time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
 }
 
-std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& way,
+std::vector<Pose> with_more_poses(const Problem& problem, const std::vector<Pose>& path,
                                   double step_m) {
-  std::vector<Pose> fine{way.front()};
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const double steps = std::ceil(travel_between_m(problem, way[i - 1], way[i]) / step_m);
+  std::vector<Pose> fine{path.front()};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double steps = std::ceil(travel_between_m(problem, path[i - 1], path[i]) / step_m);
     for (double n = 1; n < steps; ++n) {
-      fine.push_back(pose_between(way[i - 1], way[i], n / steps));
+      fine.push_back(pose_between(path[i - 1], path[i], n / steps));
     }
-    fine.push_back(way[i]);
+    fine.push_back(path[i]);
   }
   return fine;
 }
 
-std::vector<Pose> up_to_first(const std::vector<Pose>& way, const Problem& problem,
+std::vector<Pose> up_to_first(const std::vector<Pose>& path, const Problem& problem,
                               const std::function<bool(const Pose&)>& ends) {
-  const std::vector<Pose> fine = with_more_poses(problem, way, problem.scene.voxel_size_m());
-  std::vector<Pose> first{way.front()};
+  const std::vector<Pose> fine = with_more_poses(problem, path, problem.scene.voxel_size_m());
+  std::vector<Pose> first{path.front()};
   for (std::size_t i = 1, corner = 1; i < fine.size(); ++i) {
     const bool is_end = ends(fine[i]);
-    const bool is_corner = travel_between_m(problem, fine[i], way[corner]) == 0;
+    const bool is_corner = travel_between_m(problem, fine[i], path[corner]) == 0;
     if (is_corner) ++corner;
     if (is_end || is_corner) first.push_back(fine[i]);
     if (is_end) break;

@@ -9,14 +9,14 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "workbench/voxplan/nearest/pose_index.cpp"
 #include <hwy/foreach_target.h>
-// Behind foreach_target.h, as Highway wants it.
+// After foreach_target.h, as Highway requires.
 #include <hwy/highway.h>
 
 #ifndef FORCELAYER_POSE_SEARCH
 #define FORCELAYER_POSE_SEARCH
 namespace forcelayer::voxplan {
 
-// A search as the kernel of an instruction set sees it.
+// The data of a search that the kernel of each instruction set uses.
 struct PoseSearch {
   using Node = PoseIndex::Node;
   using Leaf = PoseIndex::Leaf;
@@ -33,7 +33,7 @@ struct PoseSearch {
   const Leaf& leaf(const Node& node) const { return index.leaves_[node.leaf]; }
   std::vector<Branch>& open() const { return index.open_; }
   void compare(std::uint32_t number) { index.compare(pose, number, best); }
-  // The float distance up to which a pose may be as near as the best one.
+  // The distance in single precision up to which a pose may be as near as the best one.
   float limit_m() const {
     constexpr float kRoundUp = 1 + 0x1p-22f;
     return static_cast<float>(best.distance_m) * kRoundUp + margin_m;
@@ -49,11 +49,11 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// How far a pose is at least from those in a node's box, either way round.
+// A lower bound of the distance to the poses in a node's box, for both signs of the quaternion.
 float BoxDistance(const PoseCoordinates& at, const PoseSearch::Node& node) {
   const hn::CappedTag<float, 4> f;
   const auto zero = hn::Zero(f);
-  auto way = zero, turn = zero, back = zero;
+  auto shift = zero, turn = zero, back = zero;
   for (std::size_t i = 0; i < 4; i += hn::Lanes(f)) {
     const auto gap = [&](auto x, std::size_t n) {
       const auto below = hn::Sub(hn::LoadU(f, node.low.data() + n), x);
@@ -62,13 +62,13 @@ float BoxDistance(const PoseCoordinates& at, const PoseSearch::Node& node) {
       return hn::Mul(apart, apart);
     };
     const auto q = hn::LoadU(f, at.data() + 4 + i);
-    way = hn::Add(way, gap(hn::LoadU(f, at.data() + i), i));
+    shift = hn::Add(shift, gap(hn::LoadU(f, at.data() + i), i));
     turn = hn::Add(turn, gap(q, 4 + i));
     back = hn::Add(back, gap(hn::Neg(q), 4 + i));
   }
   const float turns =
       std::min(hn::GetLane(hn::SumOfLanes(f, turn)), hn::GetLane(hn::SumOfLanes(f, back)));
-  return std::sqrt(hn::GetLane(hn::SumOfLanes(f, way))) + std::sqrt(turns);
+  return std::sqrt(hn::GetLane(hn::SumOfLanes(f, shift))) + std::sqrt(turns);
 }
 
 void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
@@ -77,10 +77,10 @@ void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
   const PoseCoordinates& at = search.at;
   auto smallest = hn::Set(f, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < leaf.count; i += hn::Lanes(f)) {
-    auto way = hn::Zero(f), turn = hn::Zero(f), back = hn::Zero(f);
+    auto shift = hn::Zero(f), turn = hn::Zero(f), back = hn::Zero(f);
     for (std::size_t n = 0; n < 3; ++n) {
       const auto apart = hn::Sub(hn::LoadU(f, leaf.columns[n].data() + i), hn::Set(f, at[n]));
-      way = hn::MulAdd(apart, apart, way);
+      shift = hn::MulAdd(apart, apart, shift);
     }
     for (std::size_t n = 3; n < 7; ++n) {
       const auto there = hn::LoadU(f, leaf.columns[n].data() + i), q = hn::Set(f, at[n + 1]);
@@ -88,11 +88,11 @@ void LookAtLeaf(PoseSearch& search, const PoseSearch::Leaf& leaf) {
       turn = hn::MulAdd(apart, apart, turn);
       back = hn::MulAdd(sum, sum, back);
     }
-    const auto distance = hn::Add(hn::Sqrt(way), hn::Sqrt(hn::Min(turn, back)));
+    const auto distance = hn::Add(hn::Sqrt(shift), hn::Sqrt(hn::Min(turn, back)));
     hn::StoreU(distance, f, distances_m + i);
     smallest = hn::Min(smallest, distance);
   }
-  // Its nearest counts as near as the nearest of all within twice the rounding.
+  // The nearest of this leaf may be the nearest of all if it is within twice the rounding.
   const float min_m = hn::GetLane(hn::MinOfLanes(f, smallest));
   const float limit_m = std::min(search.limit_m(), min_m + 2 * search.margin_m);
   if (min_m > limit_m) return;
@@ -132,9 +132,10 @@ namespace {
 HWY_EXPORT(Search);
 
 constexpr float kFar = 1e15f;          // a coordinate that no pose has; its square is finite
-constexpr std::size_t kFewPoses = 32;  // that are compared one by one
-// Coordinates round by 2^-24 of themselves, twice, and a difference of two by 2^-23; so do seven of
-// them, with their squares and roots, by less than this of the largest of either kind.
+constexpr std::size_t kFewPoses = 32;  // or fewer are compared one by one
+// A coordinate is rounded twice by 2^-24 of itself, and a difference of two by 2^-23. Seven such
+// differences, with their squares and roots, are off by less than this fraction of the largest
+// coordinate of either kind.
 constexpr double kRounding = 0x1p-19;
 
 double largest_of(const glm::dvec3& p) {
@@ -205,7 +206,7 @@ void PoseIndex::add(const Pose& pose) {
   put(0, number);
 }
 
-// Into the leaf below a node that it belongs to.
+// Puts a pose into the leaf below `node` to which it belongs.
 void PoseIndex::put(std::uint32_t at, std::uint32_t number) {
   const PoseCoordinates x = coordinates(poses_[number]);
   for (;;) {
@@ -226,8 +227,8 @@ void PoseIndex::put(std::uint32_t at, std::uint32_t number) {
   if (++leaf.count == kLeafPoses) split(at);
 }
 
-// Halves a full leaf across its box's longest side. Poses may lie on either side of the cut: what
-// is searched is decided by boxes.
+// Halves a full leaf across the longest side of its box. Poses at the cut may be in either half,
+// because the boxes decide what is searched.
 void PoseIndex::split(std::uint32_t at) {
   std::size_t axis = 0;
   for (std::size_t n = 1; n < nodes_[at].low.size(); ++n) {

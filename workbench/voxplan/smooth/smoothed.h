@@ -1,4 +1,4 @@
-// A way that was found, as a hand would feel it.
+// Makes a path smooth, so that a hand can follow it.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,15 @@
 
 namespace forcelayer::voxplan {
 
-struct WholeWay {
-  Way in_seat;  // up to the first pose of `beyond`; empty where that is the start
-  Way beyond;
+struct PlannedPath {
+  PosePath in_seat;  // up to the first pose of `beyond`; empty if that is the start
+  PosePath beyond;
 };
 
-// Ways along the same one, the smoothest first, it itself last. Every motion keeps its rule: that
-// of the seat, or beyond it the clearance. Beyond the seat no pose comes nearer than the nearest of
-// those whose stretch it replaces, and keeps most of its clearance. Whether a way proves clear as a
-// whole is not settled here: the first that does is to be taken. Errors: those of
-// PoseCheck::create().
-Result<std::vector<WholeWay>> smoothed(const Problem& problem, const WholeWay& way);
+// Variants of a path, the smoothest first, the path itself last. Every motion keeps its rule: that
+// of the seat, or the clearance beyond the seat. There no pose comes nearer to the scene than the
+// nearest pose of the piece that it replaces, and it keeps most of its clearance. The caller takes
+// the first variant that is proven clear as a whole. Errors: those of PoseCheck::create().
+Result<std::vector<PlannedPath>> smoothed(const Problem& problem, const PlannedPath& path);
 
 }  // namespace forcelayer::voxplan

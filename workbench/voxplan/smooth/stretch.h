@@ -1,4 +1,4 @@
-// A stretch of a way under one rule, made smooth between its first and its last pose.
+// A piece of a path under one rule, made smooth between its first and its last pose.
 #pragma once
 
 #include <vector>
@@ -7,27 +7,27 @@
 
 namespace forcelayer::voxplan {
 
-// The turn of a way at the second of three poses, rad: between the twists from one to the next, the
-// centroid's way and the turn times the part's radius.
+// The angle of a path's corner at the second of three poses, rad: between the two motions as
+// six-vectors, the shift of the centroid and the turn times the part's radius.
 double corner_rad(const Problem& problem, const Pose& before, const Pose& at, const Pose& behind);
 
-constexpr double kCornerRad = 0.03;  // a corner that is cut
+constexpr double kCornerRad = 0.03;  // sharper corners are cut
 
 class Stretch {
  public:
-  Stretch(PoseCheck& check, Rule rule, Way way);
+  Stretch(PoseCheck& check, Rule rule, PosePath path);
 
-  // No two poses are farther apart than a voxel or two, or a fraction of the whole way.
+  // Adds poses until no two are farther apart than two voxels, or a fraction of the whole path.
   void add_poses();
-  // Straight across detours, from long ones to short ones.
+  // Replaces detours by straight motions, from long ones to short ones.
   void shorten(std::size_t first);
-  // Poses to the middle of their neighbors.
+  // Moves poses to the middle of their neighbors.
   void even(std::size_t first);
-  // A corner by two, a quarter of its legs away from it (Chaikin) or nearer: the more often, the
-  // nearer to a quadratic B-spline. One that no cut is kept of stays.
+  // Replaces each corner by two, a quarter of its legs away (Chaikin) or nearer. Repeated cuts come
+  // near to a quadratic B-spline. A corner stays where no cut keeps the rule.
   void cut_corners();
 
-  Way& way() { return way_; }
+  PosePath& path() { return path_; }
 
  private:
   double worth_m(const Pose& pose);
@@ -37,8 +37,8 @@ class Stretch {
   PoseCheck& check_;
   const Problem& problem_;
   Rule rule_;
-  Way way_;
-  std::vector<double> worth_m_;  // of each pose
+  PosePath path_;
+  std::vector<double> worth_m_;  // the clearance that each pose must keep
 };
 
 }  // namespace forcelayer::voxplan

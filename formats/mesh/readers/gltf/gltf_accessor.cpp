@@ -86,14 +86,16 @@ struct GltfDocument::Accessor {
     stride = document.index_or(view_json, "byteStride", element_bytes);
     bytes = document.buffer_view(view);
     if (stride < element_bytes) {
-      document.fail(ErrorCode::kMeshUnreadable, where, "has elements that overlap (byteStride)");
+      document.fail(ErrorCode::kMeshUnreadable, where,
+                    "has elements that overlap: byteStride is too small");
     }
     if (count == 0) return;
     if (offset > bytes.size() || bytes.size() - offset < element_bytes ||
         (bytes.size() - offset - element_bytes) / stride < count - 1) {
-      document.fail(ErrorCode::kMeshIncomplete, where,
-                    "has " + std::to_string(count) + " elements, more than its buffer view holds",
-                    "copy or export the file again");
+      document.fail(
+          ErrorCode::kMeshIncomplete, where,
+          "has " + std::to_string(count) + " elements, but its buffer view is too small for them",
+          "copy or export the file again");
     }
     bytes.remove_prefix(offset);
   }
@@ -114,7 +116,7 @@ GltfDocument::Accessor GltfDocument::accessor(std::uint64_t accessor_index) cons
     accessor.place(*this, index(json, "bufferView"), index_or(json, "byteOffset", 0));
   } else if (!json.contains("sparse") || accessor.count > buffer_bytes_) {
     // Zeros that nothing replaces, or more of them than the whole file has bytes, are no mesh.
-    fail(ErrorCode::kMeshIncomplete, accessor.where, "announces elements without data");
+    fail(ErrorCode::kMeshIncomplete, accessor.where, "has elements without data");
   }
   return accessor;
 }
@@ -124,9 +126,9 @@ void GltfDocument::read_components(const Accessor& accessor, std::vector<double>
   numbers_read_ += accessor.count * accessor.components;
   if (numbers_read_ > max_unfolded()) {
     fail(ErrorCode::kMeshUnsupported, accessor.where,
-         "the file's meshes share so much data that they unfold to over " +
+         "the file's meshes share so much data that they expand to more than " +
              std::to_string(max_unfolded()) + " numbers",
-         "export each mesh with vertices of its own");
+         "export each mesh with its own vertices");
   }
   numbers.assign(accessor.count * accessor.components, 0.0);
   if (accessor.bytes.empty()) return;
@@ -188,7 +190,7 @@ std::vector<std::uint32_t> GltfDocument::read_indices(std::uint64_t accessor_ind
                                 found.component_type == kUnsignedShort ||
                                 found.component_type == kUnsignedInt;
   if (found.components != 1 || !unsigned_integer || found.normalized) {
-    fail(ErrorCode::kMeshUnreadable, found.where, "is not a list of vertex numbers");
+    fail(ErrorCode::kMeshUnreadable, found.where, "must be a list of vertex numbers");
   }
   const std::vector<double> numbers = read_numbers(accessor_index, 1);
   return {numbers.begin(), numbers.end()};  // exact: 32-bit integers are doubles

@@ -99,16 +99,17 @@ std::string_view GltfDocument::take_apart_glb(std::string_view& binary) const {
   constexpr std::uint64_t kHeader = 12, kChunkHeader = 8;
   const std::string_view bytes = file_.bytes;
   if (bytes.size() < kHeader) {
-    fail(ErrorCode::kMeshIncomplete, at_byte(bytes.size()), "the file ends in the GLB header");
+    fail(ErrorCode::kMeshIncomplete, at_byte(bytes.size()), "the file ends inside the GLB header");
   }
   if (const std::uint32_t version = uint32_at(bytes, 4); version != 2) {
     fail(ErrorCode::kMeshUnsupported, at_byte(4),
-         "GLB version " + std::to_string(version) + " is not read", "export it as glTF 2.0");
+         "GLB version " + std::to_string(version) + " is not supported",
+         "export the mesh as glTF 2.0");
   }
   const std::uint64_t announced = uint32_at(bytes, 8);
   if (announced != bytes.size()) {
     fail(ErrorCode::kMeshIncomplete, at_byte(std::min<std::uint64_t>(announced, bytes.size())),
-         "the GLB header announces " + std::to_string(announced) + " bytes, the file has " +
+         "the GLB header announces " + std::to_string(announced) + " bytes, but the file has " +
              std::to_string(bytes.size()),
          "copy or export the file again");
   }
@@ -116,7 +117,7 @@ std::string_view GltfDocument::take_apart_glb(std::string_view& binary) const {
   for (std::uint64_t at = kHeader, chunk = 0; at != bytes.size(); ++chunk) {
     if (bytes.size() - at < kChunkHeader ||
         uint32_at(bytes, at) > bytes.size() - at - kChunkHeader) {
-      fail(ErrorCode::kMeshIncomplete, at_byte(at), "a GLB chunk longer than the file");
+      fail(ErrorCode::kMeshIncomplete, at_byte(at), "a GLB chunk is longer than the file");
     }
     const std::uint64_t length = uint32_at(bytes, at);
     const std::uint32_t type = uint32_at(bytes, at + 4);
@@ -138,7 +139,7 @@ void GltfDocument::parse_json(std::string_view text) {
   } catch (const nlohmann::json::parse_error& error) {
     fail(ErrorCode::kMeshUnreadable, "JSON " + at_byte(error.byte), "not valid JSON");
   }
-  if (!json_.is_object()) fail(ErrorCode::kMeshUnreadable, "JSON", "not a JSON object");
+  if (!json_.is_object()) fail(ErrorCode::kMeshUnreadable, "JSON", "the file is not a JSON object");
   if (!repeated.empty()) {
     fail(ErrorCode::kMeshUnreadable, "JSON",
          "an object has the key " + in_quotes(repeated) + " twice, and only one can be read",
@@ -149,12 +150,12 @@ void GltfDocument::parse_json(std::string_view text) {
 void GltfDocument::check_version_and_extensions() const {
   const auto asset = json_.find("asset");
   if (asset == json_.end() || !asset->is_object()) {
-    fail(ErrorCode::kMeshUnreadable, "asset", "no glTF: 'asset' is missing");
+    fail(ErrorCode::kMeshUnreadable, "asset", "not a glTF file: 'asset' is missing");
   }
   const std::string version = asset->value("version", "");
   if (!version.starts_with("2.")) {
     fail(ErrorCode::kMeshUnsupported, "asset",
-         "glTF version " + in_quotes(version) + " is not read", "export it as glTF 2.0");
+         "glTF version " + in_quotes(version) + " is not supported", "export the mesh as glTF 2.0");
   }
   const auto required = json_.find("extensionsRequired");
   if (required == json_.end()) return;
@@ -168,13 +169,13 @@ void GltfDocument::check_version_and_extensions() const {
     if (name == kMeshopt && reads_meshopt()) continue;
     if (name == kMeshopt) fail_meshopt("extensionsRequired");
     fail(ErrorCode::kMeshUnsupported, "extensionsRequired",
-         "the extension " + in_quotes(name) + " is not read", "export the mesh without it");
+         "the extension " + in_quotes(name) + " is not supported", "export the mesh without it");
   }
 }
 
 void GltfDocument::fail_meshopt(std::string where) const {
   fail(ErrorCode::kMeshUnsupported, std::move(where),
-       std::string("this build does not read ") + kMeshopt,
+       std::string("this build does not support ") + kMeshopt,
        "build with libmeshoptimizer-dev, or export the mesh without it");
 }
 
@@ -213,7 +214,7 @@ std::uint64_t GltfDocument::whole_number(const nlohmann::json& json, const char*
       return static_cast<std::uint64_t>(number);
     }
   }
-  fail(ErrorCode::kMeshUnreadable, key, "is not a whole number from 0");
+  fail(ErrorCode::kMeshUnreadable, key, "is not a whole number of zero or more");
 }
 
 std::uint64_t GltfDocument::index_or(const nlohmann::json& object, const char* key,
@@ -241,7 +242,7 @@ void GltfDocument::load_buffers(std::string_view binary) {
     const std::uint64_t announced = index(buffer, "byteLength");
     if (announced > bytes.size()) {
       fail(ErrorCode::kMeshIncomplete, in_list("buffers", i),
-           "announces " + std::to_string(announced) + " bytes and has " +
+           "announces " + std::to_string(announced) + " bytes but has " +
                std::to_string(bytes.size()),
            "copy or export the file again");
     }
@@ -258,7 +259,7 @@ std::string_view GltfDocument::load_buffer(const nlohmann::json& buffer, std::ui
     std::string bytes;
     if (comma == std::string::npos ||
         !decode_base64(std::string_view(uri).substr(comma + 8), bytes)) {
-      fail(ErrorCode::kMeshUnreadable, where, "a data URI that is not base64");
+      fail(ErrorCode::kMeshUnreadable, where, "the data URI is not valid base64");
     }
     return decoded_buffers_.emplace_back(std::move(bytes));
   }
@@ -298,7 +299,7 @@ std::string_view GltfDocument::buffer_view(std::uint64_t view_index) const {
   if (bytes.size() != index(view, "byteLength")) {
     fail(ErrorCode::kMeshUnreadable, where,
          "announces " + std::to_string(index(view, "byteLength")) +
-             " bytes, and its compressed stream " + std::to_string(bytes.size()));
+             " bytes, but its compressed stream gives " + std::to_string(bytes.size()));
   }
   return decompressed_views_.emplace(view_index, std::move(bytes)).first->second;
 }
@@ -316,12 +317,12 @@ std::string GltfDocument::decompressed_view(const nlohmann::json& extension,
   if (view.stride > kLongestElement || view.count > largest ||
       (decompressed_bytes_ += view.count * view.stride) > largest) {
     fail(ErrorCode::kMeshUnsupported, where,
-         "brings what the file unfolds to over " + std::to_string(largest) + " bytes");
+         "would expand the data of the file to more than " + std::to_string(largest) + " bytes");
   }
   auto bytes = decode_meshopt(view);
   if (!bytes) {
-    fail(ErrorCode::kMeshUnreadable, where,
-         "a stream of " + std::string(kMeshopt) + " that is damaged", "export or copy it again");
+    fail(ErrorCode::kMeshUnreadable, where, "the " + std::string(kMeshopt) + " stream is damaged",
+         "copy or export the file again");
   }
   return std::move(*bytes);
 }

@@ -141,7 +141,7 @@ std::vector<std::uint64_t> GltfNodes::roots() const {
   for (const std::uint64_t root : found) {
     if (is_child[root] || distinct.size() != found.size()) {
       document_.fail(ErrorCode::kMeshUnreadable, "scenes[" + std::to_string(scene) + "]",
-                     "names a node twice, or one that has a parent");
+                     "names a node twice, or a node that has a parent");
     }
   }
   return found;
@@ -219,13 +219,13 @@ std::vector<Affine> GltfNodes::instancing_of(const nlohmann::json& node) const {
         document_.element("accessors", document_.whole_number(accessor, kExtension)), "count");
     if (count.value_or(own) != own) {
       document_.fail(ErrorCode::kMeshUnreadable, kExtension,
-                     "has attributes of different numbers of instances");
+                     "has attributes with different numbers of instances");
     }
     count = own;
   }
   if (!count) {
     document_.fail(ErrorCode::kMeshUnreadable, kExtension,
-                   "has no attributes, so nothing says how many instances there are");
+                   "has no attributes, so the number of instances is not known");
   }
   if (*count > document_.max_unfolded()) {
     document_.fail(ErrorCode::kMeshUnsupported, kExtension,
@@ -271,14 +271,15 @@ Affine GltfNodes::placing_of_skin(std::uint64_t index,
     inverses = document_.read_numbers(document_.index(skin, "inverseBindMatrices"), 16);
   }
   if (joints.empty() || (!inverses.empty() && inverses.size() < 16 * joints.size())) {
-    document_.fail(ErrorCode::kMeshUnreadable, where, "has no joints, or a matrix too few");
+    document_.fail(ErrorCode::kMeshUnreadable, where,
+                   "has no joints, or fewer matrices than joints");
   }
   Affine placing;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto found = node_of.find(joints[j]);
     if (found == node_of.end()) {
       document_.fail(ErrorCode::kMeshUnsupported, where,
-                     "has a joint that the default scene does not hold");
+                     "has a joint that is not in the default scene");
     }
     std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     if (!inverses.empty()) std::copy_n(&inverses[16 * j], 16, matrix.begin());
@@ -287,7 +288,7 @@ Affine GltfNodes::placing_of_skin(std::uint64_t index,
     if (j == 0) placing = from_mesh;
     if (!is_near(placing, from_mesh, largest_sum(joint, from_matrix(matrix).translation))) {
       document_.fail(ErrorCode::kMeshUnsupported, where,
-                     "is posed: its joints do not stand where its mesh was bound to them",
+                     "is posed: its joints are not where they were when the mesh was bound to them",
                      "apply the pose to the mesh, and export it without the skin");
     }
   }
@@ -308,9 +309,9 @@ std::vector<GltfPlacing> GltfNodes::placings() const {
     const std::vector<double> weights = weights_of(json);
     const std::vector<Affine> instances = instancing_of(json);
     if (placings.size() + instances.size() > document_.max_unfolded()) {
-      document_.fail(
-          ErrorCode::kMeshUnsupported, in_nodes(node.index),
-          "brings the file's instances to over " + std::to_string(document_.max_unfolded()));
+      document_.fail(ErrorCode::kMeshUnsupported, in_nodes(node.index),
+                     "raises the number of the file's instances above " +
+                         std::to_string(document_.max_unfolded()));
     }
     Affine from_mesh = node.assembly_from_node;
     if (json.contains("skin")) {
@@ -359,28 +360,27 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     if (!json.contains("mesh")) continue;
     if (json.contains("skin")) {
       odd.add(nodes_[n].name.path,
-              "skinned, read in its bind pose where its joints put it; the node's own transform "
-              "does not count");
+              "its skin places the mesh, in the bind pose; the node's own transform is ignored");
     }
     const std::vector<Affine> instances = instancing_of(json);
     if (is_flat(nodes_[n].assembly_from_node) ||
         std::any_of(instances.begin(), instances.end(), is_flat)) {
-      odd.add(
-          nodes_[n].name.path,
-          "a scale of 0 makes it flat, or a point; leave it out with --without if that hides it");
+      odd.add(nodes_[n].name.path,
+              "a scale of 0 makes the mesh flat, or a point; if it is meant to be hidden, leave it "
+              "out with --without");
     }
     placed.insert(document_.index(json, "mesh"));
   }
   for (std::string& line : odd.lines()) warnings.push_back(std::move(line));
   if (const std::uint64_t hidden = count_hidden(); hidden > 0) {
     warnings.push_back("the file hides " + counted(hidden, "node") +
-                       " with a mesh, read all the same");
+                       " with a mesh, but hidden meshes are read, too");
   }
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +
                        std::to_string(document_.count("meshes")) +
-                       " meshes left out: no node of the default scene places them");
+                       " meshes are left out: no node of the default scene places them");
   }
   std::uint64_t elsewhere = 0;
   for (std::uint64_t i = 0; i < document_.count("nodes"); ++i) {
@@ -390,9 +390,9 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     if (document_.element("nodes", node.index).contains("mesh")) --elsewhere;
   }
   if (elsewhere > 0 && left_out == 0) {
-    warnings.push_back(counted(elsewhere, "node") +
-                       " with a mesh left out: the default scene does not hold " +
-                       (elsewhere == 1 ? "it" : "them"));
+    warnings.push_back(
+        counted(elsewhere, "node") + " with a mesh " + (elsewhere == 1 ? "is" : "are") +
+        " left out: the default scene does not contain " + (elsewhere == 1 ? "it" : "them"));
   }
 }
 

@@ -62,8 +62,7 @@ using Entity = Handle(Standard_Transient);
 
 constexpr const char* kMend =
     "export the file again, with all solids as boundary representations of products, or as "
-    "triangles "
-    "such as STL";
+    "triangles, for example in STL";
 constexpr int kMaxLevels = 8;  // of what lists what; a damaged entity may list itself
 
 // The types of an entity that OpenCASCADE does not know: one, or those of a complex entity. Empty

@@ -1,4 +1,4 @@
-#include "workbench/voxplan/hand.h"
+#include "workbench/voxplan/search_worker.h"
 
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/PlannerData.h>
@@ -31,40 +31,41 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 
-constexpr double kSlides = 0.75;    // of the samples near a pose of the seat: along its floors
-constexpr double kSlideVoxels = 4;  // at a step
-constexpr double kMinSlide = 0.05;  // of a step: less is no way
-constexpr int kLifts = 3;           // of a pose off the floors: each is right to first order
-constexpr int kDirections = 26;     // that the first hand tries straight,
-constexpr int kAxes = 6;            // those of the world first
-constexpr double kCellVoxels = 6;   // in which KPIECE counts where it has been
-constexpr double kMinKept = 0.01;   // of a motion: less is no way
+constexpr double kSlides =
+    0.75;  // fraction of the samples near a seat's pose that follow its floors
+constexpr double kSlideVoxels = 4;  // length of a step
+constexpr double kMinSlide = 0.05;  // of a step; a shorter slide is given up
+constexpr int kLifts = 3;           // corrections of a pose off the floors, each to first order
+constexpr int kDirections = 26;     // tried straight by the first worker,
+constexpr int kAxes = 6;            // beginning with the world's axes
+constexpr double kCellVoxels = 6;   // side of the cells in which KPIECE counts its visits
+constexpr double kMinKept = 0.01;   // of a motion; a shorter kept piece is given up
 constexpr unsigned kMaxGoals = 1000;
-constexpr int kHeldBy = 20;  // random motions that tell what holds the part
-// The clock is read after so many poses, or questions of a planner whether it shall end: processor
-// time is a call of the system.
+constexpr int kHeldBy = 20;  // random motions that show what blocks the part
+// The clock is read once in so many poses or checks for the end, because processor time costs a
+// system call.
 constexpr std::uint64_t kClockEvery = 64;
 
-// May a slide turn to what the floors allow, or does it end where it cannot go straight on?
+// Whether a slide may follow the floors, or ends where it cannot go straight on.
 enum class Turns { kNever, kToFloors };
 
-// Goes on in one direction in short steps: straight where the seat holds that, else as the floors
-// there allow; until the part is out of its seat. The poses, each reached straight from the one
-// before.
+// Moves the part by short steps in one direction until it is out of its seat: straight where the
+// rule of the seat allows it, else as the floors allow. Returns the poses; each can be reached
+// straight from the one before.
 std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted, double length_m,
                        Turns turns) {
   const double radius_m = check.problem().part.header().bounding_radius_m;
   const double step_m = kSlideVoxels * check.problem().scene.voxel_size_m();
-  Twist6 way = of_length(wanted, step_m);
-  bool turned = false;  // to what the floors allow
+  Twist6 motion = of_length(wanted, step_m);
+  bool turned = false;  // the direction now follows the floors
   std::vector<Pose> trail{from};
-  for (double way_m = 0; way_m < length_m; way_m += step_m) {
-    Pose there = moved(trail.back(), way, radius_m);
+  for (double travel_m = 0; travel_m < length_m; travel_m += step_m) {
+    Pose there = moved(trail.back(), motion, radius_m);
     if (!check.holds(Rule::kInSeat, there)) {
       if (turns == Turns::kNever) break;
-      const Twist6 step = allowed_twist(way, check.floors(trail.back()), radius_m);
+      const Twist6 step = allowed_twist(motion, check.floors(trail.back()), radius_m);
       if (length_of(step) < kMinSlide * step_m) break;
-      if (!turned) way = of_length(step, step_m);
+      if (!turned) motion = of_length(step, step_m);
       turned = true;
       there = moved(trail.back(), step, radius_m);
       if (!check.holds(Rule::kInSeat, there)) break;
@@ -76,7 +77,7 @@ std::vector<Pose> slid(PoseCheck& check, const Pose& from, const Twist6& wanted,
   return trail;
 }
 
-// A direction of a slide: any, or one in which all floors resist little.
+// A random direction for a slide, or one in which all floors resist little.
 Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
   const Twist6 any = random_twist(1, random);
   if (random.fraction() < 0.5) return any;
@@ -84,7 +85,7 @@ Twist6 slide_direction(PoseCheck& check, const Pose& from, Random& random) {
   return free_twist(any, check.floors(from), radius_m);
 }
 
-// The poses that a planner tries.
+// Draws the poses that a planner tries.
 class Sampler final : public ob::StateSampler {
  public:
   Sampler(const ob::StateSpace* space, PoseCheck& check, const Destination& goal, Random& random)
@@ -113,7 +114,7 @@ class Sampler final : public ob::StateSampler {
   }
 
  private:
-  // To a pose that can be reached straight.
+  // Slides to a pose that can be reached straight.
   Pose slide(const Pose& from, double length_m) {
     std::vector<Pose> trail =
         slid(check_, from, slide_direction(check_, from, random_), length_m, Turns::kToFloors);
@@ -169,7 +170,7 @@ class Motions final : public ob::MotionValidator {
   Rule rule_;
 };
 
-// Out of the seat: where the clearance is proven.
+// The goal of the first planner: poses at which the clearance is proven.
 class OutOfSeat final : public ob::Goal {
  public:
   OutOfSeat(const ob::SpaceInformationPtr& space, PoseCheck& check) : Goal(space), check_(check) {}
@@ -232,15 +233,15 @@ std::vector<Pose> poses_of(const og::PathGeometric& path) {
   return poses;
 }
 
-// The same way without poses that can be left out.
-std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& way) {
-  std::vector<Pose> few{way.front()};
-  for (std::size_t i = 0; i + 1 < way.size();) {
-    std::size_t next = way.size() - 1;
-    while (next > i + 1 && !check.is_kept(Rule::kInSeat, way[i], way[next])) {
+// The path without the poses that can be left out.
+std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& path) {
+  std::vector<Pose> few{path.front()};
+  for (std::size_t i = 0; i + 1 < path.size();) {
+    std::size_t next = path.size() - 1;
+    while (next > i + 1 && !check.is_kept(Rule::kInSeat, path[i], path[next])) {
       next = i + (next - i + 1) / 2;
     }
-    few.push_back(way[next]);
+    few.push_back(path[next]);
     i = next;
   }
   return few;
@@ -254,7 +255,7 @@ void seed_planners(std::uint64_t seed) {
       static_cast<std::uint_fast32_t>(seed % 0x7fffffff + 1));  // 0 is no seed to OMPL
 }
 
-struct Hand::Parts {
+struct SearchWorker::Parts {
   Parts(const Problem& of, const Destination& to, std::size_t its_number, std::uint64_t seed,
         std::unique_ptr<PoseCheck> pose_check)
       : problem(of),
@@ -263,19 +264,19 @@ struct Hand::Parts {
         random(seed * 1000003 + its_number),
         check(std::move(pose_check)) {}
 
-  // A turn counts as the way of the part's farthest point.
+  // A turn counts as the distance that the part's farthest point moves.
   double turn_m() const { return 2 * problem.part.header().bounding_radius_m; }
   void begin();
   ob::SpaceInformationPtr make_space(Rule rule);
   void plan_in_seat();
   void plan_beyond(const Pose& from);
   void take_out_of_seat();
-  void leave_seat(const std::vector<Pose>& way);
+  void leave_seat(const std::vector<Pose>& path);
   bool leave_seat_straight();
   bool go_straight(const Pose& from);
   bool turn_and_go(const Pose& from);
   glm::dvec3 direction(int n);
-  std::vector<Pose> off_the_floors(const std::vector<Pose>& way);
+  std::vector<Pose> off_the_floors(const std::vector<Pose>& path);
   void take_to_goal();
   void note_farthest();
 
@@ -294,7 +295,7 @@ struct Hand::Parts {
   double out_m = 0;
 };
 
-ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
+ob::SpaceInformationPtr SearchWorker::Parts::make_space(Rule of) {
   auto poses = std::make_shared<PoseSpace>(
       goal.bounds(), turn_m(), kCellVoxels * problem.scene.voxel_size_m(),
       [this](const ob::StateSpace* of_space) {
@@ -308,7 +309,7 @@ ob::SpaceInformationPtr Hand::Parts::make_space(Rule of) {
   return made;
 }
 
-void Hand::Parts::plan_in_seat() {
+void SearchWorker::Parts::plan_in_seat() {
   rule = Rule::kInSeat;
   space = make_space(rule);
   question = std::make_shared<ob::ProblemDefinition>(space);
@@ -325,7 +326,7 @@ void Hand::Parts::plan_in_seat() {
   planner->setup();
 }
 
-void Hand::Parts::plan_beyond(const Pose& from) {
+void SearchWorker::Parts::plan_beyond(const Pose& from) {
   rule = Rule::kClear;
   if (number == 0 && (go_straight(from) || turn_and_go(from))) return;
   space = make_space(rule);
@@ -342,42 +343,42 @@ void Hand::Parts::plan_beyond(const Pose& from) {
 }
 
 // The farthest pose of the tree that grows from the start.
-void Hand::Parts::note_farthest() {
+void SearchWorker::Parts::note_farthest() {
   for (const Pose& pose : reached_by(*planner)) {
-    const double way_m = glm::length(pose.position_m - problem.world_from_start.position_m);
-    if (way_m <= out_m) continue;
-    out_m = way_m;
+    const double travel_m = glm::length(pose.position_m - problem.world_from_start.position_m);
+    if (travel_m <= out_m) continue;
+    out_m = travel_m;
     farthest = pose;
   }
 }
 
-void Hand::Parts::take_out_of_seat() {
+void SearchWorker::Parts::take_out_of_seat() {
   og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
   og::PathSimplifier(space).reduceVertices(path);
   leave_seat(off_the_floors(poses_of(path)));
 }
 
-// Up to where the clearance is proven for the first time: there the seat is left for good.
-void Hand::Parts::leave_seat(const std::vector<Pose>& way) {
-  in_seat =
-      up_to_first(way, problem, [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
+// Keeps the path up to the first pose with a proven clearance. There the seat is left for good.
+void SearchWorker::Parts::leave_seat(const std::vector<Pose>& path) {
+  in_seat = up_to_first(path, problem,
+                        [&](const Pose& pose) { return check->holds(Rule::kClear, pose); });
   plan_beyond(in_seat.back());
 }
 
-// The shortest straight way out of the seat: exactly along the floors or the axes of the world,
-// which is as a hand would draw and soon settled by meshes. Where there is none, those next to the
-// axes and to some other directions. Whether there is one.
-bool Hand::Parts::leave_seat_straight() {
+// Finds the shortest straight motion out of the seat. It tries directions along the floors and the
+// axes of the world first, because people pull that way and the meshes prove such motions fast.
+// Then it tries slides near the axes and some other directions. Returns whether it found one.
+bool SearchWorker::Parts::leave_seat_straight() {
   const Pose& start = problem.world_from_start;
   const Box& bounds = goal.bounds();
   std::vector<Pose> nearest;
   double nearest_m = glm::length(bounds.high - bounds.low);
-  const auto go = [&](const Twist6& way, Turns turns) {
-    std::vector<Pose> trail = slid(*check, start, way, nearest_m, turns);
-    const double way_m = travel_between_m(problem, start, trail.back());
-    if (way_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
+  const auto go = [&](const Twist6& motion, Turns turns) {
+    std::vector<Pose> trail = slid(*check, start, motion, nearest_m, turns);
+    const double travel_m = travel_between_m(problem, start, trail.back());
+    if (travel_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
     nearest = std::move(trail);
-    nearest_m = way_m;
+    nearest_m = travel_m;
   };
   const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
   for (const glm::dvec3& d : free_directions(check->floors(start))) go(along(d), Turns::kNever);
@@ -390,23 +391,23 @@ bool Hand::Parts::leave_seat_straight() {
     return true;
   }
   for (int n = 0; n < kDirections; ++n) {
-    Twist6 way = along(direction(n));
-    if (n >= kAxes && n % 2 == 0) way = slide_direction(*check, start, random);
-    go(way, Turns::kToFloors);
+    Twist6 motion = along(direction(n));
+    if (n >= kAxes && n % 2 == 0) motion = slide_direction(*check, start, random);
+    go(motion, Turns::kToFloors);
   }
   if (nearest.empty()) return false;
   leave_seat(off_the_floors(without_needless(*check, nearest)));
   return true;
 }
 
-// The shortest straight way on to the goal, as leave_seat_straight() looks for it.
-bool Hand::Parts::go_straight(const Pose& from) {
+// Finds the shortest straight motion to the goal, like leave_seat_straight().
+bool SearchWorker::Parts::go_straight(const Pose& from) {
   std::optional<Pose> nearest;
   for (int n = 0; n < kDirections; ++n) {
     const std::optional<Pose> there = goal.straight_from(from, direction(n));
     if (!there) continue;
-    const double way_m = travel_between_m(problem, from, *there);
-    if (nearest && way_m >= travel_between_m(problem, from, *nearest)) continue;
+    const double travel_m = travel_between_m(problem, from, *there);
+    if (nearest && travel_m >= travel_between_m(problem, from, *nearest)) continue;
     if (check->is_kept(Rule::kClear, from, *there)) nearest = there;
   }
   if (!nearest) return false;
@@ -415,23 +416,23 @@ bool Hand::Parts::go_straight(const Pose& from) {
   return true;
 }
 
-// The shortest way on that is a quarter turn about an axis of the world and then along one: through
-// a window that the part fits so alone. Planners seldom come upon just that attitude.
-bool Hand::Parts::turn_and_go(const Pose& from) {
+// Finds the shortest motion of a quarter turn about an axis of the world, then straight along an
+// axis. It finds windows that the part fits only in that attitude, which random poses rarely hit.
+bool SearchWorker::Parts::turn_and_go(const Pose& from) {
   std::vector<Pose> shortest;
   double shortest_m = std::numeric_limits<double>::infinity();
   for (int n = 0; n < kAxes; ++n) {
     const glm::dquat turn = glm::angleAxis(std::numbers::pi / 2, direction(n));
     const Pose turned{from.position_m, turn * from.orientation};
     if (!check->is_kept(Rule::kClear, from, turned)) continue;
-    for (int way = 0; way < kAxes; ++way) {
-      const std::optional<Pose> there = goal.straight_from(turned, direction(way));
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const std::optional<Pose> there = goal.straight_from(turned, direction(axis));
       if (!there) continue;
-      const double way_m =
+      const double travel_m =
           travel_between_m(problem, from, turned) + travel_between_m(problem, turned, *there);
-      if (way_m >= shortest_m || !check->is_kept(Rule::kClear, turned, *there)) continue;
+      if (travel_m >= shortest_m || !check->is_kept(Rule::kClear, turned, *there)) continue;
       shortest = {from, turned, *there};
-      shortest_m = way_m;
+      shortest_m = travel_m;
     }
   }
   if (shortest.empty()) return false;
@@ -440,30 +441,31 @@ bool Hand::Parts::turn_and_go(const Pose& from) {
   return true;
 }
 
-// The axes first.
-glm::dvec3 Hand::Parts::direction(int n) {
+// Direction number `n`; the axes come first.
+glm::dvec3 SearchWorker::Parts::direction(int n) {
   glm::dvec3 d(0);
   if (n >= kAxes) return random.direction();
   d[n / 2] = n % 2 == 0 ? 1 : -1;
   return d;
 }
 
-// The same way, no deeper in the seat than it must: what presses on its floors is barely held.
-std::vector<Pose> Hand::Parts::off_the_floors(const std::vector<Pose>& way) {
+// The path, moved off the floors where possible. Poses pressed on floors are at the limit of the
+// rule, and smoothing would push them over it.
+std::vector<Pose> SearchWorker::Parts::off_the_floors(const std::vector<Pose>& path) {
   const double radius_m = problem.part.header().bounding_radius_m;
   std::vector<Pose> shallow =
-      with_more_poses(problem, way, kSlideVoxels * problem.scene.voxel_size_m());
+      with_more_poses(problem, path, kSlideVoxels * problem.scene.voxel_size_m());
   for (std::size_t i = 1; i < shallow.size(); ++i) {
     for (int n = 0; n < kLifts; ++n) {
       shallow[i] =
           moved(shallow[i], allowed_twist({}, check->floors(shallow[i]), radius_m), radius_m);
     }
-    if (!check->is_kept(Rule::kInSeat, shallow[i - 1], shallow[i])) return way;
+    if (!check->is_kept(Rule::kInSeat, shallow[i - 1], shallow[i])) return path;
   }
   return shallow;
 }
 
-void Hand::Parts::take_to_goal() {
+void SearchWorker::Parts::take_to_goal() {
   og::PathGeometric path(*question->getSolutionPath()->as<og::PathGeometric>());
   og::PathSimplifier simplifier(space);
   simplifier.reduceVertices(path);
@@ -473,14 +475,14 @@ void Hand::Parts::take_to_goal() {
   done = true;
 }
 
-Hand::Hand(const Problem& problem, const Destination& goal, std::size_t number, std::uint64_t seed,
-           std::unique_ptr<PoseCheck> check)
+SearchWorker::SearchWorker(const Problem& problem, const Destination& goal, std::size_t number,
+                           std::uint64_t seed, std::unique_ptr<PoseCheck> check)
     : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {
   parts_->begin();
 }
-Hand::~Hand() = default;
+SearchWorker::~SearchWorker() = default;
 
-void Hand::Parts::begin() {
+void SearchWorker::Parts::begin() {
   done = false;
   in_seat.clear();
   if (check->holds(Rule::kClear, problem.world_from_start)) {
@@ -490,12 +492,12 @@ void Hand::Parts::begin() {
   }
 }
 
-void Hand::refuse(const Pose& pose) {
+void SearchWorker::refuse(const Pose& pose) {
   parts_->check->refuse(pose);
   if (parts_->done) parts_->begin();
 }
 
-void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
+void SearchWorker::work(std::uint64_t poses, const std::function<bool()>& is_over) {
   Parts& p = *parts_;
   if (p.done) return;
   const std::uint64_t enough = p.check->poses_tested() + poses;
@@ -511,7 +513,7 @@ void Hand::work(std::uint64_t poses, const std::function<bool()>& is_over) {
   p.planner->solve(stop);
 }
 
-void Hand::take_stock() {
+void SearchWorker::take_stock() {
   Parts& p = *parts_;
   if (p.done || !p.question->hasExactSolution()) return;
   p.note_farthest();
@@ -522,26 +524,27 @@ void Hand::take_stock() {
   }
 }
 
-void Hand::note_farthest() {
+void SearchWorker::note_farthest() {
   if (!parts_->done) parts_->note_farthest();
 }
 
-bool Hand::is_done() const { return parts_->done; }
-const std::vector<Pose>& Hand::in_seat() const { return parts_->in_seat; }
-const std::vector<Pose>& Hand::beyond() const { return parts_->beyond; }
-double Hand::out_m() const { return parts_->out_m; }
-std::uint64_t Hand::poses_tested() const { return parts_->check->poses_tested(); }
-std::uint64_t Hand::motions_tested() const { return parts_->check->motions_tested(); }
-std::uint64_t Hand::motions_kept() const { return parts_->check->motions_kept(); }
-double Hand::kept_m() const { return parts_->check->kept_m(); }
+bool SearchWorker::is_done() const { return parts_->done; }
+const std::vector<Pose>& SearchWorker::in_seat() const { return parts_->in_seat; }
+const std::vector<Pose>& SearchWorker::beyond() const { return parts_->beyond; }
+double SearchWorker::out_m() const { return parts_->out_m; }
+std::uint64_t SearchWorker::poses_tested() const { return parts_->check->poses_tested(); }
+std::uint64_t SearchWorker::motions_tested() const { return parts_->check->motions_tested(); }
+std::uint64_t SearchWorker::motions_kept() const { return parts_->check->motions_kept(); }
+double SearchWorker::kept_m() const { return parts_->check->kept_m(); }
 
-// By motions of a planner's length: away from the start, and to all sides, with turns and without.
-std::vector<std::uint32_t> Hand::blocked_by() const {
+// Tries motions of a planner's length from the farthest pose: away from the start, and in random
+// directions, with and without turns.
+std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   Parts& p = *parts_;
   const double radius_m = p.problem.part.header().bounding_radius_m;
-  const glm::dvec3 way = p.farthest.position_m - p.problem.world_from_start.position_m;
+  const glm::dvec3 shift_m = p.farthest.position_m - p.problem.world_from_start.position_m;
   std::vector<Twist6> motions;
-  if (p.out_m > 0) motions.push_back({way.x, way.y, way.z, 0, 0, 0});
+  if (p.out_m > 0) motions.push_back({shift_m.x, shift_m.y, shift_m.z, 0, 0, 0});
   for (std::size_t n = 0; n < 6; ++n) {
     for (const double sign : {1.0, -1.0}) motions.emplace_back()[n] = sign;
   }

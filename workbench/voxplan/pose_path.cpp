@@ -1,4 +1,4 @@
-#include "workbench/voxplan/way.h"
+#include "workbench/voxplan/pose_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,45 +9,47 @@
 namespace forcelayer::voxplan {
 namespace {
 
-constexpr double kMaxPoses = 200;     // of a way that is widened
-constexpr double kMinStepVoxels = 2;  // between two of them
+constexpr double kMaxPoses = 200;     // of a path
+constexpr double kMinStepVoxels = 2;  // between two poses
 constexpr int kPasses = 12;
-constexpr double kFirstShiftVoxels = 3, kShrink = 0.8;  // of what is tried, from pass to pass
+constexpr double kFirstShiftVoxels = 3,
+                 kShrink = 0.8;  // the shift of the first pass, and its factor from pass to pass
 
-double length_m(const Problem& problem, const Way& way) {
+double length_m(const Problem& problem, const PosePath& path) {
   double all_m = 0;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    all_m += travel_between_m(problem, way[i - 1], way[i]);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    all_m += travel_between_m(problem, path[i - 1], path[i]);
   }
   return all_m;
 }
 
-// A pose near another: its centroid shifted, and turned by as much at the part's radius.
+// A random pose near `pose`: the centroid is shifted, and a point at the part's radius moves about
+// as far by the turn.
 Pose shifted(const Pose& pose, double shift_m, double radius_m, Random& random) {
   const double turn_m = random.normal() * shift_m;
   const glm::dvec3 turn_rad = random.direction() * (turn_m / radius_m);
-  const double way_m = random.normal() * shift_m;
-  return {pose.position_m + random.direction() * way_m,
+  const double travel_m = random.normal() * shift_m;
+  return {pose.position_m + random.direction() * travel_m,
           glm::normalize(coupling::rotation_by(turn_rad) * pose.orientation)};
 }
 
 }  // namespace
 
-Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed) {
+Result<PosePath> widened(const Problem& problem, const PosePath& path, std::uint64_t seed) {
   auto made = PoseCheck::create(problem);
   if (!made) return made.error();
   PoseCheck& check = **made;
   Random random(seed);
   const double step_m =
-      std::max(length_m(problem, way) / kMaxPoses, kMinStepVoxels * problem.scene.voxel_size_m());
-  Way wide = with_more_poses(problem, way, step_m);
+      std::max(length_m(problem, path) / kMaxPoses, kMinStepVoxels * problem.scene.voxel_size_m());
+  PosePath wide = with_more_poses(problem, path, step_m);
   std::vector<double> clearance_m;
   for (const Pose& pose : wide) clearance_m.push_back(check.clearance_m(pose));
   const double radius_m = problem.part.header().bounding_radius_m;
   double shift_m = kFirstShiftVoxels * problem.scene.voxel_size_m();
   for (int pass = 0; pass < kPasses; ++pass, shift_m *= kShrink) {
     for (std::size_t i = 1; i + 1 < wide.size(); ++i) {
-      // Toward the middle of its neighbors, too: a way that is even is felt as smooth.
+      // The middle of its neighbors is tried too: an even path feels smooth.
       const Pose middle = pose_between(wide[i - 1], wide[i + 1], 0.5);
       const Pose there =
           shifted(pose_between(wide[i], middle, random.fraction()), shift_m, radius_m, random);
@@ -64,20 +66,20 @@ Result<Way> widened(const Problem& problem, const Way& way, std::uint64_t seed) 
   return wide;
 }
 
-std::vector<PathRow> rows_of(const Problem& problem, const Way& in_seat, const Way& beyond,
-                             double speed_mps) {
-  Way way = in_seat;
-  way.insert(way.end(), beyond.begin() + (in_seat.empty() ? 0 : 1), beyond.end());
+std::vector<PathRow> rows_of(const Problem& problem, const PosePath& in_seat,
+                             const PosePath& beyond, double speed_mps) {
+  PosePath path = in_seat;
+  path.insert(path.end(), beyond.begin() + (in_seat.empty() ? 0 : 1), beyond.end());
   const Pose center_from_part = inverse(part_from_center(problem.part));
   std::vector<PathRow> rows;
   double time_s = 0;
-  for (std::size_t i = 0; i < way.size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     if (i > 0) {
-      const double travel_m = travel_between_m(problem, way[i - 1], way[i]);
+      const double travel_m = travel_between_m(problem, path[i - 1], path[i]);
       if (travel_m == 0) continue;
       time_s += travel_m / speed_mps;
     }
-    rows.push_back(row_of(time_s, way[i] * center_from_part));
+    rows.push_back(row_of(time_s, path[i] * center_from_part));
   }
   return rows;
 }
@@ -88,6 +90,7 @@ Result<clearance::CheckResult> proven(const Problem& problem, const std::vector<
   clearance::CheckRequest request{problem.clearance_m, threads, problem.allowed, {}, true};
   if (rule == Rule::kInSeat) {
     request.world_from_seat = problem.world_from_start * inverse(part_from_center(problem.part));
+    request.seat_depth = problem.seat_depth;
   }
   return clearance::check_path(problem.scene, problem.part, path, request);
 }

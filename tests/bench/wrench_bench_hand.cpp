@@ -1,0 +1,159 @@
+#include "tests/bench/wrench_bench_hand.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <stdexcept>
+
+#include "forcelayer/run.h"
+#include "runtime/coupling/coupling.h"
+#include "runtime/loop/handle_velocity.h"
+#include "runtime/model/simulation.h"
+#include "tests/bench/wrench_bench_frame.h"
+#include "tests/stress/trial.h"
+#include "tests/support/mesh_gaps.h"
+#include "tests/support/random_numbers.h"
+#include "tests/support/rigid_contact.h"
+
+namespace forcelayer::bench {
+namespace {
+
+constexpr double kDtS = 1e-3, kSpeedMps = 0.05, kFarM = 0.02, kMaxTurnRad = 0.02;
+constexpr double kMinPress = 0.2, kMaxPress = 0.8;  // of the force limit
+constexpr int kHeldFrames = 3000, kSlideFrames = 200, kSampleFrames = 40;
+constexpr double kSlideMps[] = {0.005, 0.05};
+constexpr double kReachM =
+    0.0003;  // of the gaps that a truth looks at: more than a step of it goes
+// A truth is taken whose own conditions hold as well as this, far below what is measured.
+constexpr double kNearM = 1e-7, kBalancedN = 5e-3;
+
+// A simulation in a hand, frame by frame.
+class Session {
+ public:
+  explicit Session(const HandCase& contact)
+      : simulation_(open(contact)),
+        gaps_(contact.scene, contact.part, simulation_->voxmap().header().zero_force_m, kReachM) {
+    Pose far = contact.above;
+    far.position_m -= kFarM * contact.in;
+    handle = simulation_->world_from_part(far);
+    state_ = simulation_->registered(handle, handle);
+  }
+
+  const Parameters& parameters() const { return simulation_->parameters(); }
+  model::Simulation& simulation() { return *simulation_; }
+
+  void step() {
+    input_.valid = 1;
+    input_.world_from_handle = handle;
+    input_.handle_velocity = velocity_.update(handle, kDtS);
+    result = simulation_->step(state_, input_, kDtS);
+  }
+  bool rests() const { return state_.settled != 0 && result.report.contacts > 0; }
+
+  // The truth beside the part's present pose.
+  test::RigidContact truth() {
+    const Parameters& p = parameters();
+    const coupling::GripTarget target = coupling::grip_target(state_, input_);
+    const test::HeldPart held{{p.coupling_n_per_m, p.coupling_force_limit_n},
+                              {p.coupling_nm_per_rad, p.coupling_torque_limit_nm},
+                              target.point_m,
+                              target.orientation,
+                              target.lever_m,
+                              p.part_radius_m};
+    return test::rigid_contact(held, std::ref(gaps_), result.report.world_from_center);
+  }
+
+  Pose handle;
+  StepResult result;
+
+ private:
+  static std::unique_ptr<model::Simulation> open(const HandCase& contact) {
+    RunRequest request;
+    request.device = stress::trial_device();
+    request.without_guarantee = true;  // formulas have no covering radius
+    auto map = Voxmap::from_bytes(contact.voxmap.bytes(), "scene");
+    auto part = Pshell::from_bytes(contact.shell.bytes(), "part");
+    if (!map || !part) throw std::runtime_error(to_line(map ? part.error() : map.error()));
+    auto run = open_run(std::move(*map), std::move(*part), request);
+    if (!run) throw std::runtime_error(to_line(run.error()));
+    return run->release_simulation();
+  }
+
+  std::unique_ptr<model::Simulation> simulation_;
+  test::MeshGaps gaps_;
+  State state_;
+  StepInput input_;
+  loop::HandleVelocity velocity_;
+};
+
+}  // namespace
+
+void Hand::see(const HandCase& contact, std::uint64_t seed) {
+  ++seen_;
+  Session session(contact);
+  const Parameters& p = session.parameters();
+  const auto field =
+      field::make_force_field(Model::kDefault, p.force, session.simulation().voxmap());
+  if (!field) throw std::runtime_error(to_line(field.error()));
+  ModelFrame frame(session.simulation().voxmap(), session.simulation().shell(), **field,
+                   Averaging::kShared);
+  const auto compare = [&](std::size_t motion) {
+    if (session.result.report.outside_map != 0) {
+      ++outside_;
+      return;
+    }
+    const test::RigidContact truth = session.truth();
+    if (!(truth.too_near_m <= kNearM && truth.unbalanced_n <= kBalancedN)) {
+      ++unsolved_;
+      return;
+    }
+    const Wrench& felt = session.result.at_handle;
+    errors_[motion].push_back(
+        std::hypot(glm::length(felt.force_n - truth.on_hand.force_n),
+                   glm::length(felt.torque_nm - truth.on_hand.torque_nm) / p.part_radius_m) /
+        p.coupling_force_limit_n);
+  };
+
+  test::Random random(seed);
+  const double press_n = test::uniform(random, kMinPress, kMaxPress) * p.coupling_force_limit_n;
+  const double turn_rad = test::uniform(random, 0, kMaxTurnRad);
+  const glm::dvec3 turn = turn_rad * test::random_direction(random);
+  const Pose start = session.handle;
+  double way_m = 0, max_m = 1e300;
+  for (int held = 0; held < kHeldFrames && way_m < 4 * kFarM && !(held > 0 && session.rests());) {
+    if (way_m < max_m) way_m += kSpeedMps * kDtS;
+    const double turned = std::min(1.0, way_m / kFarM);
+    session.handle = {start.position_m + way_m * contact.in,
+                      coupling::rotation_by(turned * turn) * start.orientation};
+    session.step();
+    if (max_m == 1e300 && session.result.report.contacts > 0) {
+      max_m = way_m + press_n / p.coupling_n_per_m;
+    }
+    if (way_m >= max_m) ++held;
+  }
+  const double force_n = glm::length(session.result.wrench.force_n);
+  if (!session.rests() || force_n == 0) {
+    ++restless_;
+    return;
+  }
+  const Wrench there = frame.at(session.result.report.world_from_center);
+  const double k = p.field_n_per_m;
+  const double off = glm::length(k * there.force_n - session.result.wrench.force_n) / force_n;
+  const double torque_off = glm::length(k * there.torque_nm - session.result.wrench.torque_nm) /
+                            (force_n * p.part_radius_m);
+  off_.push_back(std::max(off, torque_off));
+  many_ += session.result.report.contacts > 10;
+
+  compare(0);
+  for (std::size_t slide = 0; slide < std::size(kSlideMps); ++slide) {
+    for (int i = 1; i <= kSlideFrames; ++i) {
+      session.handle.position_m += kSlideMps[slide] * kDtS * contact.along;
+      session.step();
+      if (i % kSampleFrames == 0) compare(1 + slide);
+    }
+  }
+}
+
+}  // namespace forcelayer::bench

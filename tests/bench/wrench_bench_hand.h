@@ -1,0 +1,59 @@
+// The wrench that a hand feels through the coupling, beside the truth of rigid contact: the step is
+// run while a hand presses a part, holds it, and slides it along.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "forcelayer/pose.h"
+#include "formats/mesh/mesh.h"
+#include "formats/pshell.h"
+#include "formats/voxmap.h"
+
+namespace forcelayer::bench {
+
+// A part above a scene.
+struct HandCase {
+  const Voxmap& voxmap;
+  const Pshell& shell;
+  const mesh::Mesh& scene;  // the exact surface, world, m
+  const mesh::Mesh& part;   // the exact surface, about the shell's center, m
+  Pose above;               // world_from_part
+  glm::dvec3 in, along;     // unit: how the hand presses, and how it slides then
+};
+
+// E_hand is the norm of the felt wrench less the true one, torques over the part's radius, over the
+// coupling's force limit. The true one is the coupling's in the nearest pose of least energy that
+// keeps the exact distance of the meshes at the zero-force distance.
+class Hand {
+ public:
+  static constexpr std::size_t kMotions = 3;
+  static constexpr std::array<const char*, kMotions> kNames{"at rest", "5 mm/s", "50 mm/s"};
+
+  // A hand presses with a fifth to four fifths of the limit, turned by up to 0.02 rad, both at
+  // random of the seed. It holds for up to three seconds and slides for a fifth of a second at each
+  // speed.
+  void see(const HandCase& contact, std::uint64_t seed);
+
+  const std::vector<double>& errors(std::size_t motion) const { return errors_[motion]; }
+  std::size_t seen() const { return seen_; }          // cases
+  std::size_t restless() const { return restless_; }  // cases that slip off or do not rest
+  std::size_t unsolved() const { return unsolved_; }  // poses whose truth was not found
+  std::size_t outside() const { return outside_; }    // poses beyond the map's sides
+
+  // For each case at rest: the felt force's difference from the sum of the contacts' forces at that
+  // pose, over it, or that of the torques, over force and radius, where it is larger. While the
+  // hand rests, a motion that hardly lowers the energy is not made (DefaultModel::affordable), so
+  // the part stays a little beside where forces balance.
+  const std::vector<double>& off() const { return off_; }
+  std::size_t many() const { return many_; }  // of these, with more than ten contacts
+
+ private:
+  std::array<std::vector<double>, kMotions> errors_;
+  std::vector<double> off_;
+  std::size_t many_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
+};
+
+}  // namespace forcelayer::bench

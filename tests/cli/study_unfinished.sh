@@ -1,0 +1,158 @@
+#!/usr/bin/env bash
+# forcelayer study: a page, a verdict and a JUnit file that say why, however a study ends; none of an earlier study stays.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+cp "$data/gearbox.glb" .
+cp "$FORCELAYER_SOURCE_DIR/tests/support/bore.py" .
+python3 -c 'from bore import bore; bore()'
+
+# study STATUS ARGUMENTS...
+study() {
+  local wanted=$1 status=0
+  shift
+  "$bin/forcelayer" study "$@" --no-pictures >out.txt 2>err.txt || status=$?
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: $*: $(cat out.txt err.txt)"
+}
+
+# says FOLDER KIND PATTERN [EXIT_STATUS]: all files of a verdict say the same.
+says() {
+  python3 - "$@" <<'END' || fail "$1 does not say '$2': $(cat "$1"/verdict.*)"
+import html, json, re, sys, xml.etree.ElementTree as tree
+folder, kind, pattern, *status = sys.argv[1:]
+text = open(f"{folder}/verdict.txt").read()
+verdict = json.load(open(f"{folder}/verdict.json"))
+[box] = re.findall('<p class="verdict (.*?)">(.*?)</p>', open(f"{folder}/report.html").read(), re.S)
+assert html.unescape(re.sub("<[^>]*>", "", box[1])).strip() == text.strip(), box
+assert text.startswith(verdict["sentence"]) and verdict["kind"] == kind, verdict
+assert re.search(pattern, verdict["sentence"]), verdict["sentence"]
+is_yes = kind == "comes out"
+assert verdict["verdict"] == ("clear" if is_yes else "not clear")
+assert box[0] == ("yes" if is_yes else "open" if kind in ("undecided", "no path found") else "no"), box[0]
+assert not status or verdict["exit_status"] == int(status[0]), verdict["exit_status"]
+suite = next(tree.parse(f"{folder}/verdict.xml").getroot().iter("testsuite"))
+wrong = [int(suite.get(key)) for key in ("failures", "errors")]
+assert wrong == ([0, 0] if is_yes else [0, 1] if "not finished" in text else [1, 0]), wrong
+END
+}
+
+pin=('gearbox.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm)
+study 0 "${pin[@]}" -o pin
+says pin "comes out" '^Comes out, '
+
+# After a study that comes out, each one that fails in the same folder says so, in the words of its command.
+study 3 'gearbox.glb#Pim' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o pin --json pim.json
+says pin undecided "^Undecided: the study is not finished: voxelize ended with status 3: .*no file has a node called 'Pim'.* \(1 mm of clearance required\)\.$" 3
+python3 -c 'import json; r = json.load(open("pim.json")); assert r["exit_status"] == 3 and r["kind"] == "undecided" and r["error"]["code"] // 100 == 3, r' ||
+  fail "the report of a study that failed"
+[ ! -e pin/curve.csv ] || fail "the curve of another answer stays"
+study 0 "${pin[@]}" -o pin
+says pin "comes out" '^Comes out, '
+study 1 'gearbix.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o pin
+says pin undecided 'not finished: gearbix.glb: no such file' 1
+study 0 "${pin[@]}" -o pin
+
+# The same study again leaves all as it was, and a step that failed is tried again.
+cp -r pin before
+study 0 "${pin[@]}" -o pin
+grep -q '^\$' out.txt && fail "done again: $(cat out.txt)"
+cmp -s before/report.html pin/report.html && cmp -s before/verdict.json pin/verdict.json || fail "the same study says something else"
+(
+  ulimit -f 8
+  study 1 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o pin
+) || exit 1
+says pin undecided 'voxelize ended with status 1: .*scene.vox: cannot be written' 1
+study 0 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o pin
+says pin "comes out" '^Comes out, '
+
+# A mesh that is broken, and a part that lies deeper in its neighbor than is stored.
+head -c 3000 "$data/gearbox.glb" >broken.glb
+study 3 'broken.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o broken
+says broken undecided 'not finished: voxelize ended with status 3: broken.glb: ' 3
+python3 - <<'END'
+import json
+from bore import block
+block("table.obj", 50, -40, 0)
+block("sunk.obj", 10, -20, 30)
+block("shelf.obj", 50, 60, 70)
+json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("table", "sunk", "shelf")]},
+          open("sunk.json", "w"))
+END
+study 2 'sunk.json#sunk' --voxel-size 2mm --pull 0,0,100mm --clearance 1mm -o sunk
+says sunk undecided 'not finished: voxrun ended with status 2: .*the part starts more than' 2
+if [ -x "$bin/voxplan" ]; then
+  study 2 'sunk.json#sunk' --voxel-size 2mm --time 1s --clearance 1mm -o sunk
+  says sunk undecided 'not finished: voxplan ended with status 2: .*the part starts more than' 2
+fi
+
+# A search that finds nothing, and after it, in the same folder, a path that is clear.
+if [ -x "$bin/voxplan" ]; then
+  study 6 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm --time 1s -o cover
+  says cover "no path found" '^No path found: ' 6
+  study 0 "${pin[@]}" -o cover
+  says cover "comes out" '^Comes out, '
+fi
+study 6 'gearbox.glb#Cover' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o cover
+says cover "does not come out" '^Does not come out, '
+
+# Stopped at each stage: by a signal that it can answer, it says which; by SIGKILL, that it is not finished.
+cat >stop.py <<'END'
+"""stop.py SIGNAL PROGRAM ARGUMENTS...: sends the signal when a study runs the program; its exit status, 128+n on signal n."""
+import os, signal, subprocess, sys, time
+name, program = sys.argv[1:3]
+number = getattr(signal, "SIG" + name)
+study = subprocess.Popen(sys.argv[3:], stdout=subprocess.PIPE, stderr=open("err.txt", "w"), text=True)
+for line in study.stdout:
+    if line.startswith("$ " + program):
+        # The files say so before the program starts.
+        page = os.path.join(sys.argv[sys.argv.index("-o") + 1], "report.html")
+        while f"the step {program} is running" not in open(page).read():
+            time.sleep(0.01)
+        study.send_signal(number)
+        study.send_signal(number)  # as `timeout` sends it, to the command and to its group
+        break
+else:
+    sys.exit("it does not run " + program)
+status = study.wait(timeout=60)
+sys.exit(128 - status if status < 0 else status)
+END
+# A study finds its programs beside itself, else in PATH: here one that does not end.
+mkdir slow
+cp "$bin/forcelayer" slow
+export PATH=$bin:$PATH
+# stopped STATUS SIGNAL PROGRAM ARGUMENTS...
+stopped() {
+  local wanted=$1 signal=$2 program=$3 status=0
+  shift 3
+  printf '#!/bin/sh\nexec sleep 60\n' >"slow/$program"
+  chmod +x "slow/$program"
+  cp -r before "stopped$signal$program"
+  python3 stop.py "$signal" "$program" slow/forcelayer study "$@" --no-pictures -o "stopped$signal$program" || status=$?
+  rm "slow/$program"
+  [ "$status" -eq "$wanted" ] || fail "status $status instead of $wanted: SIG$signal in $program: $(cat err.txt)"
+}
+cover=('gearbox.glb#Cover' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm)
+for program in voxelize pointshell voxrun voxcheck; do
+  stopped 143 TERM $program "${cover[@]}"
+  says stoppedTERM$program undecided "^Undecided: the study is not finished: it was stopped by SIGTERM in the step $program " 143
+done
+stopped 130 INT voxelize "${cover[@]}"
+says stoppedINTvoxelize undecided 'it was stopped by SIGINT in the step voxelize ' 130
+grep -q 'contains the finished steps; the same command continues from there$' err.txt || fail "nobody is told how to go on: $(cat err.txt)"
+if [ -x "$bin/voxplan" ]; then
+  stopped 129 HUP voxplan 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm
+  says stoppedHUPvoxplan undecided 'it was stopped by SIGHUP in the step voxplan ' 129
+fi
+stopped 137 KILL voxrun "${cover[@]}"
+says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped '
+study 6 "${cover[@]}" -o stoppedKILLvoxrun
+says stoppedKILLvoxrun "does not come out" '^Does not come out, '
+# A program that the system ends is no answer, and is tried again.
+printf '#!/bin/sh\nkill -s KILL $$\n' >slow/voxcheck
+chmod +x slow/voxcheck
+status=0
+slow/forcelayer study "${pin[@]}" --no-pictures -o ended >out.txt 2>err.txt || status=$?
+[ $status = 1 ] && grep -q '^forcelayer: voxcheck: was ended by SIGKILL, so the study is not finished; .*; the same command continues from there$' err.txt ||
+  fail "a program that is killed: $status $(cat err.txt)"
+says ended undecided 'voxcheck was ended by SIGKILL' 1
+study 0 "${pin[@]}" -o ended
+says ended "comes out" '^Comes out, '
+finish
