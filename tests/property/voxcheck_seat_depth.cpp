@@ -388,7 +388,7 @@ TEST(SeatWalk, LooksAtFewMomentsWhereEachTakesLong) {
 TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
   std::mt19937 random(43);
   std::uniform_real_distribution<double> unit(-1, 1);
-  int free = 0, deep = 0;
+  int free = 0, turning = 0, deep = 0;
   for (int trial = 0; trial < 500; ++trial) {
     SCOPED_TRACE(trial);
     const Surface surface = trial % 2 == 0 ? tube(12, 0.5, 1, 0.4) : random_body(random);
@@ -399,27 +399,40 @@ TEST(PushOut, OfAHullThatComesFreeNoPlaceIsDeeper) {
     const Corners& near = triangles[static_cast<std::size_t>(trial) % triangles.size()];
     const glm::dvec3 center = glm::dvec3((near[0] + near[1] + near[2]) / 3.0L) +
                               0.3 * size * glm::dvec3(unit(random), unit(random), unit(random));
-    std::array<part::Piece, 2> ends;
-    for (part::Piece& end : ends) {
-      for (part::Vec3& p : end) {
-        p = vec3_of(center + 0.4 * size * glm::dvec3(unit(random), unit(random), unit(random)));
-      }
-    }
-    long double deepest = -1e30L;
-    for (int moment = 0; moment <= 4; ++moment) {
-      const double fraction = moment / 4.0;
-      Corners corners;
+    // A piece that goes straight, and in half of the trials turns, often in the plane of a face.
+    const auto any = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+    std::array<glm::dvec3, 3> corners_m;
+    for (glm::dvec3& corner : corners_m) corner = 0.4 * size * any();
+    const glm::dvec3 shift = 0.4 * size * any();
+    const glm::dvec3 of_face(glm::cross(near[1] - near[0], near[2] - near[0]));
+    const glm::dvec3 axis = glm::normalize(trial % 3 == 0 ? of_face : any());
+    const double turn = trial % 4 < 2 ? 0 : 0.7 * std::abs(unit(random));
+    const auto at = [&](double fraction) {
+      part::Piece piece;
       for (std::size_t n = 0; n < 3; ++n) {
-        corners[n] = Wide(dvec3_of((1 - fraction) * ends[0][n] + fraction * ends[1][n]));
+        const glm::dvec3 turned = glm::angleAxis(fraction * turn, axis) * corners_m[n];
+        piece[n] = vec3_of(center + fraction * shift + turned);
       }
+      return piece;
+    };
+    double radius = 0;
+    for (const glm::dvec3& corner : corners_m) radius = std::max(radius, glm::length(corner));
+    const Bend bend{turn * turn * radius / 8, vec3_of(axis)};
+    long double deepest = -1e30L;
+    for (int moment = 0; moment <= 8; ++moment) {
+      Corners corners;
+      const part::Piece piece = at(moment / 8.0);
+      for (std::size_t n = 0; n < 3; ++n) corners[n] = Wide(dvec3_of(piece[n]));
       deepest = std::max(deepest, sampled_depth({corners}, triangles, 6));
     }
     deep += deepest > largest;
-    if (!comes_free(*bodies[0], Hull(ends[0], ends[1]), largest, 0)) continue;
+    if (!comes_free(*bodies[0], Hull(at(0), at(1)), largest, bend)) continue;
     ++free;
+    turning += turn > 0;
     EXPECT_LE(deepest, largest);
   }
   EXPECT_GT(free, 100);
+  EXPECT_GT(turning, 30);
   EXPECT_GT(deep, 60);
 }
 
@@ -434,7 +447,7 @@ TEST(PushOut, SettlesWhatTouchesAndNotWhatIsDeeper) {
     const part::Piece on_ring{vec3_of({1.2, 0, z}), vec3_of({-1.3, 0.2, z}), vec3_of({0, 1.4, z})};
     part::Piece moved = on_ring;
     for (part::Vec3& p : moved) p += {0.1, -0.2, 0};
-    EXPECT_EQ(comes_free(*bodies[0], Hull(on_ring, moved), kDepth, 0), off < 0);
+    EXPECT_EQ(comes_free(*bodies[0], Hull(on_ring, moved), kDepth), off < 0);
   }
 }
 
@@ -466,6 +479,23 @@ TEST(MotionProof, OfABlockThatSlidesInItsSlotTakesFewCells) {
   ASSERT_EQ(turned.size(), 1u);
   EXPECT_TRUE(turned[0].is_deeper);
   EXPECT_NEAR(turned[0].worst.found_m, 0.5 * (std::cos(0.1) + std::sin(0.1)) - 0.5, 1e-3);
+}
+
+// A face that turns in the plane of another one stays in it, however far it turns.
+TEST(MotionProof, OfABlockThatTurnsOnItsFloorLooksAtFewMoments) {
+  constexpr double kAllowed = 1e-9;
+  const Surface floor = box({5, 5, 0.5}), block = box({0.5, 0.5, 0.5});
+  const Bodies of_floor = bodies_of(floor, kWithin), of_block = bodies_of(block, kWithin);
+  const MeshPair distance(floor, block);
+  for (const double off : {-1e-12, 1e-12}) {
+    const clearance::CenterPath path(
+        {{row_of(0, {{-1, 0, 1}, {1, 0, 0, 0}}),
+          row_of(1, {{1, 0.3, 1 - kAllowed - off}, glm::angleAxis(1.2, glm::dvec3(0, 0, 1))})}},
+        {0, 0, 0}, 1);
+    SeatWalk walk(path, of_block, of_floor, distance, kAllowed / 8);
+    EXPECT_EQ(walk.deeper_than({0, 0}, {1, 0}, kAllowed, 0.05).size(), off < 0 ? 0u : 1u);
+    EXPECT_LE(walk.measured(), off < 0 ? 4u : 100u);
+  }
 }
 
 // A press fit is as deep everywhere along its edges as it is installed, and pieces of its surface

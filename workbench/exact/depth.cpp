@@ -296,7 +296,7 @@ class Search {
       if (settles(at_most_m)) return;
     }
     const double enough = enough_m();
-    if (enough > 0 && distance_m < reach_m + enough && comes_free(solid, Hull(piece), enough, 0)) {
+    if (enough > 0 && distance_m < reach_m + enough && comes_free(solid, Hull(piece), enough)) {
       settled_m_ = std::max(settled_m_, std::min(at_most_m, enough));
       return;
     }

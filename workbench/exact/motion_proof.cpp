@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "pointshell/part/pieces.h"
-#include "workbench/exact/push_out.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
@@ -102,21 +101,21 @@ class Proof {
   bool is_allowed(const Hull& hull) const {
     const auto nearest = solid_.tree().nearest(hull.center);
     const double distance_m = std::sqrt(nearest.distance_squared);
-    const double reach_m = hull.reach + motion_.bend_m;
+    const double reach_m = hull.reach + motion_.bend.max_m;
     // All of it is on one side of the surface: outside, or inside by no more than allowed.
     if (distance_m > reach_m + solid_.crack_near_m(hull.center, reach_m) &&
         !solid_.holds(hull.center)) {
       return true;
     }
     return lies_on(nearest.point.triangle, hull) ||
-           comes_free(solid_, hull, allowed_m_, motion_.bend_m);
+           comes_free(solid_, hull, allowed_m_, motion_.bend);
   }
 
   bool lies_on(std::uint32_t number, const Hull& hull) const {
     const Piece triangle = part::triangle_piece(solid_.tree().part(), number);
     return std::all_of(hull.points.begin(), hull.points.end(), [&](const Vec3& p) {
       const Vec3 foot = part::nearest_on_triangle(p, triangle[0], triangle[1], triangle[2]);
-      return part::length(p - foot) + motion_.bend_m <= allowed_m_;
+      return part::length(p - foot) + motion_.bend.max_m <= allowed_m_;
     });
   }
 

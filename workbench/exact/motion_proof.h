@@ -11,13 +11,14 @@
 
 #include "forcelayer/pose.h"
 #include "workbench/exact/body.h"
+#include "workbench/exact/push_out.h"
 
 namespace forcelayer::exact {
 
 // A motion of a surface as the solid sees it: one that goes straight and turns evenly.
 struct Motion {
   Pose from, middle, to;     // solid_from_surface
-  double bend_m = 0;         // how far a place that comes into the solid leaves its straight way
+  Bend bend;                 // how far a place that comes into the solid leaves its straight way
   double half_travel_m = 0;  // and how far it is from where it is in the middle
 };
 

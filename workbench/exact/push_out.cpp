@@ -32,11 +32,12 @@ Vec3 normal_of(const Piece& triangle) {
   return part::normalized(part::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
 }
 
-// Calls visit(triangle) for each triangle that may be no farther than this from a shifted hull, as
-// long as it returns true. Whether it always did.
+// Calls visit(triangle) for each triangle that may be no farther than this from a shifted hull and
+// what bends out of it, as long as it returns true. Whether it always did.
 template <typename Visit>
-bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double reach_m,
-                const Visit& visit) {
+bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double min_m,
+                const Bend& bend, const Visit& visit) {
+  const double reach_m = min_m + bend.max_m;
   part::Box box;
   for (std::size_t n = 0; n < hull.count; ++n) box.grow(hull.points[n] + shift);
   const part::TriangleTree& tree = solid.tree();
@@ -51,14 +52,15 @@ bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double r
       [&](std::uint32_t triangle) {
         if (!goes_on) return;
         const Piece piece = part::triangle_piece(tree.part(), triangle);
-        if (!is_farther(hull, piece, shift, reach_m)) goes_on = visit(piece);
+        if (!is_farther(hull, piece, shift, min_m, bend)) goes_on = visit(piece);
       });
   return goes_on;
 }
 
 // Directions in which a hull may come free: to the nearest place of the surface, or away from it;
 // out of faces nearby, of all of them together, and of two of them.
-std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double reach_m) {
+std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double reach_m,
+                                 const Bend& bend) {
   std::vector<Vec3> directions;
   const auto nearest = solid.tree().nearest(hull.center);
   const double side = solid.holds(hull.center) ? 1 : -1;
@@ -72,7 +74,7 @@ std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double rea
   const std::size_t first = directions.size();
   Vec3 sum;
   std::size_t seen = 0;
-  visit_near(solid, hull, {}, reach_m, [&](const Piece& triangle) {
+  visit_near(solid, hull, {}, reach_m, bend, [&](const Piece& triangle) {
     const std::size_t before = directions.size();
     add(solid.outward() * normal_of(triangle));
     if (directions.size() > before) sum += directions.back();
@@ -108,9 +110,10 @@ Hull::Hull(const Piece& from, const Piece& to) : Hull(from) {
 }
 
 bool is_farther_along(const Vec3& along, const Hull& hull, const Piece& triangle, const Vec3& shift,
-                      double min_m) {
+                      double min_m, const Bend& bend) {
   const double length = part::length(along);
   if (length == 0) return false;
+  if (bend.max_m > 0) min_m += bend.along_m((1 / length) * along);
   const double moved = part::dot(along, shift);
   double low = part::dot(along, hull.points[0]), high = low;
   for (std::size_t n = 1; n < hull.count; ++n) {
@@ -123,9 +126,10 @@ bool is_farther_along(const Vec3& along, const Hull& hull, const Piece& triangle
          min_m * length;
 }
 
-bool is_farther(const Hull& hull, const Piece& triangle, const Vec3& shift, double min_m) {
+bool is_farther(const Hull& hull, const Piece& triangle, const Vec3& shift, double min_m,
+                const Bend& bend) {
   const auto parts = [&](const Vec3& along) {
-    return is_farther_along(along, hull, triangle, shift, min_m);
+    return is_farther_along(along, hull, triangle, shift, min_m, bend);
   };
   const Vec3 normal =
       part::normalized(part::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
@@ -145,19 +149,19 @@ bool is_farther(const Hull& hull, const Piece& triangle, const Vec3& shift, doub
   return false;
 }
 
-bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m) {
+bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& bend) {
   const double rounding_m = kRounding * largest_of(hull);
   const auto is_free = [&](const Vec3& shift) {
     // Through a crack a direction leads inside that meets no triangle, but it is narrow.
     const Vec3 center = hull.center + shift;
-    const double crack_m = solid.crack_near_m(center, hull.reach + off_m);
-    return visit_near(solid, hull, shift, off_m + crack_m + rounding_m,
+    const double crack_m = solid.crack_near_m(center, hull.reach + bend.max_m);
+    return visit_near(solid, hull, shift, crack_m + rounding_m, bend,
                       [](const Piece&) { return false; }) &&
            !solid.holds(center);
   };
   if (is_free({})) return true;
   const std::vector<Vec3> directions =
-      directions_out(solid, hull, max_m + off_m + solid.crack_m() + rounding_m);
+      directions_out(solid, hull, max_m + solid.crack_m() + rounding_m, bend);
   return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
     return is_free((kShorter * max_m) * direction);
   });

@@ -32,17 +32,32 @@ struct Hull {
   double reach = 0;  // from the center to the farthest point
 };
 
+// How far the places of a motion leave the hull of its two ends. A body that turns about an axis of
+// one direction, and goes straight otherwise, accelerates across that direction alone: a face that
+// turns in its own plane stays in it.
+struct Bend {
+  double max_m = 0;
+  part::Vec3 axis;  // a unit vector; zero: in any direction
+
+  // The same along a direction of length 1.
+  double along_m(const part::Vec3& direction) const {
+    constexpr double kAxisRounding = 1e-12;  // far above it
+    if (axis == part::Vec3{}) return max_m;
+    return max_m * (part::length(part::cross(direction, axis)) + kAxisRounding);
+  }
+};
+
 // Whether a shifted hull and a triangle are farther apart than `min_m` along a direction, of any
-// length.
+// length, for all of a motion that leaves the hull by `bend`.
 bool is_farther_along(const part::Vec3& along, const Hull& hull, const part::Piece& triangle,
-                      const part::Vec3& shift, double min_m);
+                      const part::Vec3& shift, double min_m, const Bend& bend = {});
 
 // Whether such a direction is found: of the normals of both, and those of their edges.
 bool is_farther(const Hull& hull, const part::Piece& triangle, const part::Vec3& shift,
-                double min_m);
+                double min_m, const Bend& bend = {});
 
-// Whether a shift is found that is no longer than `max_m`, and that takes all places within
-// `off_m` of the hull out of the solid. No says nothing.
-bool comes_free(const Body& solid, const Hull& hull, double max_m, double off_m);
+// Whether a shift is found that is no longer than `max_m`, and that takes all places of a motion
+// out of the solid. No says nothing.
+bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& bend = {});
 
 }  // namespace forcelayer::exact

@@ -18,6 +18,9 @@ constexpr double kWithinFraction = 1.0 / 64;
 // So many pieces may a proof leave open: at first, and where it is likely to succeed.
 constexpr std::size_t kFewOpen = 64, kAllOpen = std::numeric_limits<std::size_t>::max();
 
+// The axis of a smaller turn is rounded by more than its bend allows.
+constexpr double kMinSine = 1e-8;
+
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
   const part::Vec3& place = pair.surface->tree().part().vertices.front();
@@ -87,21 +90,25 @@ const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m,
 // In the part's frame a place of the object moves by p' = R^T (p - c): it turns about the centroid,
 // which goes away from it. Its acceleration over the motion is turn^2 |p'| + 2 turn way at most,
 // that of a place of the part in the world is turn^2 |p|, and a way with the acceleration a leaves
-// its chord by a / 8 at most. A place that comes into the part is within its radius then.
+// its chord by a / 8 at most. A place that comes into the part is within its radius then. Both
+// accelerations are across the axis: along it p' = axis (p - c) goes straight.
 SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, const Moment& end,
                                      double allowed_m, std::size_t max_open) const {
   if (clearance::CenterPath::between(begin, end).count() > 0) return open;
   const Pose from = path_.world_from_center(begin), to = path_.world_from_center(end);
   const Pose middle = path_.world_from_center(path_.middle(begin, end));
   const glm::dquat turned = glm::conjugate(from.orientation) * to.orientation;
-  const double turn =
-      2 * std::atan2(glm::length(glm::dvec3(turned.x, turned.y, turned.z)), std::abs(turned.w));
+  const glm::dvec3 axis(turned.x, turned.y, turned.z);  // of the part's frame, times a sine
+  const double sine = glm::length(axis), turn = 2 * std::atan2(sine, std::abs(turned.w));
+  const auto bend_of = [&](double max_m, const glm::dquat& solid_from_part) {
+    return Bend{max_m, sine > kMinSine ? vec3_of(solid_from_part * (axis / sine)) : part::Vec3{}};
+  };
   const double shift_m = glm::length(to.position_m - from.position_m);
   const double farthest_m = radius_m_ + shift_m;
-  const Motion of_part{from, middle, to, turn * turn * radius_m_ / 8,
+  const Motion of_part{from, middle, to, bend_of(turn * turn * radius_m_ / 8, from.orientation),
                        (shift_m + turn * radius_m_) / 2};
   const Motion of_object{inverse(from), inverse(middle), inverse(to),
-                         (turn * turn * farthest_m + 2 * turn * shift_m) / 8,
+                         bend_of((turn * turn * farthest_m + 2 * turn * shift_m) / 8, {1, 0, 0, 0}),
                          (shift_m + turn * farthest_m) / 2};
   std::uint64_t cells = 0;
   Opens left;
