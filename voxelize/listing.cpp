@@ -60,10 +60,12 @@ Result<ListedFile> list_file(const NamedFile& named, const mesh::Assembly& assem
   file.whole = sum.of("", 0, static_cast<std::uint32_t>(assembly.instances.size()));
   const auto is_chosen = mesh::choose_nodes(named.nodes, assembly.nodes);
   if (!is_chosen) return is_chosen.error();
+  const std::vector<std::string> names = mesh::numbered_paths(assembly.nodes);
   for (std::size_t i = 0; i < assembly.nodes.size(); ++i) {
     const mesh::AssemblyNode& node = assembly.nodes[i];
     if (!(*is_chosen)[i]) continue;
     ListedNode listed = sum.of(node.path, node.first_instance, node.instance_count);
+    listed.name = names[i];
     if (listed.instances > 0 || listed.missing_faces > 0) file.nodes.push_back(std::move(listed));
   }
   return file;
@@ -83,7 +85,7 @@ Result<ListedFile> list_manifest(const NamedFile& named, const mesh::ReadOptions
   file.meters_per_unit = 1;
   const auto sum = [&](const std::string& path) {
     ListedNode node;
-    node.path = path;
+    node.path = node.name = path;
     node.box = mesh::empty_box();
     node.closed = true;
     const auto is_in = [&](const std::string& name) {
@@ -245,7 +247,7 @@ std::string table_of(const Listing& listing) {
     row("instances", "triangles", "size", "surface", "node");
     for (const ListedNode& node : file.nodes) {
       row(std::to_string(node.instances), std::to_string(node.triangles), size_of(file, node),
-          surface_text(node), escaped(node.path));
+          surface_text(node), escaped(node.name));
     }
   }
   return table;

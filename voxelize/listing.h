@@ -16,7 +16,8 @@ namespace forcelayer::voxelize {
 
 // A node with all below it.
 struct ListedNode {
-  std::string path;  // what can follow FILE#; empty for the whole file
+  std::string path;  // empty for the whole file
+  std::string name;  // what can follow FILE#
   std::uint64_t instances = 0;
   std::uint64_t triangles = 0;
   mesh::Box box{};                  // file units, the file's frame

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "formats/command/spelling/spelling.h"
 #include "formats/mesh/reader.h"
@@ -116,9 +117,10 @@ void mark_sub_tree(std::size_t first, std::span<const AssemblyNode> nodes,
 
 std::string listed(const std::vector<std::size_t>& found, std::span<const AssemblyNode> nodes) {
   constexpr std::size_t kListed = 8;
+  const std::vector<std::string> names = numbered_paths(nodes);
   std::string list;
   for (std::size_t i = 0; i < std::min(found.size(), kListed); ++i) {
-    list += (i == 0 ? "" : ", ") + nodes[found[i]].path;
+    list += (i == 0 ? "" : ", ") + names[found[i]];
   }
   return found.size() > kListed ? list + ", ..." : list;
 }
@@ -294,6 +296,20 @@ AssemblyNode name_node(const std::string& name, const AssemblyNode* parent, Used
   }
   if (parent == nullptr) return {label, label, 0};
   return {label, parent->path + "/" + label, parent->depth + 1};
+}
+
+std::vector<std::string> numbered_paths(std::span<const AssemblyNode> nodes) {
+  std::unordered_set<std::string_view> paths;
+  for (const AssemblyNode& node : nodes) paths.insert(node.path);
+  std::vector<std::string> numbered, above;  // above: of the nodes that this one is below
+  for (const AssemblyNode& node : nodes) {
+    above.resize(node.depth);
+    std::string path = (above.empty() ? "" : above.back() + "/") + node.label;
+    if (paths.contains(node.path + "[2]")) path += "[1]";
+    above.push_back(path);
+    numbered.push_back(std::move(path));
+  }
+  return numbered;
 }
 
 bool bears_name(const std::string& path, const std::string& name) {

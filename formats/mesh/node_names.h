@@ -53,6 +53,10 @@ using UsedLabels = std::map<std::string, std::uint64_t>;
 // labels `used`: "name", else "name[2]", "name[3]".
 AssemblyNode name_node(const std::string& name, const AssemblyNode* parent, UsedLabels& used);
 
+// [nodes] Their paths for a listing: the first of siblings that are called alike is "Bolt[1]", so
+// that each path can be typed. In `nodes` each stands before its children.
+std::vector<std::string> numbered_paths(std::span<const AssemblyNode> nodes);
+
 // Whether a node of this path is called `name`, as it stands.
 bool bears_name(const std::string& path, const std::string& name);
 

@@ -129,7 +129,7 @@ JSON
   refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
   refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
   # Siblings that are called alike: nobody means the first alone without to say so.
-  alike="several siblings have this name: Gearbox/Lid/Bolt, Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
+  alike="several siblings have this name: Gearbox/Lid/Bolt[1], Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
   refuses 3 "$file: --without Bolt: $alike" voxelize "$file" --without Bolt --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" voxelize "$file#Bolt" --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" pointshell "$file#Bolt" --voxel-size 1mm -o no.pshell

@@ -157,9 +157,8 @@ TEST(NodeNames, OfListsAreLeftOut) {
   }
 }
 
-// A file of two equal carriages, with two wheels each, and a rail: the nodes that are read, or the
-// error.
-std::string read_of_train(std::vector<std::string> names, std::vector<std::string> without) {
+// A file of two equal carriages, with two wheels each, and a rail.
+std::vector<AssemblyNode> train() {
   std::vector<AssemblyNode> nodes;
   mesh::UsedLabels roots;
   for (const char* const name : {"Carriage", "Carriage"}) {
@@ -169,6 +168,12 @@ std::string read_of_train(std::vector<std::string> names, std::vector<std::strin
     for (int n = 0; n < 2; ++n) nodes.push_back(mesh::name_node("Wheel", &carriage, wheels));
   }
   nodes.push_back(mesh::name_node("Rail", nullptr, roots));
+  return nodes;
+}
+
+// The nodes of the train that are read, or the error.
+std::string read_of_train(std::vector<std::string> names, std::vector<std::string> without) {
+  const std::vector<AssemblyNode> nodes = train();
   mesh::SourceFile file{"", "", {}};
   file.options.nodes = std::move(names);
   file.options.without = std::move(without);
@@ -189,12 +194,12 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   const std::string doubt = ": several siblings have this name: ";
   EXPECT_EQ(read_of_train({"Carriage"}, {}),
             "#Carriage" + doubt +
-                "Carriage, Carriage[2]; write Carriage[1] for the first one only, " +
+                "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, " +
                 "Carriage* for all whose names begin like this");
   EXPECT_EQ(
       read_of_train({}, {"Carriage"}),
       "--without Carriage" + doubt +
-          "Carriage, Carriage[2]; write Carriage[1] for the first one only, Carriage* for all " +
+          "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, Carriage* for all " +
           "whose names begin like this");
   EXPECT_EQ(read_of_train({"Rail"}, {"Carriage"}), "Rail") << "the other one is not read anyway";
   EXPECT_EQ(read_of_train({"{Carriage,Carriage[2]}"}, {"Wheel*"}), "Carriage Carriage[2]");
@@ -211,40 +216,54 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   EXPECT_EQ(read_of_train({"Carriage[1]/Wheel[2]"}, {}), "Carriage/Wheel[2]");
   EXPECT_EQ(read_of_train({"Rail[1]"}, {}), "Rail");
   EXPECT_EQ(read_of_train({"Carriage[1]"}, {"Wheel[1]"}),
-            "--without Wheel[1]: several nodes have this name; use one of: Carriage/Wheel, "
-            "Carriage[2]/Wheel");
+            "--without Wheel[1]: several nodes have this name; use one of: "
+            "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]");
   // A name may go through one of several.
   EXPECT_EQ(
       read_of_train({"Carriage/Wheel[2]"}, {}),
-      "#Carriage/Wheel[2]" + doubt + "Carriage/Wheel[2], Carriage[2]/Wheel[2]; write " +
+      "#Carriage/Wheel[2]" + doubt + "Carriage[1]/Wheel[2], Carriage[2]/Wheel[2]; write " +
           "Carriage[1]/Wheel[2] for the first one only, Carriage*/Wheel[2] for all whose names " +
           "begin like this");
   EXPECT_EQ(
       read_of_train({"Carriage/Wheel"}, {}),
       "#Carriage/Wheel" + doubt +
-          "Carriage/Wheel, Carriage/Wheel[2], Carriage[2]/Wheel, Carriage[2]/Wheel[2]; " +
+          "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2], Carriage[2]/Wheel[1], "
+          "Carriage[2]/Wheel[2]; " +
           "write Carriage[1]/Wheel[1] for the first one only, Carriage*/Wheel* for all whose " +
           "names begin like this");
   EXPECT_EQ(
       read_of_train({"Carriage[2]/Wheel"}, {}),
-      "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel, Carriage[2]/Wheel[2]; write " +
+      "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel[1], Carriage[2]/Wheel[2]; write " +
           "Carriage[2]/Wheel[1] for the first one only, Carriage[2]/Wheel* for all whose names " +
           "begin like this");
   // A wildcard stands for siblings where it is written, and nowhere else.
   EXPECT_EQ(read_of_train({}, {"*/Wheel"}),
-            "--without */Wheel" + doubt + "Carriage/Wheel, Carriage/Wheel[2]; write */Wheel[1] " +
+            "--without */Wheel" + doubt +
+                "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2]; write */Wheel[1] " +
                 "for the first one only, */Wheel* for all whose names begin like this");
-  EXPECT_EQ(
-      read_of_train({"Carriage/Wh*"}, {}),
-      "#Carriage/Wh*" + doubt +
-          "Carriage/Wheel, Carriage[2]/Wheel; write Carriage[1]/Wh* for the first one only, " +
-          "Carriage*/Wh* for all whose names begin like this");
+  EXPECT_EQ(read_of_train({"Carriage/Wh*"}, {}),
+            "#Carriage/Wh*" + doubt +
+                "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]; write Carriage[1]/Wh* for the first "
+                "one only, " +
+                "Carriage*/Wh* for all whose names begin like this");
   EXPECT_EQ(read_of_train({"*/Wheel[1]"}, {}), "Carriage/Wheel Carriage[2]/Wheel");
   EXPECT_EQ(read_of_train({"{*/Wheel,*/Wheel[2]}"}, {}),
             "Carriage/Wheel Carriage/Wheel[2] Carriage[2]/Wheel Carriage[2]/Wheel[2]");
   EXPECT_EQ(read_of_train({"Carriage[1]/Wh*"}, {}), "Carriage/Wheel Carriage/Wheel[2]");
   EXPECT_EQ(read_of_train({"*/Wheel[2]"}, {}), "Carriage/Wheel[2] Carriage[2]/Wheel[2]");
   EXPECT_TRUE(read_of_train({"*[1]"}, {}).starts_with("#*[1]: no node has this name"));
+}
+
+// Whatever its siblings and those of its parents are called.
+TEST(NodeNames, OfAListingMeanOneNode) {
+  const std::vector<AssemblyNode> nodes = train();
+  const std::vector<std::string> names = mesh::numbered_paths(nodes);
+  EXPECT_EQ(names, (std::vector<std::string>{
+                       "Carriage[1]", "Carriage[1]/Wheel[1]", "Carriage[1]/Wheel[2]", "Carriage[2]",
+                       "Carriage[2]/Wheel[1]", "Carriage[2]/Wheel[2]", "Rail"}));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    EXPECT_TRUE((read_of_train({names[i]}, {}) + " ").starts_with(nodes[i].path + " ")) << names[i];
+  }
 }
 
 // A label may hold a slash, and two nodes one path.
