@@ -1,12 +1,40 @@
 #include "runtime/run/start_check.h"
 
 #include <cstdio>
+#include <glm/common.hpp>
 #include <string>
 #include <vector>
 
 #include "runtime/query/enclosed_object.h"
 
 namespace forcelayer {
+
+namespace {
+
+// Whether distances grow along the outward normals of most points, from a voxel and a half inside
+// to as far outside: farther than a distance is rounded, and than its voxel reaches.
+bool grow_outward(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from_center) {
+  constexpr double kStepVoxels = 1.5;
+  const double voxel_m = voxmap.voxel_size_m();
+  const PshellView& v = shell.view();
+  const auto distance_m = [&](const glm::dvec3& world_m) {
+    const glm::dvec3 low = glm::floor(world_m / voxel_m);
+    return voxmap.min_distance_m(static_cast<std::int64_t>(low.x), static_cast<std::int64_t>(low.y),
+                                 static_cast<std::int64_t>(low.z));
+  };
+  std::int64_t growing = 0;
+  for (std::uint64_t n = 0; n < v.point_count; ++n) {
+    const glm::dvec3 point_m = world_from_center.position_m +
+                               world_from_center.orientation * glm::dvec3(v.x[n], v.y[n], v.z[n]);
+    const glm::dvec3 inward = world_from_center.orientation * glm::dvec3(v.nx[n], v.ny[n], v.nz[n]);
+    const double outside_m = distance_m(point_m - kStepVoxels * voxel_m * inward);
+    const double inside_m = distance_m(point_m + kStepVoxels * voxel_m * inward);
+    growing += outside_m > inside_m ? 1 : outside_m < inside_m ? -1 : 0;
+  }
+  return growing > 0;
+}
+
+}  // namespace
 
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center) {
   const Voxmap& voxmap = simulation.voxmap();
@@ -31,8 +59,11 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
                "the guarantee (--without-guarantee, without_guarantee)"};
 }
 
-std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points) {
+std::optional<std::string> part_in_scene_warning(const Voxmap& voxmap, const Pshell& shell,
+                                                 const Pose& world_from_center,
+                                                 std::uint64_t seat_points) {
   if (seat_points != shell.header().point_count) return {};
+  if (voxmap.distances() != nullptr && !grow_outward(voxmap, shell, world_from_center)) return {};
   return "the scene seems to contain the part itself: every point of the part touches the scene; "
          "bake the scene --without the part, or with smaller voxels";
 }

@@ -17,7 +17,11 @@ namespace forcelayer {
 // object.
 Status check_start(const model::Simulation& simulation, const Pose& world_from_center);
 
-// A warning where every shell point feels an object of the seat: the scene may hold the part.
-std::optional<std::string> part_in_scene_warning(const Pshell& shell, std::uint64_t seat_points);
+// A warning where the scene seems to hold the part itself: every shell point feels an object of the
+// seat, and the distances of the scene, where it stores some, grow along the outward normals, as
+// they do about the part's own surface. Along those of a part in a narrow bore they shrink.
+std::optional<std::string> part_in_scene_warning(const Voxmap& voxmap, const Pshell& shell,
+                                                 const Pose& world_from_center,
+                                                 std::uint64_t seat_points);
 
 }  // namespace forcelayer

@@ -124,15 +124,19 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
     const double off_m = off_seat_m(*options.world_from_seat, part, path);
     const double reach_m = clearance::kSeatVoxels * scene.voxel_size_m();
     if (result.seat_objects.empty()) {
-      warn("--seat: the part touches nothing at this pose");
+      warn("the part touches nothing where it is installed (--seat)");
     } else if (!(off_m < reach_m)) {
       warn(
           command::text("--seat: has no effect, because it is at neither end of the path: the "
                         "nearer end is %.4g mm away, and must be less than %.4g mm away",
                         1e3 * off_m, 1e3 * reach_m));
     }
+    const auto& c = part.header().center_m;
+    const Pose installed = *options.world_from_seat * Pose{{c[0], c[1], c[2]}, {1, 0, 0, 0}};
+    if (const auto warning = part_in_scene_warning(scene, part, installed, result.seat_points)) {
+      warn(*warning);
+    }
   }
-  if (const auto warning = part_in_scene_warning(part, result.seat_points)) warn(*warning);
   if (is_never_near(result, part, options.allow)) {
     warn(never_near_text("path"));
   } else if (const double times = scenes_away(scene, part, rows); times > kFarAway) {

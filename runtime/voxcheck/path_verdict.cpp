@@ -201,6 +201,7 @@ VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& mom
   const bool measured = exact != nullptr && exact->exact_m < kNothingM;
   distance.known = measured ? Known::kMeasured : Known::kProven;
   distance.distance_m = measured ? exact->exact_m : proven_m;
+  distance.proven_m = proven_m;
   distance.object = object_name(checked.scene, moment.object);
   distance.along_m = along_m(checked, moment.time_s);
   return distance;
@@ -254,8 +255,11 @@ std::string where_text(const CheckedPath& checked, const CheckedMoment& moment) 
 
 // "1.2 mm measured", or the bounds.
 std::string bounds_text(const CheckedMoment& moment, const ExactMoment* exact, double proven_m) {
-  if (exact != nullptr && exact->exact_m < kNothingM)
-    return length_text(exact->exact_m) + " measured";
+  if (exact != nullptr && exact->exact_m < kNothingM) {
+    const std::string measured = length_text(exact->exact_m) + " measured";
+    const bool is_less = command::is_less_proven(exact->exact_m, proven_m);
+    return is_less ? measured + ", " + length_text(proven_m) + " proven" : measured;
+  }
   std::string line = "at least " + length_text(proven_m);
   if (std::isfinite(moment.max_m)) {
     line += " and at most " + command::upper_length_text(moment.max_m, INFINITY);
@@ -284,7 +288,11 @@ const ExactMoment* exact_in_seat(const CheckedPath& checked, std::size_t stretch
 const Violation& worst_of(const CheckedPath& checked) {
   const auto& violations = checked.result.violations;
   const auto order = [&](const Violation& v) {
-    return std::tuple(rank(kind_of(checked, v)), v.worst.clearance_m, -v.depth_m);
+    const VerdictKind kind = kind_of(checked, v);
+    // To a tenth of a millimeter, as it is printed: where some begin at once, the deepest is first.
+    const double begins =
+        kind == VerdictKind::kCollides ? std::round(1e4 * along_m(checked, v.from_s)) : 0;
+    return std::tuple(rank(kind), begins, v.worst.clearance_m, -v.depth_m);
   };
   return *std::min_element(
       violations.begin(), violations.end(),
@@ -351,6 +359,7 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   const ExactViolation* exact = exact_of(checked, worst);
   verdict.nearest = distance_of(checked, worst.worst, exact != nullptr ? &exact->worst : nullptr,
                                 worst.clearance_m);
+  verdict.begins_m = along_m(checked, worst.from_s);
   if (worst.unsettled_seat || worst.out_of_time) verdict.nearest.known = Known::kNot;
   if (worst.out_of_time) verdict.slides.clear();
   if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {
@@ -368,9 +377,9 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
   const auto to = [&](std::uint32_t object) { return " to " + name_of(checked, object); };
   for (std::size_t n = 0; n < r.seated.size(); ++n) {
     const auto& stretch = r.seated[n];
-    lines.push_back("in contact from " + stretch_text(checked, stretch.from_s, stretch.to_s) +
-                    ": " +
-                    bounds_text(stretch.nearest, exact_in_seat(checked, n), stretch.clearance_m) +
+    const ExactMoment* exact = exact_in_seat(checked, n);
+    lines.push_back("in its seat from " + stretch_text(checked, stretch.from_s, stretch.to_s) +
+                    ": " + bounds_text(stretch.nearest, exact, stretch.clearance_m) +
                     to(stretch.nearest.object) + ", " + where_text(checked, stretch.nearest));
   }
   if (r.clear() && smallest_of(checked).known != Known::kAtLeast) {

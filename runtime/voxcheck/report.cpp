@@ -134,7 +134,7 @@ bool is_refused_as_far(const Report& report) {
 std::string seat_depth_text(const Report& report) {
   if (report.checked.result.seated.empty()) return "";
   if (!is_seat_settled(report)) {
-    return text("in contact, features narrower than %.2f mm are not seen%s",
+    return text("in its seat, features narrower than %.2f mm are not seen%s",
                 ceil_mm(narrowest_felt_m(report)),
                 report.exact ? "" : "; add --exact to check them");
   }
@@ -147,16 +147,18 @@ std::string seat_depth_text(const Report& report) {
   const double allowed_m = deepest->allowed_m - deepest->installed_m;
   const std::string object = escaped(object_name(report.checked.scene, deepest->object));
   if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
-    return "in contact, the part goes nowhere deeper than installed";
+    return "in its seat, the part goes nowhere deeper than installed";
   }
   // The deepest position of some moments is known. That none is deeper than allowed is proven.
   const std::string found = length_text(std::max(0.0, deeper(*deepest)));
   if (deeper(*deepest) <= allowed_m) {
-    return "in contact, the part goes at most " + length_text(allowed_m) +
-           " deeper than installed, as allowed; the deepest that was found is " + found +
-           ", into " + object;
+    return "in its seat, the part goes at most " + length_text(allowed_m) +
+           " deeper than installed, as " +
+           (report.options.seat_depth_m ? "--seat-depth and the deviations"
+                                        : "deviations and cracks") +
+           " of the meshes allow; the deepest that was found is " + found + ", into " + object;
   }
-  return "in contact, the part goes at least " + found + " deeper than installed, into " + object +
+  return "in its seat, the part goes at least " + found + " deeper than installed, into " + object +
          "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
          " allowed";
 }
@@ -210,6 +212,26 @@ std::vector<std::string> picture_title(const command::Verdict& verdict) {
   return {command::heading(verdict), command::explanation(verdict)};
 }
 
+// The least clearance of the whole path, stretches in which the answer is no included.
+Json smallest_json(const Report& report) {
+  const CheckResult& r = report.checked.result;
+  const Violation* nearest = nullptr;
+  for (const Violation& v : r.violations) {
+    if (v.unsettled_seat || v.out_of_time || !(v.clearance_m < r.clearance_m)) continue;
+    if (nearest == nullptr || v.clearance_m < nearest->clearance_m) nearest = &v;
+  }
+  Json json = nearest == nullptr
+                  ? moment_json(report.checked, r.smallest, r.clearance_m)
+                  : moment_json(report.checked, nearest->worst, nearest->clearance_m);
+  json["at_least"] = nearest == nullptr && r.at_least;
+  if (nearest == nullptr && report.exact) {
+    add_exact(json, report.exact->smallest);
+  } else if (nearest != nullptr && exact_of(report.checked, *nearest) != nullptr) {
+    add_exact(json, exact_of(report.checked, *nearest)->worst);
+  }
+  return json;
+}
+
 command::Subject subject_of(const Options& options) {
   return {"voxcheck", options.part, options.path};
 }
@@ -219,10 +241,8 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
   Json json;
   json["schema_version"] = 1;
   json.update(command::verdict_json(verdict));
-  json["min_clearance"] = moment_json(report.checked, r.smallest, r.clearance_m);
-  json["min_clearance"]["at_least"] = r.at_least;
+  json["min_clearance"] = smallest_json(report);
   if (report.exact) {
-    add_exact(json["min_clearance"], report.exact->smallest);
     json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
                      {"moments_measured", report.exact->moments}};
   }

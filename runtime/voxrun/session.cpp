@@ -191,10 +191,11 @@ Status prepare_run(const Options& options, Session& session) {
     warn({sound.error().where + ": " + sound.error().what}, session.facts.warnings);
   }
   if (options.start.world_from_seat && simulation.seat().empty()) {
-    warn({"--seat: the part touches nothing at this pose"}, session.facts.warnings);
+    warn({"the part touches nothing where it is installed (--seat)"}, session.facts.warnings);
   }
   const std::uint64_t touching = guard::points_in_seat(simulation.seat());
-  if (const auto warning = part_in_scene_warning(simulation.shell(), touching)) {
+  if (const auto warning = part_in_scene_warning(simulation.voxmap(), simulation.shell(),
+                                                 session.start.world_from_center, touching)) {
     warn({*warning}, session.facts.warnings);
   }
   const double arm_m = glm::length(session.start.handle_from_center.position_m);

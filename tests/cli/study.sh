@@ -74,7 +74,7 @@ width = float(re.search(r'x="64.0" y="16" width="([0-9.]+)" [^>]*class="seat"', 
 assert "position along the path, mm" in said and abs(width - seated["to_m"] / verdict["travel_m"]) < 1e-3, width
 assert "smallest distance outside of contact" in said and "Comes out, straight along +z" in said
 assert f"0.0 mm to {1e3 * seated['to_m']:.1f} mm of a path of {1e3 * verdict['travel_m']:.1f} mm; {mm(seated['exact_m'])} measured to " in said
-assert verdict["sentence"].startswith("Comes out, straight along +z: slides along "), verdict["sentence"]
+assert re.match("Comes out, straight along [+]z: (slides along|passes) ", verdict["sentence"]), verdict["sentence"]
 assert f" for the first {round(1e3 * seated['to_m'], 1):g} mm" in verdict["sentence"], verdict["sentence"]
 END
 
@@ -109,7 +109,7 @@ for size in "auto", "0.5mm", "1mm", "2mm", "3mm", "5mm":
     report = json.load(open(f"bore{size}.json"))
     [seated] = report["check"]["seated"]
     assert report["kind"] == "comes out" and report["sentence"].startswith(
-        "Comes out, straight along +z: slides along plate for the first 41 mm (0.098 mm of play), otherwise stays 1.0"), report["sentence"]
+        "Comes out, straight along +z: passes plate with a gap of 0.098 mm for the first 41 mm, otherwise stays 1.0"), report["sentence"]
     assert abs(1e3 * seated["exact_m"] - PLAY_MM) < 0.01 and abs(1e3 * seated["to_m"] - 41) < 0.05, seated
     assert 1e-3 <= report["check"]["min_clearance"]["exact_m"] < 1.05e-3, report["check"]["min_clearance"]
     # The curve shows what the verdict says.
@@ -189,7 +189,7 @@ fi
 
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held --json held.json
-grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: .* deep .* (after .* of 60 mm; 1 mm required); blocked by Gearbox/Lid/Bolt, Gearbox/Lid/Bolt\[2\], Gearbox/Lid/Bolt\[3\] and Gearbox/Lid/Bolt\[4\]; see held/report.html$' err.txt ||
+grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: .* deep .* (begins after .* mm, worst after .* of 60 mm; 1 mm required); blocked by Gearbox/Lid/Bolt, Gearbox/Lid/Bolt\[2\], Gearbox/Lid/Bolt\[3\] and Gearbox/Lid/Bolt\[4\]; see held/report.html$' err.txt ||
   fail "$(cat err.txt)"
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 says_no held/verdict.xml held/straight.csv
@@ -239,7 +239,9 @@ report = json.load(open("report.json"))
 [seated] = report["check"]["seated"]
 end_mm, within_mm = (42.4, 1.5) if sys.argv[1] else (41, 0.05)
 assert abs(1e3 * seated["to_m"] - end_mm) < within_mm and seated["object"] == "plate", seated
-assert re.match(r"Does not come out, straight along \+z: gets 1 mm away from its seat after 4[0-9.]+ mm, but (meets|goes into) (shelf|bar)", report["sentence"])
+# By the files alone contact in the seat is not certain.
+words = "gets 1 mm away from its seat after 4[0-9.]+ mm, but goes into shelf .begins after 4" if sys.argv[1] else "meets shelf.* .begins after 1"
+assert re.match(r"Does not come out, straight along \+z: " + words + "[0-9.]+ mm, worst after ", report["sentence"])
 if not sys.argv[1]:  # each that is met, though the part meets the second before it has left the first
     assert sorted(report["blocked_by"]) == ["bar", "shelf"], report["blocked_by"]
     hits = {hit["object"]: [1e3 * hit[key] for key in ("from_m", "to_m")] for hit in report["check"]["violations"]}

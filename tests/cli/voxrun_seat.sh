@@ -204,7 +204,7 @@ says '^the part was never at its seat on Gearbox/Housing: no separation from the
 run 2 opened.vox cover.pshell --motion rest.csv --start 0,0,-1mm --seat 0,0,0mm
 errs 'but away from its seat; start the part clear'
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm
-errs '--seat: the part touches nothing at this pose'
+errs 'the part touches nothing where it is installed \(--seat\)'
 
 # The scene holds the part too: it is seated on itself, all over.
 run 0 whole.vox cover.pshell --motion rest.csv

@@ -156,11 +156,18 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.motion = "straight along +z";
   v.path_m = 0.06;
   v.slides = {{0, 0.0516, {"A", "B"}, {Known::kMeasured, 96e-6, "A", 0.01}}};
-  v.nearest = {Known::kMeasured, 0.001523, "Clip/Half", 0.0516};
+  v.nearest = {Known::kMeasured, 0.001523, "Clip/Half", 0.0516, 0.001523};
   EXPECT_EQ(sentence(v),
-            "Comes out, straight along +z: slides along A and B for the first 51.6 mm (0.096 mm of "
-            "play), otherwise stays 1.523 mm away or more (measured to Clip/Half, after 51.6 of 60 "
-            "mm; 1 mm required).");
+            "Comes out, straight along +z: passes A and B with a gap of 0.096 mm for the first "
+            "51.6 mm, otherwise stays 1.523 mm away or more (measured to Clip/Half, after 51.6 of "
+            "60 mm; 1 mm required).");
+  // Where they touch, and where the meshes are less exact than the measurement.
+  v.slides[0].nearest.distance_m = 0;
+  v.nearest.proven_m = 0.0014;
+  EXPECT_EQ(sentence(v),
+            "Comes out, straight along +z: slides along A and B for the first 51.6 mm, otherwise "
+            "stays 1.4 mm away or more (1.523 mm measured to Clip/Half, after 51.6 of 60 mm; 1 mm "
+            "required).");
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
   v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};
@@ -173,6 +180,12 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v),
             "Does not come out, straight along +z: gets 1 mm away from its seat after 42.4 mm, "
             "but meets Wall, at least 0.2 mm deep (after 51.6 of 60 mm; 1 mm required).");
+  // Nothing that comes after the beginning of a collision matters.
+  v.begins_m = 0.022;
+  EXPECT_EQ(sentence(v),
+            "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (begins after "
+            "22 mm, worst after 51.6 of 60 mm; 1 mm required).");
+  v.begins_m.reset();
   v.slides[0].to_m = 0.06;
   v.kind = VerdictKind::kStaysInstalled;
   v.finding.clear();

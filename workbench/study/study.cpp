@@ -21,6 +21,7 @@
 #include "formats/command/program.h"
 #include "formats/command/quantity.h"
 #include "formats/command/report.h"
+#include "formats/command/spelling/spelling.h"
 #include "formats/command/text.h"
 #include "formats/command/verdict/hosts.h"
 #include "formats/command/verdict/verdict.h"
@@ -291,7 +292,8 @@ Step Study::plan_step() const {
 
 Step Study::check_step() const {
   Step step{"voxcheck",
-            {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance},
+            {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance,
+             "--fail-on", "nothing"},  // a "no" is said once, by the study
             {in("scene.vox"), in("part.pshell"), path_},
             {in("verdict.json"), in("curve.csv"), in("verdict.xml")},
             "forcelayer-runtime",
@@ -401,7 +403,7 @@ Status Study::write_path(const char* name, std::initializer_list<double> fractio
 
 Result<StepEnd> Study::check_path(const std::string& path) {
   path_ = path;
-  auto checked = run(check_step(), true);
+  auto checked = run(check_step());
   if (checked) checked_ = read_json(in("verdict.json"));
   is_checked_ = true;
   return checked;
@@ -413,11 +415,13 @@ Status Study::check() {
   if (path_.empty()) return say_that_no_path_was_found();
   auto checked = check_path(path_);
   if (!checked) return checked.error();
-  if (!options_.pull.empty() && held_.empty() && checked->status != 0) {
+  const auto is_clear = [](const json& report) {
+    return command::is_yes(command::verdict_kind(report.value("kind", "")));
+  };
+  if (!options_.pull.empty() && held_.empty() && !is_clear(checked_)) {
     // The hand went to the end of its pull. Where its own path is clear, that is the answer.
     if (const auto hand = run(hand_step()); !hand) return hand.error();
-    const auto kind = command::verdict_kind(read_json(in("hand.json")).value("kind", ""));
-    if (command::is_yes(kind)) checked = check_path(in("path.csv"));
+    if (is_clear(read_json(in("hand.json")))) checked = check_path(in("path.csv"));
     if (!checked) return checked.error();
   }
   verdict_ = {};
@@ -543,12 +547,13 @@ Result<double> Study::look_size() const {
     }
     return longest;
   };
+  const std::string part = command::without_first_numbers(options_.node);
   double scene_m = 0, part_m = INFINITY;
   for (const json& file : list.is_object() ? list.value("files", json::array()) : json::array()) {
     scene_m = std::max(scene_m, longest_m(file["whole"]));
     for (const json& node : file["nodes"]) {
       const std::string path = node.value("node", "");
-      const bool is_part = path == options_.node || path.ends_with("/" + options_.node);
+      const bool is_part = path == part || path.ends_with("/" + part);
       if (is_part && longest_m(node) > 0) part_m = std::min(part_m, longest_m(node));
     }
   }

@@ -48,7 +48,8 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
   auto checked = proven(problem, rows, rule, 1);
   if (checked && checked->seat_too_deep) checked = settled(problem, rows, options, *meshes);
   if (!checked) return checked.error();
-  if (const auto warning = part_in_scene_warning(problem.part, checked->seat_points)) {
+  if (const auto warning =
+          part_in_scene_warning(problem.scene, problem.part, pose, checked->seat_points)) {
     command::warn(*warning, options.quiet);
   }
   if (checked->clear()) return {};

@@ -17,6 +17,8 @@ constexpr std::size_t kListed = 5;          // objects in a sentence
 constexpr std::size_t kListedBytes = 150;   // of their names, unless the first is longer
 constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
 constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
+// Twice what a least distance is searched for, m and as a fraction of it.
+constexpr double kSearchedM = 2e-6, kSearchedFraction = 2e-5;
 
 // Rounded down. A decimal number that is read from a command line stays as it was written: what a
 // double adds to it lies six digits behind the last that is kept.
@@ -57,17 +59,31 @@ std::string capital(std::string line) {
   return line;
 }
 
+bool meets(const Verdict& v) {
+  return v.kind == VerdictKind::kCollides || v.kind == VerdictKind::kDoesNotComeOut;
+}
+
+// A position along the path, mm.
+std::string short_mm(double along_m) { return cut_mm(std::round(1e4 * along_m) / 1e4, 1); }
+
 // "after 51.6 of 60 mm"
 std::string position_text(const Verdict& v, double along_m) {
-  const auto short_mm = [](double m) { return cut_mm(std::round(1e4 * m) / 1e4, 1); };
   return "after " + short_mm(along_m) + " of " + short_mm(v.path_m) + " mm";
 }
 
-// "slides along A and B for the first 51.6 mm", with the play where there is some. Where the answer
-// is no, other objects are named behind it, so this names none.
+// "begins after 22 mm, worst after 58.1 of 60 mm": the same of a collision.
+std::string finding_position_text(const Verdict& v) {
+  const std::string worst = position_text(v, v.nearest.along_m);
+  const std::string begin = short_mm(v.begins_m.value_or(v.nearest.along_m));
+  if (!meets(v) || begin == short_mm(v.nearest.along_m)) return worst;
+  return "begins after " + begin + " mm, worst " + worst;
+}
+
+// "slides along A and B for the first 51.6 mm", or how near it passes them. Where the answer is no,
+// other objects are named behind it, so this names none.
 std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
-  const std::string length = cut_mm(std::round(1e4 * (slide.to_m - slide.from_m)) / 1e4, 1) + " mm";
+  const std::string length = short_mm(slide.to_m - slide.from_m) + " mm";
   if (!is_yes(v.kind)) {
     const std::string away =
         v.required_m > 0 ? length_text(v.required_m) + " away from its seat" : "free of its seat";
@@ -75,23 +91,23 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
     if (begins) return "gets " + away + " after " + length;
     return "returns to its seat for " + std::string(ends ? "the last " : "") + length;
   }
-  const std::string objects = slide.objects.empty() ? "its seat" : listed(slide.objects);
-  std::string line = (slide.objects.empty() ? "is in " : "slides along ") + objects;
-  if (begins && ends) {
-    line += " for the whole path of " + length;
-  } else {
-    line += std::string(" for ") + (begins ? "the first " : ends ? "the last " : "") + length;
-  }
   const VerdictDistance& nearest = slide.nearest;
+  std::string line = "is in its seat";
   if (nearest.known == Known::kMeasured && nearest.distance_m > kSmallestM) {
-    line += " (" + length_text(nearest.distance_m) + " of play)";
+    line = "passes " + (slide.objects.empty() ? "its seat" : listed(slide.objects)) +
+           " with a gap of " + length_text(nearest.distance_m);
+  } else if (!slide.objects.empty()) {
+    line = "slides along " + listed(slide.objects);
   }
-  return line;
+  if (begins && ends) return line + " for the whole path of " + length;
+  return line + " for " + (begins ? "the first " : ends ? "the last " : "") + length;
 }
 
+// Nothing of what comes after a collision matters.
 std::string slides_text(const Verdict& v) {
   std::string line;
   for (const VerdictSlide& slide : v.slides) {
+    if (meets(v) && v.begins_m && slide.to_m > *v.begins_m) break;
     line += (line.empty() ? "" : " and ") + slide_text(v, slide);
   }
   return line;
@@ -110,11 +126,16 @@ const char* how_known(Known known) {
 
 // The distance, and in parentheses to what, where, and what was required.
 std::string distance_text(const Verdict& v, const char* before, const char* behind) {
-  const auto [distance, required] = length_texts(v.nearest.distance_m, v.required_m);
+  const VerdictDistance& nearest = v.nearest;
+  const bool is_less = is_yes(v.kind) && nearest.known == Known::kMeasured &&
+                       is_less_proven(nearest.distance_m, nearest.proven_m);
+  const auto [distance, required] =
+      length_texts(is_less ? nearest.proven_m : nearest.distance_m, v.required_m);
   std::string line = before + distance + behind + " (";
   if (v.nearest.known == Known::kAtLeast) {
     line += "nothing is nearer";
   } else {
+    if (is_less) line += length_text(nearest.distance_m) + " ";
     line += std::string(how_known(v.nearest.known)) + " to " + printed(v.nearest.object) + ", " +
             position_text(v, v.nearest.along_m);
   }
@@ -128,8 +149,7 @@ std::string finding_text(const Verdict& v) {
   line += " (";
   if (v.nearest.known == Known::kNot)
     return line + length_text(v.required_m) + " of clearance required)";
-  return line + position_text(v, v.nearest.along_m) + "; " + length_text(v.required_m) +
-         " required)";
+  return line + finding_position_text(v) + "; " + length_text(v.required_m) + " required)";
 }
 
 // The reason: a distance, or the finding.
@@ -214,6 +234,10 @@ std::pair<std::string, std::string> length_texts(double a_m, double b_m) {
     b = cut_mm(b_m, decimals) + " mm";
   }
   return {a, b};
+}
+
+bool is_less_proven(double measured_m, double proven_m) {
+  return proven_m < measured_m * (1 - kSearchedFraction) - kSearchedM;
 }
 
 std::string heading(const Verdict& v) {

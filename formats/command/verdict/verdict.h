@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -55,8 +56,9 @@ struct VerdictDistance {
   };
   Known known = Known::kNot;
   double distance_m = 0;
-  std::string object;  // the nearest; empty: it has no name
-  double along_m = 0;  // of the path, from its beginning
+  std::string object;   // the nearest; empty: it has no name
+  double along_m = 0;   // of the path, from its beginning
+  double proven_m = 0;  // a lower bound of one that is measured
 };
 
 // A stretch of the path in which the part touches what it is installed on.
@@ -74,7 +76,8 @@ struct Verdict {
   double path_m = 0;   // how long the path is
   std::vector<VerdictSlide> slides;
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
-  std::string finding;      // what is wrong, or not decided, where a distance does not say it
+  std::optional<double> begins_m;  // where a "no" begins along the path; it is worst at `nearest`
+  std::string finding;  // what is wrong, or not decided, where a distance does not say it
   std::vector<std::string> blocked_by;  // objects, the most important first
   std::string advice;                   // what to do next
   std::vector<std::string> more;        // further stretches in which the answer is no
@@ -90,6 +93,10 @@ std::pair<std::string, std::string> length_texts(double a_m, double b_m);
 
 // The same, rounded up; of a length that is less than another one, the text is too.
 std::string upper_length_text(double length_m, double than_m);
+
+// Whether less is proven of a distance than was measured, by more than it is searched for: of
+// triangles that stand for a curved surface.
+bool is_less_proven(double measured_m, double proven_m);
 
 // The words of the answer and the direction, without an end: the heading of a page or picture.
 std::string heading(const Verdict& verdict);
