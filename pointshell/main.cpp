@@ -169,7 +169,7 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   options.threads = arguments.threads;
   if (options.method == ShellMethod::kVoxelCenters && options.covering_radius_m > 0) {
     return usage("--covering-radius has no effect with --method voxel-centers",
-                 "this method always has sqrt(3)/2 voxel; choose the voxel size instead");
+                 "the radius is always sqrt(3)/2 voxel; choose the voxel size instead");
   }
   return options;
 }

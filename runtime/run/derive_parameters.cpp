@@ -396,7 +396,7 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   choice.set("look_ups",
              std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
-             "enough to follow a hand at 3 m/s, but at most eight look-ups a millisecond");
+             "enough look-ups to follow a hand at 3 m/s, but at most eight a millisecond");
   choice.set("recovery_mps", kRecoveryMps, "slow enough for the hand to let go");
   choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
              "the force limit times the voxel size: more than a step of one voxel can use");

@@ -353,13 +353,14 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   const Violation& worst = worst_of(checked);
   verdict.kind = kind_of(checked, worst);
   if (verdict.kind == VerdictKind::kCollides) {
+    verdict.begin = {along_m(checked, worst.from_s),
+                     worst.pushed_into_seat ? "too deep" : "too near"};
     if (r.begins_installed) verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.blocked_by = blockers(checked);
   }
   const ExactViolation* exact = exact_of(checked, worst);
   verdict.nearest = distance_of(checked, worst.worst, exact != nullptr ? &exact->worst : nullptr,
                                 worst.clearance_m);
-  verdict.begins_m = along_m(checked, worst.from_s);
   if (worst.unsettled_seat || worst.out_of_time) verdict.nearest.known = Known::kNot;
   if (worst.out_of_time) verdict.slides.clear();
   if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {

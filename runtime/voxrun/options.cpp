@@ -272,12 +272,12 @@ Status OptionParser::check(const Options& options) const {
                                "--seat",  "--grip",  "--world-from-device"};
   for (const char* option : fixed) {
     if (command::is_given(app_, option)) {
-      return usage(option, "is part of the recording", "leave it out with --replay");
+      return usage(option, "is part of the recording", "with --replay, leave it out");
     }
   }
   if (!options.run.settings.empty() || !options.run.braking) {
     return usage("--set", "sets a parameter that the recording already sets",
-                 "leave it out with --replay");
+                 "with --replay, leave it out");
   }
   return {};
 }

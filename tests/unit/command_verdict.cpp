@@ -181,11 +181,11 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
             "Does not come out, straight along +z: gets 1 mm away from its seat after 42.4 mm, "
             "but meets Wall, at least 0.2 mm deep (after 51.6 of 60 mm; 1 mm required).");
   // Nothing that comes after the beginning of a collision matters.
-  v.begins_m = 0.022;
+  v.begin = {0.022, "too near"};
   EXPECT_EQ(sentence(v),
-            "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (begins after "
-            "22 mm, worst after 51.6 of 60 mm; 1 mm required).");
-  v.begins_m.reset();
+            "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (too near from "
+            "22 mm on, worst after 51.6 of 60 mm; 1 mm required).");
+  v.begin.reset();
   v.slides[0].to_m = 0.06;
   v.kind = VerdictKind::kStaysInstalled;
   v.finding.clear();

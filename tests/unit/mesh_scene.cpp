@@ -71,8 +71,8 @@ TEST_F(SceneOfNodes, WithoutSomeOfThem) {
   EXPECT_EQ(names({path_}), (Names{"top/c", "top/d"}));
   reading_.without = {"?"};
   EXPECT_EQ(names({path_}),
-            Names{path_ + ": --without leaves no node with a mesh in this file; a scene needs at "
-                          "least one other part: leave out less, or add a file"});
+            Names{path_ + ": --without leaves no node with a mesh in this file; the scene would "
+                          "be empty: leave out less, or add a file"});
   reading_.without = {"e"};
   EXPECT_TRUE(
       names({path_})[0].starts_with("--without: no file has a node called 'e'; the "

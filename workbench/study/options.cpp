@@ -60,8 +60,8 @@ OptionParser::OptionParser(CLI::App& study) {
       "the part's size, the smallest gap beside the installed part, and --time, and "
       "takes smaller voxels if the answer is undecided");
   study.add_option("--range", options_.range,
-                   "how deep distances are stored, as in voxelize. Increase it for a part that "
-                   "lies deeper in its seat; default 4 voxels");
+                   "depth to which distances are stored, as in voxelize. Increase it for a part "
+                   "that lies deeper in its seat; default 4 voxels");
   study.add_option("--path", options_.path,
                    "the path to check: a CSV, a trace or a recording of voxrun");
   study.add_option("--pull", options_.pull,

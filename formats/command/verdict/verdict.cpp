@@ -59,10 +59,6 @@ std::string capital(std::string line) {
   return line;
 }
 
-bool meets(const Verdict& v) {
-  return v.kind == VerdictKind::kCollides || v.kind == VerdictKind::kDoesNotComeOut;
-}
-
 // A position along the path, mm.
 std::string short_mm(double along_m) { return cut_mm(std::round(1e4 * along_m) / 1e4, 1); }
 
@@ -71,12 +67,11 @@ std::string position_text(const Verdict& v, double along_m) {
   return "after " + short_mm(along_m) + " of " + short_mm(v.path_m) + " mm";
 }
 
-// "begins after 22 mm, worst after 58.1 of 60 mm": the same of a collision.
+// "too near from 22 mm on, worst after 58.1 of 60 mm": the same of a collision.
 std::string finding_position_text(const Verdict& v) {
   const std::string worst = position_text(v, v.nearest.along_m);
-  const std::string begin = short_mm(v.begins_m.value_or(v.nearest.along_m));
-  if (!meets(v) || begin == short_mm(v.nearest.along_m)) return worst;
-  return "begins after " + begin + " mm, worst " + worst;
+  if (!v.begin || short_mm(v.begin->along_m) == short_mm(v.nearest.along_m)) return worst;
+  return v.begin->as + (" from " + short_mm(v.begin->along_m) + " mm on, worst ") + worst;
 }
 
 // "slides along A and B for the first 51.6 mm", or how near it passes them. Where the answer is no,
@@ -107,7 +102,7 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
 std::string slides_text(const Verdict& v) {
   std::string line;
   for (const VerdictSlide& slide : v.slides) {
-    if (meets(v) && v.begins_m && slide.to_m > *v.begins_m) break;
+    if (v.begin && slide.to_m > v.begin->along_m) break;
     line += (line.empty() ? "" : " and ") + slide_text(v, slide);
   }
   return line;

@@ -68,6 +68,12 @@ struct VerdictSlide {
   VerdictDistance nearest;
 };
 
+// Where a collision begins along the path, and as what: "too near" before it meets the surface.
+struct VerdictBegin {
+  double along_m = 0;
+  const char* as = "too near";
+};
+
 struct Verdict {
   VerdictKind kind = VerdictKind::kUndecided;
   bool is_asked = true;  // whether a clearance was asked for and checked: not in a run
@@ -76,7 +82,7 @@ struct Verdict {
   double path_m = 0;   // how long the path is
   std::vector<VerdictSlide> slides;
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
-  std::optional<double> begins_m;  // where a "no" begins along the path; it is worst at `nearest`
+  std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
   std::string finding;  // what is wrong, or not decided, where a distance does not say it
   std::vector<std::string> blocked_by;  // objects, the most important first
   std::string advice;                   // what to do next

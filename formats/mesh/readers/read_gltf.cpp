@@ -233,7 +233,7 @@ class GltfReader {
                          : "no node with a mesh in this file",
                      nodes_.left_out().empty()
                          ? "export a surface mesh"
-                         : "a scene needs at least one other part: leave out less, or add a file");
+                         : "the scene would be empty: leave out less, or add a file");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();

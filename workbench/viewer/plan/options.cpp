@@ -121,7 +121,7 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
                  "scale of the picture; by default the focus fills it")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
-                 "x0,y0,z0 on the part, x1,y1,z1: draw the distance between them");
+                 "x0,y0,z0 (part), x1,y1,z1 (scene): draw the distance between these points");
   app.add_option("--measure-object", texts_.measure_object,
                  "name of the object at the second point, which gets its own color");
   app.add_option("--measure-words", texts_.measure_words,
