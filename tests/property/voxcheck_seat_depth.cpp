@@ -498,6 +498,23 @@ TEST(MotionProof, OfABlockThatTurnsOnItsFloorLooksAtFewMoments) {
   }
 }
 
+// A block that stands on one of its edges meets the floor in no place that a cut finds.
+TEST(SeatWalk, OfABlockOnItsEdgeLooksAtFewPieces) {
+  constexpr double kAllowed = 1e-9, kTilt = 0.1;
+  const Surface floor = box({5, 5, 0.5}), block = box({0.5, 0.5, 0.5});
+  const Bodies of_floor = bodies_of(floor, kWithin), of_block = bodies_of(block, kWithin);
+  const MeshPair distance(floor, block);
+  const clearance::CenterPath path({{row_of(0, {})}}, {0, 0, 0}, 1);
+  const SeatWalk walk(path, of_block, of_floor, distance, kAllowed / 8);
+  const double height = 0.5 + 0.5 * (std::cos(kTilt) + std::sin(kTilt));
+  for (const double deep : {0.0, kAllowed - 1e-12, kAllowed + 1e-12, 0.1}) {
+    const Pose pose{{0.3, 0.2, height - deep}, glm::angleAxis(kTilt, glm::dvec3(1, 0, 0))};
+    const Depth depth = walk.at_pose(pose, kAllowed);
+    EXPECT_EQ(depth.found_m > kAllowed, deep > kAllowed) << deep;
+    EXPECT_LE(depth.looked_at, 1000u) << deep;
+  }
+}
+
 // A press fit is as deep everywhere along its edges as it is installed, and pieces of its surface
 // lie inside as a whole.
 TEST(SeatWalk, APressFitSlidesAllAlongItsBore) {

@@ -139,11 +139,12 @@ double farthest_of_both_m(const Piece& piece, const Piece& one, const Piece& oth
 class Search {
  public:
   Search(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m, double within_m,
-         double within_fraction)
+         double within_fraction, const Depth& known)
       : pairs_(pairs),
         allowed_m_(allowed_m),
         within_m_(within_m),
-        within_fraction_(within_fraction) {
+        within_fraction_(within_fraction),
+        found_(known) {
     for (const SurfaceInSolid& pair : pairs) {
       solid_from_surface_.push_back(inverse(pair.world_from_solid) * pair.world_from_surface);
     }
@@ -354,8 +355,9 @@ class Search {
 }  // namespace
 
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
-              double within_m, double within_fraction, const DepthProgress& progress) {
-  return Search(pairs, allowed_m, within_m, within_fraction).run(progress);
+              double within_m, double within_fraction, const DepthProgress& progress,
+              const Depth& known) {
+  return Search(pairs, allowed_m, within_m, within_fraction, known).run(progress);
 }
 
 }  // namespace forcelayer::exact
