@@ -14,6 +14,7 @@
 #include "tests/support/distance_scene.h"
 #include "tests/support/point_part.h"
 #include "tests/support/shape_scene.h"
+#include "workbench/exact/watch.h"
 #include "workbench/voxplan/check/pose_check.h"
 #include "workbench/voxplan/nearest/pose_index.h"
 #include "workbench/voxplan/pose_path.h"
@@ -300,6 +301,26 @@ TEST(Search, TellsItsProgressWithinARound) {
   EXPECT_LT(result->poses_tested, 4 * 4000u);
   EXPECT_GT(told.size(), 5u);
   EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+}
+
+// A path that takes longer to prove than the search may take is given up.
+TEST(Search, EndsAProofThatTakesTooLong) {
+  Bench bench(0.03);
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  voxplan::SearchRequest request;
+  int read = 0;
+  request.clock_s = [&] { return ++read; };
+  request.max_s = 400;
+  int steps = 0;
+  request.unproven_at = [&](const voxplan::PosePath&, const voxplan::PosePath&) {
+    for (; steps < 1'000'000; ++steps) exact::keep_going();
+    return Result<std::optional<Pose>>(std::optional<Pose>());
+  };
+  const auto result = voxplan::search(bench.problem, goal, request);
+  ASSERT_TRUE(result) << to_line(result.error());
+  EXPECT_FALSE(result->found);
+  EXPECT_GT(steps, 400);
+  EXPECT_LT(steps, 100'000);  // 16 for each time that the clock is read
 }
 
 // OMPL's trees ask for no less: a pose that is apart from itself was freed twice.

@@ -46,7 +46,9 @@ OptionParser::OptionParser(CLI::App& app)
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. A path is written only if the meshes "
                   "prove it, as in voxcheck --exact; repeatable");
-  app.add_option("--time", time_, "time after which the search ends; default 60s");
+  app.add_option("--time", time_,
+                 "time after which the search ends; default 60s. A path that is found may take as "
+                 "long again to be checked");
   app.add_option("--seed", options_.seed,
                  "seed of the random numbers; another seed finds another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));

@@ -7,28 +7,48 @@
 #include <utility>
 
 #include "runtime/clearance/share_out.h"
+#include "workbench/exact/watch.h"
 #include "workbench/voxplan/search_worker.h"
 
 namespace forcelayer::voxplan {
 namespace {
 
 constexpr std::uint64_t kPosesARound = 4000;  // that each worker tests
+constexpr double kMoreTimeS = 20;             // after the end of the search
 
 using SearchWorkers = std::vector<std::unique_ptr<SearchWorker>>;
+
+// Does some work, and ends it in the middle once the clock has come to `end_s`: a single pose can
+// take seconds by the meshes. Whether it came to its end.
+template <typename Work>
+bool until(const SearchRequest& request, double end_s, const Work& work) {
+  const exact::Watch watch([&] { return request.clock_s() < end_s; });
+  try {
+    work();
+    return true;
+  } catch (const exact::Stopped&) {
+    return false;
+  }
+}
 
 // Takes the path of the first worker that has one which is proven clear. Every worker then avoids
 // the poses at which other paths were not.
 Status take_proven(const Problem& problem, const SearchWorkers& workers,
-                   const SearchRequest& request, SearchResult& result) {
+                   const SearchRequest& request, double begin_s, SearchResult& result) {
   for (const auto& worker : workers) {
     if (!worker->is_done()) continue;
     if (request.unproven_at) {
-      const auto at = request.unproven_at(worker->in_seat(), worker->beyond());
+      Result<std::optional<Pose>> at = std::optional<Pose>();
+      const auto prove = [&] { at = request.unproven_at(worker->in_seat(), worker->beyond()); };
+      // A path that is found in time has as long again to be proven.
+      if (!until(request, begin_s + 2 * request.max_s, prove)) return {};
       if (!at) return at.error();
       if (*at) {
         ++result.refused;
         result.is_start_refused |= travel_between_m(problem, problem.world_from_start, **at) == 0;
-        for (const auto& other : workers) other->refuse(**at);
+        until(request, begin_s + request.max_s, [&] {
+          for (const auto& other : workers) other->refuse(**at);
+        });
         continue;
       }
     }
@@ -56,6 +76,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     if (!check) return check.error();
     workers.push_back(
         std::make_unique<SearchWorker>(problem, goal, n, request.seed, std::move(*check)));
+    if (!until(request, end_s, [&] { workers.back()->begin(); })) break;
   }
   SearchResult result;
   std::mutex reporting;
@@ -65,38 +86,45 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     request.progress(std::min(1.0, (now_s - begin_s) / request.max_s), result.out_m);
   };
   // All workers do the same work in a round, so the path does not depend on the clock.
-  if (Status s = take_proven(problem, workers, request, result); !s) return s.error();
+  if (Status s = take_proven(problem, workers, request, begin_s, result); !s) return s.error();
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
   while (!result.found && !result.is_start_refused && request.clock_s() < end_s) {
-    clearance::share_out(std::min<unsigned>(request.threads, kWorkers), kWorkers,
+    clearance::share_out(std::min<unsigned>(request.threads, kWorkers), workers.size(),
                          [&](std::size_t, std::size_t n) {
-                           workers[n]->work(kPosesARound, [&] {
+                           const auto is_over = [&] {
                              const double now_s = request.clock_s();
                              report(now_s);  // a round may take seconds
                              return now_s >= end_s;
-                           });
+                           };
+                           until(request, end_s, [&] { workers[n]->work(kPosesARound, is_over); });
                          });
     const bool notes = ++round >= next_note;
     if (notes) next_note = 2 * round;
     for (const auto& worker : workers) {
-      worker->take_stock();
-      if (notes) worker->note_farthest();
+      until(request, end_s, [&] {
+        worker->take_stock();
+        if (notes) worker->note_farthest();
+      });
       result.out_m = std::max(result.out_m, worker->out_m());
     }
-    if (Status s = take_proven(problem, workers, request, result); !s) return s.error();
+    if (Status s = take_proven(problem, workers, request, begin_s, result); !s) return s.error();
     // Planners give up at once where the start itself is refused: more time would find nothing.
     std::uint64_t tested = 0;
     for (const auto& worker : workers) tested += worker->poses_tested();
     if (std::exchange(last_tested, tested) == tested) break;
   }
+  // The objects that block the part are worth a little more time.
+  const double last_s = std::max(end_s, request.clock_s()) + kMoreTimeS;
   for (const auto& worker : workers) {
-    if (!result.found) worker->note_farthest();
+    if (!result.found) until(request, last_s, [&] { worker->note_farthest(); });
     result.out_m = std::max(result.out_m, worker->out_m());
   }
   const auto farthest = std::find_if(workers.begin(), workers.end(), [&](const auto& worker) {
     return worker->out_m() >= result.out_m;
   });
-  if (!result.found) result.blocked_by = (*farthest)->blocked_by();
+  if (!result.found) {
+    until(request, last_s, [&] { result.blocked_by = (*farthest)->blocked_by(); });
+  }
   for (const auto& worker : workers) {
     result.poses_tested += worker->poses_tested();
     result.motions_tested += worker->motions_tested();

@@ -21,6 +21,7 @@
 #include <numbers>
 #include <optional>
 
+#include "workbench/exact/watch.h"
 #include "workbench/voxplan/pose_space.h"
 #include "workbench/voxplan/pose_tree.h"
 #include "workbench/voxplan/slide.h"
@@ -344,6 +345,7 @@ void SearchWorker::Parts::plan_beyond(const Pose& from) {
 
 // The farthest pose of the tree that grows from the start.
 void SearchWorker::Parts::note_farthest() {
+  if (planner == nullptr) return;  // the time was over before
   for (const Pose& pose : reached_by(*planner)) {
     const double travel_m = glm::length(pose.position_m - problem.world_from_start.position_m);
     if (travel_m <= out_m) continue;
@@ -477,10 +479,10 @@ void SearchWorker::Parts::take_to_goal() {
 
 SearchWorker::SearchWorker(const Problem& problem, const Destination& goal, std::size_t number,
                            std::uint64_t seed, std::unique_ptr<PoseCheck> check)
-    : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {
-  parts_->begin();
-}
+    : parts_(std::make_unique<Parts>(problem, goal, number, seed, std::move(check))) {}
 SearchWorker::~SearchWorker() = default;
+
+void SearchWorker::begin() { parts_->begin(); }
 
 void SearchWorker::Parts::begin() {
   done = false;
@@ -551,9 +553,13 @@ std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   Random random(1);
   for (int n = 0; n < kHeldBy; ++n) motions.push_back(random_twist(1, random));
   std::map<std::uint32_t, int> refused;
-  for (const Twist6& motion : motions) {
-    const Pose there = moved(p.farthest, of_length(motion, 2 * radius_m), radius_m);
-    ++refused[p.check->met(p.rule, p.farthest, there)];
+  try {
+    for (const Twist6& motion : motions) {
+      const Pose there = moved(p.farthest, of_length(motion, 2 * radius_m), radius_m);
+      ++refused[p.check->met(p.rule, p.farthest, there)];
+    }
+  } catch (const exact::Stopped&) {
+    // The time is over: the objects that were met by then are known.
   }
   refused.erase(0);
   std::vector<std::uint32_t> objects;

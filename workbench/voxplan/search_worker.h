@@ -27,6 +27,9 @@ class SearchWorker {
                std::uint64_t seed, std::unique_ptr<PoseCheck> check);
   ~SearchWorker();
 
+  // Tries the straight motions, or else makes the planner. To be called before all that follows.
+  void begin();
+
   // Tests `poses` more poses. Ends earlier when a path is found or `is_over` returns true.
   void work(std::uint64_t poses, const std::function<bool()>& is_over);
   // To be called after work(): takes over its result. Once the part is out of its seat, the next
@@ -45,7 +48,8 @@ class SearchWorker {
   const PosePath& beyond() const;
 
   // How far the part came from its start, and the objects that block motions from there, the most
-  // frequent first. Objects without a name are left out.
+  // frequent first. Objects without a name are left out. Where the thread's exact::Watch ends it,
+  // those that were met by then.
   double out_m() const;
   std::vector<std::uint32_t> blocked_by() const;
 
