@@ -366,6 +366,11 @@ Result<Scene> SceneReader::finish() {
   }
   const Status named = check_left_out(without_, scene_.assemblies, scene_.parts_left_out, parts);
   if (!named) return named.error();
+  if (scene_.objects.empty() && !scene_.parts_left_out.empty()) {
+    return Error{ErrorCode::kMeshEmpty, "", "--without",
+                 "leaves no part of the manifest, and the scene would be empty",
+                 "leave out less, or add a part"};
+  }
   // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;
   for (MeshObject& object : scene_.objects) {
