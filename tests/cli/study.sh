@@ -255,6 +255,9 @@ done
 study 6 'sunk.json#sunk' --pull 0,0,100mm --no-pictures -o sunk --files-alone
 grep -q '^  voxels of 1 mm, the smallest with an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
   fail "an answer is lost: $(cat out.txt err.txt)"
+# Nor was a clearance given: then it is 1 mm, as of voxcheck.
+python3 -c 'import json; assert json.load(open("sunk/verdict.json"))["required_clearance_m"] == 0.001' ||
+  fail "the default of --clearance: $(cat sunk/verdict.json)"
 # A measurement needs no folder, and is no answer.
 study 0 'gearbox.glb#Cover' --plan --clearance 12.7mm
 grep -q '^smallest play measured: ' out.txt && [ ! -s err.txt ] || fail "a measurement: $(cat out.txt err.txt)"

@@ -174,6 +174,9 @@ check 0 opened.vox cover.pshell over.csv --clearance 12.7mm "${hosts[@]}" --fail
 "$bin/voxcheck" opened.vox cover.pshell through.csv --fail-on nothing --json any.json --quiet 2>err.txt && [ ! -s err.txt ] || fail "a failure on nothing: $(cat err.txt)"
 python3 -c 'import json; r = json.load(open("any.json")); assert r["kind"] == "collides" and r["exit_status"] == 0 and len(r["blocked_by"]) > 0, r' ||
   fail "on nothing: $(cat any.json)"
+# Where no clearance is given it is 1 mm.
+python3 -c 'import json; r = json.load(open("any.json")); assert r["required_clearance_m"] == 0.001, r["required_clearance_m"]' ||
+  fail "the default of --clearance"
 told 0 0 0 ''
 # The file of the path is named from the folder of the job on.
 for name in ./astray.csv "$PWD/astray.csv"; do
@@ -351,6 +354,18 @@ apart = sum((a - b) ** 2 for a, b in zip(v["point_m"], v["object_point_m"])) ** 
 assert abs(apart - v["depth_m"]) < 1e-6, (apart, v)
 assert "deep into Gearbox/Lid/Bolt" in tree.parse("through_bolt.xml").getroot().find("testcase/failure").get("message")
 PYTHON
+    # Its picture says no, and shows what holds it, by the files as by the meshes. A voxview beside the commands notes what it is asked.
+    mkdir beside
+    cp "$bin/voxcheck" "$bin/voxcheck-exact" beside
+    printf '#!/bin/sh\nprintf "%%s\\n" "$@" >"$(dirname "$0")/asked"\n' >beside/voxview
+    chmod +x beside/voxview
+    for count in 0 ${#meshes[@]}; do
+      rm -f beside/asked
+      bin=$PWD/beside check 6 "${held[@]}" "${meshes[@]:0:count}" --picture no.png
+      grep -A 1 -x -e --title beside/asked | grep -q '^Does not come out' || fail "the picture's title: $(cat beside/asked)"
+      grep -A 1 -x -e --measure-object beside/asked | grep -qx Gearbox/Lid/Bolt || fail "the picture's object: $(cat beside/asked)"
+      grep -A 1 -x -e --measure-words beside/asked | grep -qE '^[0-9.]+ mm deep$' || fail "the picture's measure: $(cat beside/asked)"
+    done
   fi
   # On a terminal a line shows how far it is, and is gone at the end.
   if command -v script >/dev/null; then

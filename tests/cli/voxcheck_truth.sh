@@ -35,6 +35,21 @@ for name, key, value in ("scaled", "scale", 1.5), ("turned", "rotation", [0, 0, 
     changed = json.load(open("room.json"))
     changed["parts"][1][key] = value
     json.dump(changed, open(name + ".json", "w"))
+# The same box and as many triangles: one quad is cut along its other diagonal; the middle of the top is 1 mm deeper.
+for name in "floor", "part":
+    *lines, last = open(name + ".obj").read().splitlines()
+    a, *others = last.split()[1:]
+    open("cut_" + name + ".obj", "w").write("\n".join([*lines, " ".join(["f", *others, a])]) + "\n")
+for name, down in ("dented", 1), ("deepened", 2):
+    box(name, (-50, -50, -10), (50, 50, 0))
+    lines = open(name + ".obj").read().splitlines()
+    lines.remove("f -4 -3 -1 -2")  # the top
+    with open(name + ".obj", "w") as file:
+        file.write("\n".join(lines) + "\nv 0 0 %d\n" % -down)
+        file.writelines("f %d %d 9\n" % pair for pair in ((5, 6), (6, 8), (8, 7), (7, 5)))
+scene("cut", floor=("cut_floor", 0), wall=("wall", 0))
+for name in "dented", "deepened":
+    scene(name + "_room", floor=(name, 0), wall=("wall", 0))
 with open("tip.obj", "w") as file:
     for vertex in (.1, .1, 1.9), (9, 0, 30), (-4, 8, 30), (-4, -8, 30):
         file.write("v %g %g %g\n" % vertex)
@@ -123,16 +138,21 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 0 "${exact[@]}" --clearance 2mm --exact room.json --part part.obj
   check 6 "${exact[@]}" --clearance 5mm --exact room.json --part part.obj
   says '^Does not keep the clearance, .*: comes as near as 3 mm \(measured to floor, after [0-9.]+ of [0-9.]+ mm; 5 mm required\)\.$'
-  for wrong in raised:floor sunk:floor aside:wall scaled:wall swapped:floor turned:wall; do
+  for wrong in raised:floor sunk:floor aside:wall scaled:wall swapped:floor turned:wall cut:floor; do
     check 4 "${exact[@]}" --clearance 2mm --exact "${wrong%:*}.json" --part part.obj
     errs "room\.vox: --exact: was not baked from these meshes: '${wrong#*:}' has another shape, size or position; "
   done
   check 4 "${exact[@]}" --clearance 2mm --exact reordered.json --part part.obj
   errs "its object 1 is 'floor', not 'wall'"
-  for wrong in deeper older; do
+  for wrong in deeper older cut_part; do
     check 4 "${exact[@]}" --clearance 2mm --exact room.json --part $wrong.obj
     errs 'part\.pshell: --exact: was not baked from these meshes: the part has another shape, size or position; '
   done
+  "$bin/voxelize" dented_room.json "${fine[@]}" -o dented.vox || fail "bake dented"
+  dented=(dented.vox part.pshell over.csv --part-units mm --clearance 2mm --part part.obj)
+  check 0 "${dented[@]}" --exact dented_room.json
+  check 4 "${dented[@]}" --exact deepened_room.json
+  errs "dented\.vox: --exact: was not baked from these meshes: 'floor' has another shape, size or position; "
   check 4 room.vox part.pshell over.csv --clearance 5mm --exact room.json --part part.obj --part-units in
   errs 'with the same --without and units, or bake again$'
 

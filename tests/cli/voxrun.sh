@@ -26,6 +26,8 @@ expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" 
   --json run.json --trace run.csv --record run.flr
 expect 0 'penetration ratio' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
   --json again.json --trace again.csv
+# The memory of the scene is one number.
+grep -qE '^scene in memory [0-9.]+ MiB$' out.txt || { cat out.txt; fail "the memory of the scene"; }
 
 python3 - <<'PYTHON'
 import csv, json, math, os

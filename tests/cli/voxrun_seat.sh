@@ -350,6 +350,29 @@ PYTHON
   run 6 roofed.vox block.pshell --motion into.csv $hand --fail-on held
   errs 'block.pshell: at the end: is held: the part is up to [0-9.]* mm away from the scripted motion, at [0-9.]* s; blocked by roof; --trace shows every frame$'
 done
+# One that ends 1 mm inside the roof: the force stops the part nearly 3 mm before it. So little is noticed too.
+printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,20\n1,0,0,41\n1.2,0,0,41\n' >inside.csv
+for hand in "" "--device sim:hand=firm"; do
+  run 6 roofed.vox block.pshell --motion inside.csv $hand --json inside.json --fail-on held
+  first '^Is held: the part is up to 3\.[0-9]* mm away from the scripted motion, at [01]\.[0-9]{3} s; blocked by roof\.$'
+  python3 - <<'PYTHON'
+import json
+motion = json.load(open("inside.json"))["motion"]
+assert not motion["followed"] and motion["against"] == ["roof"] and 0.003 < motion["held_off_m"] < 0.005, motion
+PYTHON
+done
+# The example of the tutorial: a hand that goes through a plate.
+sample=$FORCELAYER_SOURCE_DIR/sample_data
+"$bin/voxelize" "$sample/bay.json" --voxel-size 5mm -o bay.vox --quiet
+"$bin/pointshell" "$sample/part.obj" --units mm --voxel-size 5mm -o bay.pshell --quiet
+run 6 bay.vox bay.pshell --motion "$sample/press.csv" --json bay.json --fail-on held
+first '^Is held: the part is up to (19|20)\.[0-9]* mm away from the scripted motion, at 4\.[0-9]{3} s; blocked by floor_plate\.$'
+python3 - <<'PYTHON'
+import json
+motion = json.load(open("bay.json"))["motion"]
+assert not motion["followed"] and motion["against"] == ["floor_plate"], motion
+assert abs(motion["held_off_m"] - 0.02) < 0.001, motion
+PYTHON
 # Free of everything a loose hand is behind its script, but nothing holds the part.
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,20\n0.3,0,0,20\n0.4,0,0,30\n1,0,0,30\n' >up.csv
 run 0 roofed.vox block.pshell --motion up.csv --device sim:hand=loose --fail-on held --json up.json
