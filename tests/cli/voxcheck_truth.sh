@@ -80,6 +80,11 @@ for name, down in ("slide", 0), ("sink", -0.001):
     with open(name + ".csv", "w") as file:
         file.write("t_s,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n0,0,0,0,0,0,0\n1,10,3,%g,0,0,70\n2,10,3,30,0,0,70\n" % down)
 path("along", (0, 0, 0, 0), (1, 20, 0, 0))
+# A block that turns in place swings its edges as far as 5 mm times the root of 2: by 3.7 micrometers not as far as a wall, or farther.
+for name, gap in ("passed", 0.0037), ("grazed", -0.0037):
+    box(name, (50 ** 0.5 + gap, -20, -20), (20, 20, 20))
+with open("swing.csv", "w") as file:
+    file.write("t_s,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n0,0,0,0,0,0,10\n1,0,0,0,0,0,95\n")
 # Solids, and what lies wholly inside of them.
 box("solid", (-50, -50, -50), (50, 50, 50))
 box("core", (-20, -20, -20), (20, 20, 20))
@@ -155,6 +160,27 @@ if [ -x "$bin/voxcheck-exact" ]; then
   errs "dented\.vox: --exact: was not baked from these meshes: 'floor' has another shape, size or position; "
   check 4 room.vox part.pshell over.csv --clearance 5mm --exact room.json --part part.obj --part-units in
   errs 'with the same --without and units, or bake again$'
+
+  # However large the voxels, a path that passes by a few micrometers passes.
+  "$bin/pointshell" part.obj --units mm --voxel-size 5mm --quiet -o large.pshell
+  for name in passed grazed; do
+    "$bin/voxelize" $name.obj --units mm --voxel-size 5mm --quiet -o $name.vox
+    swing=($name.vox large.pshell swing.csv --clearance 0mm --exact $name.obj --part part.obj --units mm --json $name.json)
+    if [ $name = passed ]; then
+      check 0 "${swing[@]}"
+      says '^Passes without a collision, turning in place: stays 0\.00[34][0-9]* mm away or more \(measured to passed, '
+    else
+      check 6 "${swing[@]}"
+      says '^Collides, turning in place: meets grazed, at least 0\.003[0-9]* mm deep \('
+    fi
+  done
+  python3 - <<'END' || fail "3.7 micrometers: $(cat passed.json grazed.json)"
+import json
+exact = json.load(open("passed.json"))["min_clearance"]["exact_m"]
+assert 3.7e-6 - 1e-8 < exact < 4.7e-6, exact  # the least distance is found to a micrometer
+[v] = json.load(open("grazed.json"))["violations"]
+assert 1e-6 < v["depth_m"] < 3.7e-6 + 1e-8 and v["exact_m"] == 0 and not v["graze"], v
+END
 
   # Voxel centers are up to half a voxel diagonal off the surface: what the exact clearance is at most counts it.
   "$bin/voxelize" floor.obj --units mm --voxel-size 2mm --quiet -o under.vox

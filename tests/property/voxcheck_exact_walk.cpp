@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "workbench/exact/exact_walk.h"
 #include "workbench/exact/triangle_distance.h"
@@ -330,6 +331,33 @@ TEST(ExactWalk, OfARingThatTurnsInAnotherMeasuresFewMoments) {
         pair.at(path.world_from_center({0, n / 400.0 - (n == 400 ? 1e-12 : 0)}), 1).distance_m;
     EXPECT_GE(d, smallest.at_least_m - 1e-7);
   }
+}
+
+// Both searches say how far they are: never less than before, and in steps that a person sees.
+TEST(ExactWalk, TellsHowFarItIs) {
+  const Surface scene = ring(96, 1, 0.5), part = ring(96, 0.99, 0.4);
+  const std::vector<PathRow> rows{{0, {0, 0, 0}, {1, 0, 0, 0}},
+                                  {1, {0, 0, 0.05}, {std::cos(0.4), 0, 0, std::sin(0.4)}}};
+  const clearance::CenterPath path(rows, glm::dvec3(0), 1.1);
+  const MeshPair pair(scene, part);
+  ExactWalk walk(path, pair, pair, 1e-7);
+  const Piece whole{{0, 0}, {1, 0}};
+  std::vector<double> told;
+  walk.tell([&](double fraction) { told.push_back(fraction); });
+  const auto is_progress = [&](const char* search) {
+    SCOPED_TRACE(search);
+    ASSERT_GT(std::set<double>(told.begin(), told.end()).size(), 5u);
+    EXPECT_TRUE(std::ranges::is_sorted(told));
+    EXPECT_GE(told.front(), 0);
+    EXPECT_LE(told.back(), 1);
+    EXPECT_GT(told.back(), 0.5);
+  };
+  const Sample begin = walk.at(whole.from, false);
+  walk.smallest({whole}, 1e-5, begin);
+  is_progress("the least distance");
+  told.clear();
+  walk.nearer_than(whole, 0.009, 1e-4);
+  is_progress("what is too near");
 }
 
 }  // namespace
