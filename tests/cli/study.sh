@@ -194,13 +194,20 @@ grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: 
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 says_no held/verdict.xml held/straight.csv
 python3 - <<'END' || fail "what blocks the cover: $(cat held.json)"
-import json
+import json, re
 report, verdict = json.load(open("held.json")), json.load(open("held/verdict.json"))
 assert report["verdict"] == verdict["verdict"] == "not clear" and report["kind"] == "does not come out"
 assert report["sentence"] == verdict["sentence"] == open("held/verdict.txt").readline().strip(), report["sentence"]
 assert report["finding"] == verdict["finding"] and " deep into " in report["finding"], report["finding"]
 assert "  a simulated hand did not follow this path: pulled 60 mm, the part moved " in report["words"], report["words"]
 assert report["blocked_by"] == ["Gearbox/Lid/Bolt"] + [f"Gearbox/Lid/Bolt[{n}]" for n in (2, 3, 4)]
+# Its page gives places in mm: where the cover is nearest, and at each of the bolts, which are at its corners.
+places = re.findall(r"<td>(?:[^<]* at )?x ([^ ,<]+), y ([^ ,<]+), z ([^ ,<]+) mm</td>", open("held/report.html").read())
+assert len(places) >= 5, places
+columns = [[float(place[axis]) for place in places] for axis in range(3)]
+sides_mm = 110, 70, 60
+assert all(0 <= value <= side for column, side in zip(columns, sides_mm) for value in column), places
+assert all(max(column) - min(column) > side / 2 for column, side in zip(columns[:2], sides_mm)) and min(columns[2]) > 30, places
 END
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
 # At 3 mm the bolt heads are too narrow to be felt: the meshes tell. Without meshes it stays open what passes in a seat.
@@ -216,6 +223,36 @@ study 0 'bore.json#pin' --voxel-size 2mm --pull 0,0,100mm --clearance 0.05mm --n
 grep -q '^Comes out, straight along +z: stays 0\.098 mm away or more (measured to plate, ' free/verdict.txt || fail "free as installed: $(cat free/verdict.txt)"
 study 6 'bore.json#pin' --voxel-size 2mm --pull 30mm,0,0 --clearance 0.05mm --no-pictures -o free
 grep -q '^Does not come out, straight along +x: meets plate, at least ' free/verdict.txt || fail "caught as installed: $(cat free/verdict.txt)"
+
+# A part whose mesh is open stands on a floor whose mesh is closed. A pin overlaps its bore by 0.3 mm as modelled. A block is 0.345 mm
+# beside another one, and its path is searched.
+cp "$FORCELAYER_SOURCE_DIR/tests/support/boxes.py" .
+python3 - <<'END'
+import json
+from bore import block
+from boxes import boxes
+boxes("floor.obj", ((-30, -30, -10), (30, 30, 0)))
+boxes("box.obj", ((-5, -5, 0), (5, 5, 10)))
+*lines, last = open("box.obj").read().splitlines()
+open("open.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\n")  # without a triangle
+block("thick.obj", 10.4, 0, 60)
+boxes("left.obj", ((-15, -15, -15), (15, 15, 15)))
+boxes("right.obj", ((15.345, -15, -15), (25.345, 15, 15)))
+for scene, meshes in ("stood", ("floor", "open")), ("press", ("plate", "thick")), ("beside", ("left", "right")):
+    json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in meshes]}, open(scene + ".json", "w"))
+END
+study 0 'stood.json#open' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o stood
+grep -q 'warning: the surface is not a closed solid, with 3 open edges' err.txt || fail "the part is not open: $(cat err.txt)"
+grep -q '^Comes out, straight along +z: slides along floor for the first 1 mm, otherwise stays 1[0-9.]* mm away or more (measured to floor, ' stood/verdict.txt &&
+  grep -q '^  in its seat, the part goes nowhere deeper than installed$' stood/verdict.txt || fail "an open part on a closed floor: $(cat stood/verdict.txt)"
+study 0 'press.json#thick' --pull 0,0,100mm --no-pictures -o press
+grep -q '^Comes out, straight along +z: slides along plate for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
+  grep -q '^  where it is installed the part overlaps plate by 0\.3 mm$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
+if [ -x "$bin/voxplan" ]; then
+  study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
+  grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to right, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
+    fail "0.345 mm beside another object: $(cat out.txt beside/verdict.txt)"
+fi
 
 # A part that has left its seat hits something: the seat ends where its own objects are far, as without the other object.
 python3 - <<'END'
