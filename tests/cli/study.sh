@@ -224,7 +224,7 @@ grep -q '^Comes out, straight along +z: stays 0\.098 mm away or more (measured t
 study 6 'bore.json#pin' --voxel-size 2mm --pull 30mm,0,0 --clearance 0.05mm --no-pictures -o free
 grep -q '^Does not come out, straight along +x: meets plate, at least ' free/verdict.txt || fail "caught as installed: $(cat free/verdict.txt)"
 
-# A part whose mesh is open stands on a floor whose mesh is closed. A pin overlaps its bore by 0.3 mm as modelled. A block is 0.345 mm
+# A part whose mesh is open stands on a floor whose mesh is closed. A pin overlaps its bore by 0.3 mm as modelled. A bar is 0.345 mm
 # beside another one, and its path is searched.
 cp "$FORCELAYER_SOURCE_DIR/tests/support/boxes.py" .
 python3 - <<'END'
@@ -236,9 +236,11 @@ boxes("box.obj", ((-5, -5, 0), (5, 5, 10)))
 *lines, last = open("box.obj").read().splitlines()
 open("open.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\n")  # without a triangle
 block("thick.obj", 10.4, 0, 60)
-boxes("left.obj", ((-15, -15, -15), (15, 15, 15)))
-boxes("right.obj", ((15.345, -15, -15), (25.345, 15, 15)))
-for scene, meshes in ("stood", ("floor", "open")), ("press", ("plate", "thick")), ("beside", ("left", "right")):
+boxes("left.obj", ((-1, -10, -1), (1, 10, 1)))
+boxes("near.obj", ((1.345, -10, -1), (3, 10, 1)))
+boxes("right.obj", ((1.58, -10, -1), (3, 10, 1)))
+for scene, meshes in (("stood", ("floor", "open")), ("press", ("plate", "thick")), ("beside", ("left", "near")),
+                      ("apart", ("left", "right"))):
     json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in meshes]}, open(scene + ".json", "w"))
 END
 study 0 'stood.json#open' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o stood
@@ -250,8 +252,16 @@ grep -q '^Comes out, straight along +z: slides along plate for the first 41 mm, 
   grep -q '^  where it is installed the part overlaps plate by 0\.3 mm$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
 if [ -x "$bin/voxplan" ]; then
   study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
-  grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to right, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
+  grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to near, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
     fail "0.345 mm beside another object: $(cat out.txt beside/verdict.txt)"
+  # Where the files prove too little to search at all, smaller voxels follow: 0.58 mm are 2.9 voxels of the first size.
+  study 0 'apart.json#left' --clearance 0.534mm --no-pictures -o apart --json apart_report.json
+  python3 - <<'END' || fail "refined where the part is installed: $(cat apart_report.json)"
+import json
+report = json.load(open("apart_report.json"))
+assert report["voxel_sizes_tried"] == [{"voxel_size_m": 2e-4, "open": "too little was proven where the part is installed"}], report["voxel_sizes_tried"]
+assert report["voxel_size_m"] == 1e-4 and report["sentence"].startswith("Comes out, ") and "stays 0.58 mm away" in report["sentence"], report["sentence"]
+END
 fi
 
 # A part that has left its seat hits something: the seat ends where its own objects are far, as without the other object.
