@@ -104,9 +104,11 @@ const ExactSeat* first_open(const ExactAnswer& answer) {
   return nullptr;
 }
 
-bool is_settled(const ExactAnswer& answer, std::uint32_t object) {
+// Whether the meshes leave it open how deep the part goes into an object of its seat. All other
+// objects are measured as they are.
+bool is_open(const ExactAnswer& answer, std::uint32_t object) {
   return std::any_of(answer.seat.begin(), answer.seat.end(),
-                     [&](const ExactSeat& seat) { return seat.object == object && seat.settled; });
+                     [&](const ExactSeat& seat) { return seat.object == object && !seat.settled; });
 }
 
 // The stretches in the seat as the meshes have them, each within one that the files found.
@@ -179,7 +181,7 @@ void take(const ExactAnswer& answer, const clearance::CenterPath& path, bool som
   for (Violation v : result.violations) {
     if (v.object_inside) violations.push_back(v);
     if (is_stopped) continue;
-    if (v.pushed_into_seat && !is_settled(answer, v.worst.object)) violations.push_back(v);
+    if (v.pushed_into_seat && is_open(answer, v.worst.object)) violations.push_back(v);
     const ExactSeat* open = v.unsettled_seat ? first_open(answer) : nullptr;
     if (open == nullptr) continue;
     v.worst.object = open->object;

@@ -86,6 +86,7 @@ struct ExactSeat {
   double installed_m = 0;  // how deep they lie in each other there
   double allowed_m = 0;    // how deep they may
   double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
+  double nearest_m = 0;    // how near they come then; 0 where they touch
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;
@@ -117,6 +118,7 @@ struct ExactAnswer {
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
   std::vector<ExactNearest> seated;  // in ExactRequest::seated
+  ExactMoment beyond;                // the least distance from all objects that are not of the seat
   std::uint64_t moments = 0;         // at which a distance was measured
   std::vector<ExactStop> stop;       // at most one
   std::vector<std::string> warnings;

@@ -25,6 +25,10 @@ using command::VerdictKind;
 using Json = nlohmann::ordered_json;
 using Known = command::VerdictDistance::Known;
 
+// Lengths are shown rounded down. A distance that is measured between decimal coordinates may be
+// less than its decimal number by far less than this, m.
+constexpr double kDecimalM = 1e-10;
+
 const ExactSeat* exact_seat(const CheckedPath& checked, std::uint32_t object) {
   if (checked.exact == nullptr) return nullptr;
   for (const ExactSeat& seat : checked.exact->seat) {
@@ -213,6 +217,7 @@ VerdictDistance smallest_of(const CheckedPath& checked) {
       distance_of(checked, r.smallest,
                   checked.exact != nullptr ? &checked.exact->smallest : nullptr, r.clearance_m);
   if (r.at_least && distance.known == Known::kProven) distance.known = Known::kAtLeast;
+  if (distance.known == Known::kMeasured) distance.distance_m += kDecimalM;
   return distance;
 }
 
@@ -223,11 +228,13 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
     command::VerdictSlide slide;
     slide.from_m = along_m(checked, stretch.from_s);
     slide.to_m = along_m(checked, stretch.to_s);
+    slide.gap_m = INFINITY;
     for (const std::uint32_t object : checked.result.seat_objects) {
-      slide.objects.push_back(object_name(checked.scene, object));
+      const ExactSeat* const exact = exact_seat(checked, object);
+      const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
+      (is_passed ? slide.passed : slide.objects).push_back(object_name(checked.scene, object));
+      if (is_passed) slide.gap_m = std::min(slide.gap_m, exact->nearest_m + kDecimalM);
     }
-    slide.nearest =
-        distance_of(checked, stretch.nearest, exact_in_seat(checked, n), stretch.clearance_m);
     slides.push_back(std::move(slide));
   }
   return slides;
@@ -256,7 +263,7 @@ std::string where_text(const CheckedPath& checked, const CheckedMoment& moment) 
 // "1.2 mm measured", or the bounds.
 std::string bounds_text(const CheckedMoment& moment, const ExactMoment* exact, double proven_m) {
   if (exact != nullptr && exact->exact_m < kNothingM) {
-    const std::string measured = length_text(exact->exact_m) + " measured";
+    const std::string measured = length_text(exact->exact_m + kDecimalM) + " measured";
     const bool is_less = command::is_less_proven(exact->exact_m, proven_m);
     return is_less ? measured + ", " + length_text(proven_m) + " proven" : measured;
   }
@@ -390,6 +397,13 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
                                 r.clearance_m) +
                     to(r.smallest.object) + ", " + where_text(checked, r.smallest) +
                     text(" (%.3f s)", r.smallest.time_s));
+  }
+  // Just out of its seat the part is near that. How near it comes to other objects is news.
+  const ExactMoment* const beyond = checked.exact != nullptr ? &checked.exact->beyond : nullptr;
+  if (r.clear() && beyond != nullptr && beyond->exact_m < kNothingM) {
+    lines.push_back("nearest other object: " + length_text(beyond->exact_m + kDecimalM) +
+                    " measured" + to(beyond->object) +
+                    text(", after %.1f mm", 1e3 * along_m(checked, beyond->time_s)));
   }
   return lines;
 }

@@ -66,6 +66,7 @@ Json seat_depths_json(const Report& report) {
   for (const ExactSeat& seat : report.exact->seat) {
     list.push_back({{"object", object_name(report.checked.scene, seat.object)},
                     {"gap_m", seat.gap_m},
+                    {"nearest_m", seat.nearest_m},
                     {"installed_m", seat.installed_m},
                     {"deepest_m", seat.deepest_m},
                     {"allowed_m", seat.allowed_m},
@@ -193,9 +194,13 @@ command::Verdict verdict_of(const Report& report) {
   verdict.advice = advice_of(report, verdict);
   verdict.remarks = overlap_texts(report);
   auto& notes = verdict.notes;
-  for (std::size_t n = 0; n < std::min(kListed, r.violations.size()); ++n) {
-    notes.push_back(violation_text(checked, r.violations[n]));
+  // That of the sentence first.
+  std::vector<const Violation*> listed;
+  if (!r.clear()) listed.push_back(&worst_of(checked));
+  for (const Violation& v : r.violations) {
+    if (listed.size() < kListed && &v != listed.front()) listed.push_back(&v);
   }
+  for (const Violation* const v : listed) notes.push_back(violation_text(checked, *v));
   if (r.violations.size() > kListed) {
     notes.push_back(text("and %zu more", r.violations.size() - kListed));
   }

@@ -57,7 +57,7 @@ std::vector<Verdict> many_verdicts() {
         v.path_m = length_m();
         v.nearest = {known, length_m(), repeat == 1 ? "" : "a\nb<c>&\"", length_m()};
         for (int n = up_to(2); n > 0; --n) {
-          v.slides.push_back({0, v.path_m * n / 3, {"Bolt", "Bolt[2]"}, v.nearest});
+          v.slides.push_back({0, v.path_m * n / 3, {"Bolt", "Bolt[2]"}, {"Pin"}, length_m()});
         }
         for (int n = up_to(7); n > 0; --n)
           v.blocked_by.push_back("Bolt[" + std::to_string(n) + "]");
@@ -155,18 +155,19 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.required_m = 0.001;
   v.motion = "straight along +z";
   v.path_m = 0.06;
-  v.slides = {{0, 0.0516, {"A", "B"}, {Known::kMeasured, 96e-6, "A", 0.01}}};
+  v.slides = {{0, 0.0516, {}, {"A", "B"}, 96e-6}};
   v.nearest = {Known::kMeasured, 0.001523, "Clip/Half", 0.0516, 0.001523};
   EXPECT_EQ(sentence(v),
             "Comes out, straight along +z: passes A and B with a gap of 0.096 mm for the first "
             "51.6 mm, otherwise stays 1.523 mm away or more (measured to Clip/Half, after 51.6 of "
             "60 mm; 1 mm required).");
   // Where they touch, and where the meshes are less exact than the measurement.
-  v.slides[0].nearest.distance_m = 0;
+  v.slides[0] = {0, 0.0516, {"A"}, {"B"}, 96e-6};
   v.nearest.proven_m = 0.0014;
   EXPECT_EQ(sentence(v),
-            "Comes out, straight along +z: slides along A and B for the first 51.6 mm, otherwise "
-            "stays 1.4 mm away or more (1.523 mm measured to Clip/Half, after 51.6 of 60 mm; 1 mm "
+            "Comes out, straight along +z: slides along A and passes B with a gap of 0.096 mm for "
+            "the first 51.6 mm, otherwise stays 1.4 mm away or more (1.523 mm measured to "
+            "Clip/Half, after 51.6 of 60 mm; 1 mm "
             "required).");
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
@@ -175,7 +176,7 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
             "Does not keep the clearance, straight along +z: comes as near as 0.9 mm (measured to "
             "Clip/Half, after 51.6 of 60 mm; 1 mm required).");
   v.kind = VerdictKind::kDoesNotComeOut;
-  v.slides = {{0, 0.0424, {"Floor"}, {}}};
+  v.slides = {{0, 0.0424, {"Floor"}, {}, 0}};
   v.finding = "meets Wall, at least 0.2 mm deep";
   EXPECT_EQ(sentence(v),
             "Does not come out, straight along +z: gets 1 mm away from its seat after 42.4 mm, "

@@ -163,7 +163,7 @@ class Search {
       if (progress) {
         const double gap_m = open_.top().at_most_m - enough_m();
         widest_m = std::max(widest_m, gap_m);
-        progress(1 - gap_m / widest_m);
+        if (widest_m > 0) progress(1 - gap_m / widest_m);
       }
       const Open top = open_.top();
       open_.pop();

@@ -36,7 +36,7 @@ using voxcheck::ExactViolation;
 
 // Resolution of a least distance, m and as a fraction of it: as closely as it is printed. No
 // verdict depends on it (smallest_of_near()).
-constexpr double kWithinM = 1e-6, kWithinFraction = 1e-5;
+constexpr double kWithinM = 1e-7, kWithinFraction = 1e-5;
 // Resolution of the travel at which a stretch begins and ends, m.
 constexpr double kTravelM = 16e-6;
 // Resolution of a depth elsewhere than in a seat, m.
@@ -106,6 +106,7 @@ class ExactCheck {
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
+    answer.beyond.exact_m = voxcheck::kNothingM;
     const Watch watch([this] { return may_go_on(); });
     try {
       if (Status sound = measure(answer); !sound) return sound.error();
@@ -171,7 +172,7 @@ class ExactCheck {
     const bool is_kept = stop_.stage == ExactStop::kSmallest && answer.violations.empty();
     if (is_kept) answer.clearance_m = request_.required_m;
     answer.stop.push_back(stop_);
-    answer.smallest.exact_m = voxcheck::kNothingM;
+    answer.smallest.exact_m = answer.beyond.exact_m = voxcheck::kNothingM;
     ExactMoment nothing;
     nothing.exact_m = voxcheck::kNothingM;
     const auto& seated = seated_stretches_.empty() ? request_.seated : seated_stretches_;
@@ -625,8 +626,19 @@ class ExactCheck {
     if (const auto& deepest = walk.deepest_so_far()) {
       seat.deepest_m = std::max(0.0, deepest->second.found_m);
     }
+    if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.distance);
     answer.moments += walk.measured();
     answer.seat.push_back(seat);
+  }
+
+  // How near an object comes while the part is in its seat.
+  double nearest_in_seat_m(const MeshPair& distance) const {
+    ExactWalk walk(path_, distance, distance, rounding_m_);
+    std::vector<Piece> pieces;
+    for (const auto& [from_s, to_s] : seated_stretches_) {
+      pieces.push_back({path_.at(from_s), path_.at(to_s)});
+    }
+    return smallest_of(walk, std::move(pieces)).sample.measured.distance_m;
   }
 
   // Where the bodies are open, with the longest edge of all.
@@ -688,6 +700,10 @@ class ExactCheck {
     const auto smallest = smallest_of(std::move(pieces), nearest_);
     answer.smallest = exact_moment(smallest.sample);
     answer.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
+    if (request_.seat.empty()) return;
+    Piece whole{{0, 0}, {path_.poses() - 1, 0}};
+    whole.seated = true;
+    answer.beyond = exact_moment(smallest_of({whole}).sample);
   }
 
   const ExactRequest& request_;

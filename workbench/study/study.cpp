@@ -376,8 +376,8 @@ Status Study::pull() {
   const json ended = run.is_object() ? run.value("pull", json()) : json();
   held_.clear();
   if (ended.is_object() && ended.value("held", false)) {
-    held_ = command::text("pulled %.4g mm, the part moved %.3g mm", 1e3 * ended.value("led_m", 0.0),
-                          1e3 * std::max(0.0, ended.value("went_m", 0.0)));
+    held_ = command::text("%.3g of %.4g mm", 1e3 * std::max(0.0, ended.value("went_m", 0.0)),
+                          1e3 * ended.value("led_m", 0.0));
   }
   path_ = in("straight.csv");
   return write_path("straight.csv", {0, 1});
@@ -432,7 +432,10 @@ Status Study::check() {
   verdict_.blocked_by = checked_.value("blocked_by", std::vector<std::string>());
   sentence_ = checked_.value("sentence", "");
   text_ = checked->output;
-  if (!held_.empty()) text_ += "  a simulated hand did not follow this path: " + held_ + "\n";
+  if (!held_.empty()) {
+    text_ += "  a simulated hand, which feels only the voxels, moved the part " + held_ +
+             "; the answer is that of the path\n";
+  }
   return command::write_text(in("verdict.txt"), text_);
 }
 
@@ -713,7 +716,9 @@ std::string Study::open_answer() const {
       for (const json& violation : violations) {
         depth_m = std::max(depth_m, violation.value("depth_m", 0.0));
       }
-      return depth_m < voxel_m ? "the straight path is blocked by less than a voxel" : "";
+      // The files alone give no depth of a collision.
+      const bool helps = depth_m > 0 && depth_m < voxel_m;
+      return helps ? "the straight path is blocked by less than a voxel" : "";
     }
     default:
       return "";

@@ -18,7 +18,7 @@ constexpr std::size_t kListedBytes = 150;   // of their names, unless the first 
 constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
 constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
 // Twice what a least distance is searched for, m and as a fraction of it.
-constexpr double kSearchedM = 2e-6, kSearchedFraction = 2e-5;
+constexpr double kSearchedM = 2e-7, kSearchedFraction = 2e-5;
 
 // Rounded down. A decimal number that is read from a command line stays as it was written: what a
 // double adds to it lies six digits behind the last that is kept.
@@ -86,14 +86,13 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
     if (begins) return "gets " + away + " after " + length;
     return "returns to its seat for " + std::string(ends ? "the last " : "") + length;
   }
-  const VerdictDistance& nearest = slide.nearest;
-  std::string line = "is in its seat";
-  if (nearest.known == Known::kMeasured && nearest.distance_m > kSmallestM) {
-    line = "passes " + (slide.objects.empty() ? "its seat" : listed(slide.objects)) +
-           " with a gap of " + length_text(nearest.distance_m);
-  } else if (!slide.objects.empty()) {
-    line = "slides along " + listed(slide.objects);
+  std::string line;
+  if (!slide.objects.empty()) line = "slides along " + listed(slide.objects);
+  if (!slide.passed.empty()) {
+    line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +
+            " with a gap of " + length_text(slide.gap_m);
   }
+  if (line.empty()) line = "is in its seat";
   if (begins && ends) return line + " for the whole path of " + length;
   return line + " for " + (begins ? "the first " : ends ? "the last " : "") + length;
 }

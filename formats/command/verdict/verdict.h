@@ -61,11 +61,12 @@ struct VerdictDistance {
   double proven_m = 0;  // a lower bound of one that is measured
 };
 
-// A stretch of the path in which the part touches what it is installed on.
+// A stretch of the path in which the part is in its seat.
 struct VerdictSlide {
-  double from_m = 0, to_m = 0;  // of the path
-  std::vector<std::string> objects;
-  VerdictDistance nearest;
+  double from_m = 0, to_m = 0;       // of the path
+  std::vector<std::string> objects;  // that it touches, or may touch
+  std::vector<std::string> passed;   // that it does not touch,
+  double gap_m = 0;                  // and how near it comes to them
 };
 
 // Where a collision begins along the path, and as what: "too near" before it meets the surface.
