@@ -180,7 +180,7 @@ FIGURES = [
     Figure(ENGINE, "time over that of `--kind paper`", "bake", "bake_kinds", ENGINE_ROW, "command_s", factor(1.6),
            over={"kind": "lean, chebyshev"}),
     *bake_of(LARGE, 10500000), *bake_of(PAPER, 593409),
-    *force("force error, smooth contacts, 5 mm", "flush and smooth"), *force("force error, pairs of meshes, 5 mm", "mesh pairs"),
+    *force("force error, smooth contacts, 5 mm voxels", "flush and smooth"), *force("force error, mesh pairs, 5 mm voxels", "mesh pairs"),
     Figure(FRAMES, "trials of `default` with one", "stability", "stability", {"campaign": "table2", "model": "default"},
            "penetrating_trials", binomial("penetrating_trials", "trials"), over_column="trials"),
     Figure(FRAMES, "trials of the paper's model with one", "stability", "stability",

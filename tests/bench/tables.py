@@ -137,8 +137,8 @@ def summary():
          measured("bake_full", large_bay["full"])],
         ["bake of the paper's 593,409 polygons at 5 mm", baked(paper_bay), IN_1999,
          "bake", measured("bake_full", paper_bay["full"])],
-        wrench_row("flush and smooth", "force error, smooth contacts, 5 mm"),
-        wrench_row("mesh pairs", "force error, pairs of meshes, 5 mm"),
+        wrench_row("flush and smooth", "force error, smooth contacts, 5 mm voxels"),
+        wrench_row("mesh pairs", "force error, mesh pairs, 5 mm voxels"),
         [readme_figures.FRAMES, penetrating("default"),
          f"the paper's model: {penetrating('paper, braking')}; {percent(min(by_stiffness))} to "
          f"{percent(max(by_stiffness))} depending on the stiffness of its field", "stability", measured("stability", table2["default"])],
