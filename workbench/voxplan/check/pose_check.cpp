@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "workbench/exact/watch.h"
+
 namespace forcelayer::voxplan {
 namespace {
 
@@ -32,6 +34,16 @@ double clear_cap_voxels(const Problem& problem, double required_voxels) {
 LeftOut with_seat(const LeftOut& left_out, const std::optional<SeatStretch>& seat,
                   const clearance::RequiredDistance& required) {
   return seat ? clearance::with_objects(left_out, seat->near_objects(required)) : left_out;
+}
+
+// Nothing is allowed once the time is over: no exception may leave through OMPL, which would lose
+// its states.
+double leeway_m(const exact::SeatMeshes& meshes, const Pose& world_from_center) {
+  try {
+    return meshes.leeway_m(world_from_center);
+  } catch (const exact::Stopped&) {
+    return -1;
+  }
 }
 
 // The straight motion between two poses of the centroid frame.
@@ -81,7 +93,7 @@ bool PoseCheck::holds(Rule rule, const Pose& pose, clearance::MinDistance& known
   known = part(rule).at(pose, 0, required, required);
   if (known.voxels < required) return false;
   if (rule == Rule::kClear || !has_seat()) return true;
-  if (problem_.seat_meshes != nullptr) return problem_.seat_meshes->leeway_m(pose) >= 0;
+  if (problem_.seat_meshes != nullptr) return leeway_m(*problem_.seat_meshes, pose) >= 0;
   return !seat_->is_pushed_in(pose, problem_.allowed);
 }
 
@@ -182,12 +194,12 @@ double PoseCheck::fraction_by_meshes(const Pose& from, const Pose& to, double la
   double kept = 0;
   for (double fraction = 0;;) {
     ++tested_;
-    const double leeway_m = problem_.seat_meshes->leeway_m(pose_between(from, to, fraction));
-    if (leeway_m < 0) return kept;
+    const double free_m = leeway_m(*problem_.seat_meshes, pose_between(from, to, fraction));
+    if (free_m < 0) return kept;
     kept = fraction;
     if (fraction == largest) return largest;
-    fraction = travel_m > 0 ? std::min(largest, fraction + std::max(leeway_m, step_m) / travel_m)
-                            : largest;
+    fraction =
+        travel_m > 0 ? std::min(largest, fraction + std::max(free_m, step_m) / travel_m) : largest;
   }
 }
 
