@@ -690,6 +690,11 @@ class ExactCheck {
   }
 
   void add_least(ExactAnswer& answer) {
+    if (!request_.seat.empty()) {
+      Piece whole{{0, 0}, {path_.poses() - 1, 0}};
+      whole.seated = true;
+      answer.beyond = exact_moment(smallest_of({whole}).sample);
+    }
     std::vector<Piece> pieces =
         joined([&](const auto& s) { return !request_.max_m || s.proven_m <= *request_.max_m; });
     for (const Piece& piece : pieces) {
@@ -700,10 +705,6 @@ class ExactCheck {
     const auto smallest = smallest_of(std::move(pieces), nearest_);
     answer.smallest = exact_moment(smallest.sample);
     answer.clearance_m = std::max(0.0, smallest.at_least_m - margin_m_);
-    if (request_.seat.empty()) return;
-    Piece whole{{0, 0}, {path_.poses() - 1, 0}};
-    whole.seated = true;
-    answer.beyond = exact_moment(smallest_of({whole}).sample);
   }
 
   const ExactRequest& request_;
