@@ -226,14 +226,13 @@ class GltfReader {
     assembly_.nodes = nodes_.tree();
     set_instances(nodes_of_instances_, assembly_.nodes);
     if (assembly_.instances.empty()) {
-      document_.fail(ErrorCode::kMeshEmpty, "",
-                     lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
-                     : !nodes_.left_out().empty()
-                         ? "--without leaves no node with a mesh in this file"
-                         : "no node with a mesh in this file",
-                     nodes_.left_out().empty()
-                         ? "export a surface mesh"
-                         : "the scene would be empty: leave out less, or add a file");
+      document_.fail(
+          ErrorCode::kMeshEmpty, "",
+          lines_and_points_ > 0        ? "no triangles in this file, only points or lines"
+          : !nodes_.left_out().empty() ? "--without leaves no node with a mesh in this file"
+                                       : "no node with a mesh in this file",
+          nodes_.left_out().empty() ? "export a surface mesh"
+                                    : "the scene would be empty: leave out less, or add a file");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();
