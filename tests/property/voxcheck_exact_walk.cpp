@@ -313,34 +313,36 @@ TEST(MeshPair, OfAFaceThatSlidesAlongAnotherIsCloseHoweverFarItGoes) {
   EXPECT_FALSE(pair.stays_apart(from, to, 0.01, 0.24 + 1e-11));
 }
 
-// A ring that is turned in another one with little play: by how far points travel it takes 605
-// moments.
+// A ring that is turned in another one with little play.
+struct TurningRing {
+  Surface scene = ring(96, 1, 0.5), part = ring(96, 0.99, 0.4);
+  std::vector<PathRow> rows{{0, {0, 0, 0}, {1, 0, 0, 0}},
+                            {1, {0, 0, 0.05}, {std::cos(0.4), 0, 0, std::sin(0.4)}}};
+  clearance::CenterPath path{rows, glm::dvec3(0), 1.1};
+  MeshPair pair{scene, part};
+  ExactWalk walk{path, pair, pair, 1e-7};
+};
+
+// By how far points travel it takes 605 moments.
 TEST(ExactWalk, OfARingThatTurnsInAnotherMeasuresFewMoments) {
-  const Surface scene = ring(96, 1, 0.5), part = ring(96, 0.99, 0.4);
-  const std::vector<PathRow> rows{{0, {0, 0, 0}, {1, 0, 0, 0}},
-                                  {1, {0, 0, 0.05}, {std::cos(0.4), 0, 0, std::sin(0.4)}}};
-  const clearance::CenterPath path(rows, glm::dvec3(0), 1.1);
-  const MeshPair pair(scene, part);
-  ExactWalk walk(path, pair, pair, 1e-7);
+  TurningRing turning;
+  ExactWalk& walk = turning.walk;
   const auto smallest = walk.smallest({{{0, 0}, {1, 0}}}, 1e-5);
   EXPECT_TRUE(walk.nearer_than({{0, 0}, {1, 0}}, 0.009, 1e-4).empty());
   EXPECT_GE(smallest.at_least_m, smallest.sample.measured.distance_m - 1e-5);
   EXPECT_LT(walk.measured(), 150u);
   for (int n = 0; n <= 400; ++n) {
     const double d =
-        pair.at(path.world_from_center({0, n / 400.0 - (n == 400 ? 1e-12 : 0)}), 1).distance_m;
+        turning.pair.at(turning.path.world_from_center({0, n / 400.0 - (n == 400 ? 1e-12 : 0)}), 1)
+            .distance_m;
     EXPECT_GE(d, smallest.at_least_m - 1e-7);
   }
 }
 
 // Both searches say how far they are: never less than before, and in steps that a person sees.
 TEST(ExactWalk, TellsHowFarItIs) {
-  const Surface scene = ring(96, 1, 0.5), part = ring(96, 0.99, 0.4);
-  const std::vector<PathRow> rows{{0, {0, 0, 0}, {1, 0, 0, 0}},
-                                  {1, {0, 0, 0.05}, {std::cos(0.4), 0, 0, std::sin(0.4)}}};
-  const clearance::CenterPath path(rows, glm::dvec3(0), 1.1);
-  const MeshPair pair(scene, part);
-  ExactWalk walk(path, pair, pair, 1e-7);
+  TurningRing turning;
+  ExactWalk& walk = turning.walk;
   const Piece whole{{0, 0}, {1, 0}};
   std::vector<double> told;
   walk.tell([&](double fraction) { told.push_back(fraction); });

@@ -48,8 +48,9 @@ using DepthProgress = std::function<void(double fraction)>;
 // The deepest place of all pairs. `found_m` and `at_most_m` differ by `within_m` and the width of
 // cracks at most, or by `within_fraction` of the depth. With `allowed_m` they also may differ by as
 // much as they are both below it, and the search ends at the first place that is deeper than
-// allowed: `at_most_m` is then any upper bound. `known` is a place of a pair that the search need
-// not find: an edge that lies on a face is close to it in few places.
+// allowed: `at_most_m` is then any upper bound. The search begins with the
+// place `known`. Where surfaces meet, that is one of depth 0: by cutting alone an edge that lies on
+// a face is found only after millions of pieces.
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
               double within_m, double within_fraction = 0, const DepthProgress& progress = {},
               const Depth& known = {});

@@ -39,11 +39,12 @@ struct Bend {
   double max_m = 0;
   part::Vec3 axis;  // a unit vector; zero: in any direction
 
-  // The same along a direction of length 1.
+  // The same along a direction of length 1. The axis of a turn by an angle a is rounded by some
+  // 1e-16 / a, and a bend is at most proportional to a: the error is less than the rounding that
+  // comes_free() adds.
   double along_m(const part::Vec3& direction) const {
-    constexpr double kAxisRounding = 1e-12;  // far above it
     if (axis == part::Vec3{}) return max_m;
-    return max_m * (part::length(part::cross(direction, axis)) + kAxisRounding);
+    return max_m * part::length(part::cross(direction, axis));
   }
 };
 

@@ -18,9 +18,6 @@ constexpr double kWithinFraction = 1.0 / 64;
 // So many pieces may a proof leave open: at first, and where it is likely to succeed.
 constexpr std::size_t kFewOpen = 64, kAllOpen = std::numeric_limits<std::size_t>::max();
 
-// The axis of a smaller turn is rounded by more than its bend allows.
-constexpr double kMinSine = 1e-8;
-
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
   const part::Vec3& place = pair.surface->tree().part().vertices.front();
@@ -106,7 +103,7 @@ SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, con
   const glm::dvec3 axis(turned.x, turned.y, turned.z);  // of the part's frame, times a sine
   const double sine = glm::length(axis), turn = 2 * std::atan2(sine, std::abs(turned.w));
   const auto bend_of = [&](double max_m, const glm::dquat& solid_from_part) {
-    return Bend{max_m, sine > kMinSine ? vec3_of(solid_from_part * (axis / sine)) : part::Vec3{}};
+    return Bend{max_m, sine > 0 ? vec3_of(solid_from_part * (axis / sine)) : part::Vec3{}};
   };
   const double shift_m = glm::length(to.position_m - from.position_m);
   const double farthest_m = radius_m_ + shift_m;

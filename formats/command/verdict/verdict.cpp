@@ -97,7 +97,7 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   return line + " for " + (begins ? "the first " : ends ? "the last " : "") + length;
 }
 
-// Nothing of what comes after a collision matters.
+// A slide that ends after a collision has begun is left out.
 std::string slides_text(const Verdict& v) {
   std::string line;
   for (const VerdictSlide& slide : v.slides) {

@@ -69,7 +69,7 @@ struct VerdictSlide {
   double gap_m = 0;                  // and how near it comes to them
 };
 
-// Where a collision begins along the path, and as what: "too near" before it meets the surface.
+// Where along the path a collision begins, and how: "too near" or, in a seat, "too deep".
 struct VerdictBegin {
   double along_m = 0;
   const char* as = "too near";
