@@ -536,6 +536,28 @@ TEST(SeatWalk, APressFitSlidesAllAlongItsBore) {
   }
 }
 
+// The ends of shaft and bore lie in one plane. The corners of the shaft come out between two faces
+// of the bore, and once they have gone as far as they are deep, one of these is as near as that
+// plane.
+TEST(SeatWalk, APressFitWithEndsInOnePlaneSlides) {
+  constexpr double kDepth = 0.01, kMargin = 4e-6;
+  const Surface shaft = prism(64, 10 + kDepth, 20), bore = tube(64, 10, 20, 15);
+  const Bodies of_shaft = bodies_of(shaft, kMargin), of_bore = bodies_of(bore, kMargin);
+  const MeshPair distance(bore, shaft);
+  const clearance::CenterPath path(
+      {{row_of(0, {{0, 0, 5}, {1, 0, 0, 0}}), row_of(1, {{0, 0, 5.02}, {1, 0, 0, 0}})}}, {0, 0, 0},
+      12);
+  for (const double off : {kMargin, -kMargin}) {
+    SeatWalk walk(path, of_shaft, of_bore, distance, kMargin / 8);
+    const auto found = walk.deeper_than({0, 0}, {1, 0}, kDepth + off, 0.016);
+    ASSERT_EQ(found.empty(), off > 0) << off;
+    EXPECT_LT(walk.measured(), 40u) << off;
+    if (off < 0) {
+      EXPECT_TRUE(found[0].is_deeper);
+    }
+  }
+}
+
 // Walls that are both thinner than twice what is allowed elsewhere: in their middle they are as
 // deep as half of one, which is found however short the moment is.
 TEST(SeatWalk, FindsThinWallsThatPassThroughEachOther) {

@@ -61,30 +61,32 @@ bool visit_near(const Body& solid, const Hull& hull, const Vec3& shift, double m
 // out of faces nearby, of all of them together, and of two of them.
 std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double reach_m,
                                  const Bend& bend) {
-  std::vector<Vec3> directions;
-  const auto nearest = solid.tree().nearest(hull.center);
-  const double side = solid.holds(hull.center) ? 1 : -1;
-  const auto add = [&](const Vec3& direction) {
+  const auto add = [](std::vector<Vec3>& directions, const Vec3& direction) {
     const bool is_known = std::any_of(directions.begin(), directions.end(), [&](const Vec3& other) {
       return part::dot(direction, other) > kSameNormal;
     });
     if (!(direction == Vec3{}) && !is_known) directions.push_back(direction);
   };
-  add(part::normalized(side * (nearest.point.position - hull.center)));
-  const std::size_t first = directions.size();
-  Vec3 sum;
+  // Of the faces nearby. They are kept apart from the direction to the nearest place, which may be
+  // one of them: the edge of that face needs its normal, too.
+  std::vector<Vec3> normals;
   std::size_t seen = 0;
   visit_near(solid, hull, {}, reach_m, bend, [&](const Piece& triangle) {
-    const std::size_t before = directions.size();
-    add(solid.outward() * normal_of(triangle));
-    if (directions.size() > before) sum += directions.back();
-    return ++seen < kMaxNear && directions.size() <= kMaxNormals;
+    add(normals, solid.outward() * normal_of(triangle));
+    return ++seen < kMaxNear && normals.size() < kMaxNormals;
   });
-  const std::size_t end = directions.size();
-  add(part::normalized(sum));
+  std::vector<Vec3> directions;
+  const auto nearest = solid.tree().nearest(hull.center);
+  const double side = solid.holds(hull.center) ? 1 : -1;
+  add(directions, part::normalized(side * (nearest.point.position - hull.center)));
+  Vec3 sum;
+  for (const Vec3& normal : normals) add(directions, normal), sum += normal;
+  add(directions, part::normalized(sum));
   // Out of an edge between two faces, although the end of that edge is near.
-  for (std::size_t i = first; i < end; ++i) {
-    for (std::size_t k = i + 1; k < end; ++k) add(part::normalized(directions[i] + directions[k]));
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    for (std::size_t k = i + 1; k < normals.size(); ++k) {
+      add(directions, part::normalized(normals[i] + normals[k]));
+    }
   }
   return directions;
 }
