@@ -160,6 +160,21 @@ if [ -x "$bin/voxplan" ]; then
   grep -q 'class="verdict open"><strong>No path found' lost/report.html && grep -q '"kind": "no path found"' lost/verdict.json &&
     grep -q '"verdict": "not clear"' lost/verdict.json && grep -q '^No path found: in .* (1 mm of clearance required); blocked by .*\.$' lost/verdict.txt || fail "the page of a search that found none"
   says_no lost/verdict.xml Cover
+  # It leaves the path by which the search moved the part farthest, which voxview plays.
+  grep -q '^  voxview --trace lost/farthest.csv shows how far the search moved the part$' lost/verdict.txt &&
+    grep -q '<td>farthest.csv</td>' lost/report.html || fail "no trace of a search: $(cat lost/verdict.txt)"
+  python3 - <<'END' || fail "farthest.csv: $(cat lost/farthest.csv)"
+import csv, json, math
+rows = [{key: float(cell) for key, cell in row.items()} for row in csv.DictReader(open("lost/farthest.csv"))]
+best = json.load(open("lost/plan.json"))["best"]
+out_m = [math.dist([row[key] for key in ("x_m", "y_m", "z_m")], [rows[0][key] for key in ("x_m", "y_m", "z_m")]) for row in rows]
+assert rows[0]["t_s"] == 0 and rows[0]["z_m"] == 0, rows[0]  # where it is installed
+assert abs(max(out_m) - best["out_m"]) < 0.01 and len(rows) == len(best["path"]), (out_m, best)  # the centroid, and the origin
+END
+  if [ "$pictures" = yes ]; then
+    "$bin/voxview" draw gearbox.glb lost/scene.vox lost/part.pshell --trace lost/farthest.csv --size 64x64 --plain --json shown.json \
+      --screenshot farthest.png && grep -q '"t_s"' shown.json || fail "voxview shows no search: $(cat shown.json)"
+  fi
   grep -q '^forcelayer: gearbox.glb: Cover: No path found: in .*; the same search would find no path again; try a longer' \
     err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
   # However a study ends, the command that it waits for ends too.

@@ -167,6 +167,14 @@ assert told["clearance_m"] > 0 and told["object"], told
 assert abs(float(row["depth_m"]) - shown["deepest_m"]) < 1e-7, (row["depth_m"], shown)
 END
 done
+# A path alone is a run without forces, with poses between its few rows.
+printf 't_s,x_m,y_m,z_m\n1,0.28,0,0.5\n2,0.28,0,0.7\n' >two.csv
+"$bin/voxview" draw bay.vox part.pshell --trace two.csv --at 1.5s "${tiny[@]}"
+"$python" - <<'END' || fail "a path as a run: $(cat facts.json)"
+import json
+moment = json.load(open("facts.json"))["moment"]
+assert abs(moment["t_s"] - 1.5) < 0.003 and "clearance" not in moment and "force_n" not in moment, moment
+END
 # A recording says which model felt the contacts.
 "${run[@]}" 3s --as-fast-as-possible --model paper --trace paper.csv --record paper.rec
 "$bin/voxview" draw bay.vox part.pshell --replay paper.rec --at 2.2s "${tiny[@]}"

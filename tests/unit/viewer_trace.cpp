@@ -35,8 +35,8 @@ TEST(Trace, ReadsEveryColumnByName) {
   EXPECT_EQ(first.world_from_handle.position_m, glm::dvec3(1, 2, 3));
   EXPECT_EQ(first.world_from_part.position_m, glm::dvec3(4, 5, 6));
   EXPECT_EQ(first.world_from_part.orientation.z, 1);  // normalized
-  EXPECT_EQ(first.on_hand.force_n, glm::dvec3(2, 0, 0));
-  EXPECT_EQ(first.on_hand.torque_nm, glm::dvec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(first.on_hand->force_n, glm::dvec3(2, 0, 0));
+  EXPECT_EQ(first.on_hand->torque_nm, glm::dvec3(0.1, 0.2, 0.3));
   EXPECT_EQ(first.points_proximity, 7u);
   EXPECT_EQ(first.points_surface, 8u);
   EXPECT_EQ(first.points_interior, 9u);
@@ -49,7 +49,7 @@ TEST(Trace, ReadsEveryColumnByName) {
 viewer::TraceRow moment(double force_n, std::uint32_t contacts,
                         std::optional<viewer::RowClearance> clearance = std::nullopt) {
   viewer::TraceRow row;
-  row.on_hand.force_n = {0, force_n, 0};
+  row.on_hand = Wrench{{0, force_n, 0}, {}};
   row.contacts = contacts;
   row.clearance = std::move(clearance);
   return row;

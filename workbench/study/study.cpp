@@ -38,6 +38,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* kPathHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
 
 json read_json(const std::string& path) {
@@ -87,6 +88,7 @@ class Study {
   Status find_path();
   Status pull();
   Status write_path(const char* name, std::initializer_list<double> fractions) const;
+  Status write_farthest(const json& plan);
   Status check();
   Result<StepEnd> check_path(const std::string& path);
   Status say_that_no_path_was_found();
@@ -389,7 +391,7 @@ Status Study::write_path(const char* name, std::initializer_list<double> fractio
   const auto seat = command::parse_pose(options_.seat.empty() ? "0,0,0m" : options_.seat);
   if (!pull_m || !seat) return pull_m ? seat.error() : pull_m.error();
   const auto& [position_m, orientation] = *seat;
-  std::string rows = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  std::string rows = kPathHeader;
   for (const double fraction : fractions) {
     rows += command::text("%.17g", fraction);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -454,7 +456,28 @@ Status Study::say_that_no_path_was_found() {
     const auto required_m = command::parse_length(options_.clearance);
     verdict_.required_m = required_m ? *required_m : 0;
   }
+  if (Status s = write_farthest(found); !s) return s;
   return write_verdict(command::junit_text(subject(), verdict_, 0), kAnswerIsNo);
+}
+
+// The path by which the search moved the part farthest, for voxview.
+Status Study::write_farthest(const json& plan) {
+  const json best = plan.value("best", json::object());
+  std::string rows;
+  for (const json& pose : best.value("path", json::array())) {
+    for (const json& number : pose) {
+      rows += (rows.empty() || rows.back() == '\n' ? "" : ",") +
+              command::text("%.17g", number.get<double>());
+    }
+    rows += "\n";
+  }
+  if (rows.empty()) {
+    std::remove(in("farthest.csv").c_str());
+    return {};
+  }
+  verdict_.notes.push_back("voxview --trace " + in("farthest.csv") +
+                           " shows how far the search moved the part");
+  return command::write_text(in("farthest.csv"), std::string(kPathHeader) + rows);
 }
 
 // Where no path was checked.
@@ -808,6 +831,9 @@ Status Study::write_page() {
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
     page.files.insert(page.files.end(), {path_, in("curve.csv")});
     if (draws_) page.pictures.push_back({in("worst.png"), "The worst moment"});
+  }
+  if (path_.empty() && std::filesystem::exists(in("farthest.csv"))) {
+    page.files.push_back(in("farthest.csv"));
   }
   if (draws_) {
     page.pictures.push_back({in("installed.png"), "Where the part is installed"});

@@ -162,6 +162,7 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   auto found = search(problem, goal, request);
   if (!found) return found.error();
   made.search = std::move(*found);
+  if (!made.search.found) made.rows = rows_of(problem, {}, made.search.farthest, kSpeedMps);
   made.seconds = steady_s() - begin_s;
   return made;
 }

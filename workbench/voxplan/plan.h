@@ -16,8 +16,8 @@ namespace forcelayer::voxplan {
 
 struct Plan {
   SearchResult search;
-  std::vector<PathRow> rows;       // of the path that was found,
-  clearance::CheckResult checked;  // and its proof
+  std::vector<PathRow> rows;       // of the path that was found, else of SearchResult::farthest
+  clearance::CheckResult checked;  // the proof of the path that was found
   double seconds = 0;
 };
 

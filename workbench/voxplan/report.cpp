@@ -116,6 +116,13 @@ Json report_json(const Report& report) {
     for (const std::uint32_t object : result.blocked_by) {
       json["best"]["blocked_by"].push_back(voxcheck::object_name(scene, object));
     }
+    // The columns of a path: t_s, x_m, y_m, z_m, qw, qx, qy, qz.
+    json["best"]["path"] = Json::array();
+    for (const PathRow& row : report.plan.rows) {
+      const auto& [x, y, z] = row.position_m;
+      const auto& [qw, qx, qy, qz] = row.orientation_wxyz;
+      json["best"]["path"].push_back({row.time_s, x, y, z, qw, qx, qy, qz});
+    }
   }
   json["poses_tested"] = result.poses_tested;
   json["refused"] = result.refused;

@@ -123,6 +123,7 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     return worker->out_m() >= result.out_m;
   });
   if (!result.found) {
+    result.farthest = (*farthest)->farthest();
     until(request, last_s, [&] { result.blocked_by = (*farthest)->blocked_by(); });
   }
   for (const auto& worker : workers) {

@@ -41,6 +41,7 @@ struct SearchResult {
   // How far the part came from its start, and the objects that block motions from there, the most
   // frequent first. Objects without a name are left out.
   double out_m = 0;
+  PosePath farthest;  // the path by which it came there; only that, where none was found
   std::vector<std::uint32_t> blocked_by;
   std::uint64_t poses_tested = 0;
   std::uint64_t motions_tested = 0;

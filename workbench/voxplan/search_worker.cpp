@@ -207,25 +207,47 @@ class Connect final : public og::RRTConnect {
     tStart_ = std::make_shared<PoseTree<Motion*>>(turn_m);
     tGoal_ = std::make_shared<PoseTree<Motion*>>(turn_m);
   }
-  std::vector<Pose> reached() const {
+  // The path in the tree from the start to the pose that is farthest from `from_m`.
+  std::vector<Pose> farthest_path(const glm::dvec3& from_m) const {
     std::vector<Motion*> motions;
     tStart_->list(motions);
-    std::vector<Pose> poses;
-    for (const Motion* motion : motions) poses.push_back(pose_of(motion->state));
-    return poses;
+    std::vector<Pose> path;
+    double out_m = -1;
+    const Motion* farthest = nullptr;
+    for (const Motion* motion : motions) {
+      const double travel_m = glm::length(pose_of(motion->state).position_m - from_m);
+      if (travel_m > out_m) out_m = travel_m, farthest = motion;
+    }
+    for (; farthest != nullptr; farthest = farthest->parent) {
+      path.push_back(pose_of(farthest->state));
+    }
+    std::reverse(path.begin(), path.end());
+    return path;
   }
 };
 
-// The poses that a planner reached from its start. OMPL lists a tree with its edges in hash maps.
-std::vector<Pose> reached_by(const ob::Planner& planner) {
-  if (const auto* connect = dynamic_cast<const Connect*>(&planner)) return connect->reached();
+// The path by which a planner's tree leads from its start to the pose that is farthest from
+// `from_m`. OMPL lists a tree with its edges in hash maps.
+std::vector<Pose> farthest_path(const ob::Planner& planner, const glm::dvec3& from_m) {
+  if (const auto* connect = dynamic_cast<const Connect*>(&planner)) {
+    return connect->farthest_path(from_m);
+  }
   ob::PlannerData tree(planner.getSpaceInformation());
   planner.getPlannerData(tree);
-  std::vector<Pose> poses;
+  std::vector<Pose> path;
+  double out_m = -1;
+  unsigned vertex = 0;
   for (unsigned i = 0; i < tree.numVertices(); ++i) {
-    poses.push_back(pose_of(tree.getVertex(i).getState()));
+    const double travel_m = glm::length(pose_of(tree.getVertex(i).getState()).position_m - from_m);
+    if (travel_m > out_m) out_m = travel_m, vertex = i;
   }
-  return poses;
+  std::vector<unsigned> before{vertex};
+  for (unsigned n = 0; n < tree.numVertices() && !before.empty(); ++n) {
+    path.push_back(pose_of(tree.getVertex(before.front()).getState()));
+    tree.getIncomingEdges(std::exchange(before, {}).front(), before);
+  }
+  std::reverse(path.begin(), path.end());
+  return path;
 }
 
 std::vector<Pose> poses_of(const og::PathGeometric& path) {
@@ -292,7 +314,7 @@ struct SearchWorker::Parts {
   Rule rule = Rule::kInSeat;
   std::vector<Pose> in_seat, beyond;
   bool done = false;
-  Pose farthest = problem.world_from_start;
+  std::vector<Pose> farthest{problem.world_from_start};  // the path to the farthest pose
   double out_m = 0;
 };
 
@@ -343,15 +365,18 @@ void SearchWorker::Parts::plan_beyond(const Pose& from) {
   planner->setup();
 }
 
-// The farthest pose of the tree that grows from the start.
+// In the tree that grows from the start, which may be the end of the seat.
 void SearchWorker::Parts::note_farthest() {
   if (planner == nullptr) return;  // the time was over before
-  for (const Pose& pose : reached_by(*planner)) {
-    const double travel_m = glm::length(pose.position_m - problem.world_from_start.position_m);
-    if (travel_m <= out_m) continue;
-    out_m = travel_m;
-    farthest = pose;
-  }
+  const glm::dvec3& start_m = problem.world_from_start.position_m;
+  const std::vector<Pose> path = farthest_path(*planner, start_m);
+  if (path.empty()) return;
+  const double travel_m = glm::length(path.back().position_m - start_m);
+  if (travel_m <= out_m) return;
+  out_m = travel_m;
+  farthest = rule == Rule::kInSeat ? std::vector<Pose>() : in_seat;
+  if (!farthest.empty()) farthest.pop_back();  // the root of the tree
+  farthest.insert(farthest.end(), path.begin(), path.end());
 }
 
 void SearchWorker::Parts::take_out_of_seat() {
@@ -534,6 +559,7 @@ bool SearchWorker::is_done() const { return parts_->done; }
 const std::vector<Pose>& SearchWorker::in_seat() const { return parts_->in_seat; }
 const std::vector<Pose>& SearchWorker::beyond() const { return parts_->beyond; }
 double SearchWorker::out_m() const { return parts_->out_m; }
+const PosePath& SearchWorker::farthest() const { return parts_->farthest; }
 std::uint64_t SearchWorker::poses_tested() const { return parts_->check->poses_tested(); }
 std::uint64_t SearchWorker::motions_tested() const { return parts_->check->motions_tested(); }
 std::uint64_t SearchWorker::motions_kept() const { return parts_->check->motions_kept(); }
@@ -544,7 +570,8 @@ double SearchWorker::kept_m() const { return parts_->check->kept_m(); }
 std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   Parts& p = *parts_;
   const double radius_m = p.problem.part.header().bounding_radius_m;
-  const glm::dvec3 shift_m = p.farthest.position_m - p.problem.world_from_start.position_m;
+  const Pose& farthest = p.farthest.back();
+  const glm::dvec3 shift_m = farthest.position_m - p.problem.world_from_start.position_m;
   std::vector<Twist6> motions;
   if (p.out_m > 0) motions.push_back({shift_m.x, shift_m.y, shift_m.z, 0, 0, 0});
   for (std::size_t n = 0; n < 6; ++n) {
@@ -555,8 +582,8 @@ std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   std::map<std::uint32_t, int> refused;
   try {
     for (const Twist6& motion : motions) {
-      const Pose there = moved(p.farthest, of_length(motion, 2 * radius_m), radius_m);
-      ++refused[p.check->met(p.rule, p.farthest, there)];
+      const Pose there = moved(farthest, of_length(motion, 2 * radius_m), radius_m);
+      ++refused[p.check->met(p.rule, farthest, there)];
     }
   } catch (const exact::Stopped&) {
     // The time is over: the objects that were met by then are known.

@@ -36,7 +36,8 @@ class SearchWorker {
   // work() plans on to the goal.
   void take_stock();
 
-  // Finds the farthest pose of all that were explored, for out_m() and blocked_by(). Slow.
+  // Finds the farthest pose of all that were explored, for out_m(), farthest() and blocked_by().
+  // Slow.
   void note_farthest();
 
   // From now on no path may pass near this pose, because a path that did was not proven clear. A
@@ -51,6 +52,7 @@ class SearchWorker {
   // frequent first. Objects without a name are left out. Where the thread's exact::Watch ends it,
   // those that were met by then.
   double out_m() const;
+  const PosePath& farthest() const;  // the path to there, from the start
   std::vector<std::uint32_t> blocked_by() const;
 
   std::uint64_t poses_tested() const;

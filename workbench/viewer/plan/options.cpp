@@ -72,8 +72,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
       "scale of text and marks, such as 2 on a screen with 192 pixels an inch; default: the "
       "screen's Xft.dpi / 96, and 1 for pictures",
       {0.5, 8});
-  auto* run = app.add_option("--trace,--replay", options_.run,
-                             "the run to show: a trace or a recording of voxrun");
+  auto* run =
+      app.add_option("--trace,--replay", options_.run,
+                     "the run to show: a trace or a recording of voxrun, or a path of the part");
   app.add_option("--at", texts_.at,
                  "time in the run, such as 2.5s; default: the moment of the smallest proven "
                  "clearance, or else of the strongest force")

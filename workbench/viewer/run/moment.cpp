@@ -86,11 +86,14 @@ std::string describe_clearance(const std::optional<RowClearance>& clearance) {
 
 std::vector<std::string> describe(const Moment& moment) {
   std::vector<std::string> lines;
-  if (moment.time_s && moment.on_hand) {
+  if (moment.time_s) {
     const std::string at = moment.name.empty() ? "" : "at " + std::string(moment.name) + ": ";
-    lines.push_back(text_of("%st = %.3f s    on the hand: %.2f N, %.4f N m", at.c_str(),
-                            *moment.time_s, glm::length(moment.on_hand->force_n),
-                            glm::length(moment.on_hand->torque_nm)));
+    lines.push_back(text_of("%st = %.3f s", at.c_str(), *moment.time_s));
+  }
+  if (moment.time_s && moment.on_hand) {
+    lines.back() +=
+        text_of("    on the hand: %.2f N, %.4f N m", glm::length(moment.on_hand->force_n),
+                glm::length(moment.on_hand->torque_nm));
     // With both files it is proven again at the pose, and told below.
     const bool told = moment.contacts.clearance_m || !moment.contacts.seated_on.empty();
     if (!told) lines.push_back(describe_clearance(moment.clearance));

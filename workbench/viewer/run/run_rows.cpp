@@ -3,6 +3,7 @@
 #include <charconv>
 #include <chrono>
 
+#include "formats/path/path_edit.h"
 #include "runtime/coupling/coupling.h"
 #include "runtime/model/simulation.h"
 #include "runtime/stream/replay.h"
@@ -50,12 +51,47 @@ Result<std::vector<TraceRow>> replayed(const stream::Recording& recording,
   return rows;
 }
 
+// A path has no forces. Few rows may describe it, so poses between them are added: as many as a
+// slider can show apart.
+std::vector<TraceRow> rows_of(const std::vector<PathRow>& path,
+                              const std::array<double, 3>& center_m) {
+  constexpr double kShown = 500;
+  const double duration_s = path.back().time_s - path.front().time_s;
+  std::vector<TraceRow> rows;
+  for (const PathRow& pose :
+       duration_s > 0 ? resampled(path, duration_s / kShown, center_m) : path) {
+    const auto& p = pose.position_m;
+    const auto& q = pose.orientation_wxyz;
+    TraceRow row;
+    row.time_s = pose.time_s;
+    row.world_from_part = {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
+    row.world_from_handle = row.world_from_part;
+    row.world_from_target = row.world_from_part;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// A trace, or else a path of the part.
+Result<std::vector<TraceRow>> read_table(const std::filesystem::path& path,
+                                         const std::filesystem::path& shell) {
+  auto trace = read_trace(path);
+  if (trace || trace.error().code != ErrorCode::kNotThisFormat) return trace;
+  const auto poses = read_path(path, PathOf::kPart);
+  if (!poses) return trace;
+  if (shell.empty()) return rows_of(*poses, {});
+  const auto part = Pshell::open(shell);
+  if (!part) return part.error();
+  const auto& center_m = part->header().center_m;
+  return rows_of(*poses, {center_m[0], center_m[1], center_m[2]});
+}
+
 }  // namespace
 
 Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
                                        const std::filesystem::path& voxmap,
                                        const std::filesystem::path& shell) {
-  if (!stream::is_recording(path)) return read_trace(path);
+  if (!stream::is_recording(path)) return read_table(path, shell);
   if (voxmap.empty() || shell.empty()) {
     return Error{ErrorCode::kUsage, path.string(), "",
                  "a recording can be shown only with its files",
@@ -97,7 +133,7 @@ TraceRow row_of(const PoseDatagram& datagram) {
   row.world_from_part = pose_from_numbers(datagram.world_from_part);
   row.world_from_handle = pose_from_numbers(datagram.world_from_handle);
   row.world_from_target = pose_from_numbers(datagram.world_from_target);
-  row.on_hand = {{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
+  row.on_hand = Wrench{{f[0], f[1], f[2]}, {t[0], t[1], t[2]}};
   row.points_proximity = datagram.points_proximity;
   row.points_surface = datagram.points_surface;
   row.points_interior = datagram.points_interior;

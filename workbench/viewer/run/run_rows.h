@@ -1,4 +1,5 @@
-// A run as rows: from its trace, from its recording, or from its pose stream while it goes on.
+// A run as rows: from its trace, from its recording, from a path alone, or from its pose stream
+// while it goes on.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +12,8 @@
 
 namespace forcelayer::viewer {
 
-// Reads a trace CSV, or a recording (told by its magic), which is played again with `voxmap` and
+// Reads a trace CSV, a path of the part (without forces; about the centroid of `shell`, where that
+// is given), or a recording. A recording is known by its magic, and played again with `voxmap` and
 // `shell`: the files that it was made with, else kFilesDoNotMatch; kUsage where they are not given.
 Result<std::vector<TraceRow>> read_run(const std::filesystem::path& path,
                                        const std::filesystem::path& voxmap,

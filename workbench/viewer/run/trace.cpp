@@ -70,7 +70,7 @@ std::vector<std::string_view> split(std::string_view line) {
 
 Error bad_line(const std::filesystem::path& path, std::size_t line, const std::string& what) {
   return {ErrorCode::kFieldInvalid, path.string(), "line " + std::to_string(line), what,
-          "give the CSV that voxrun --trace wrote"};
+          "give the CSV that voxrun --trace wrote, or a path of the part"};
 }
 
 std::string unquoted(std::string_view cell) {
@@ -124,7 +124,7 @@ Result<std::array<std::size_t, kColumns.size()>> find_columns(const std::filesys
     if (found == names.end()) {
       return Error{ErrorCode::kNotThisFormat, path.string(), "line 1",
                    "no column '" + std::string(kColumns[n]) + "'",
-                   "give the CSV that voxrun --trace wrote"};
+                   "give the CSV that voxrun --trace wrote, or a path of the part"};
     }
     places[n] = static_cast<std::size_t>(found - names.begin());
   }
@@ -142,7 +142,7 @@ TraceRow row_of(const std::array<double, kColumns.size()>& v) {
   row.time_s = v[0];
   row.world_from_handle = pose_of(&v[1]);
   row.world_from_part = pose_of(&v[8]);
-  row.on_hand = {{v[15], v[16], v[17]}, {v[18], v[19], v[20]}};
+  row.on_hand = Wrench{{v[15], v[16], v[17]}, {v[18], v[19], v[20]}};
   row.contacts = static_cast<std::uint32_t>(v[21]);
   row.guard_cuts = static_cast<std::uint32_t>(v[22]);
   row.step_ns = v[23];
@@ -163,7 +163,7 @@ Result<std::vector<TraceRow>> read_trace(const std::filesystem::path& path) {
   std::string line;
   if (!std::getline(file, line)) {
     return Error{ErrorCode::kNotThisFormat, path.string(), "", "the header line is missing",
-                 "give the CSV that voxrun --trace wrote"};
+                 "give the CSV that voxrun --trace wrote, or a path of the part"};
   }
   const auto places = find_columns(path, line);
   if (!places) return places.error();
@@ -208,7 +208,9 @@ std::string_view NotableRows::name_of(std::size_t row) const {
 
 NotableRows notable_rows(const std::vector<TraceRow>& rows) {
   NotableRows notable;
-  const auto force_n = [](const TraceRow& row) { return glm::length(row.on_hand.force_n); };
+  const auto force_n = [](const TraceRow& row) {
+    return glm::length(row.on_hand.value_or(Wrench()).force_n);
+  };
   const auto stronger = [&](const TraceRow& a, const TraceRow& b) {
     if ((a.contacts > 0) != (b.contacts > 0)) return a.contacts > 0;
     return force_n(a) > force_n(b);

@@ -26,7 +26,7 @@ struct TraceRow {
   Pose world_from_handle;
   Pose world_from_part;
   std::optional<Pose> world_from_target;  // where the hand wants the part, if it was said
-  Wrench on_hand;                         // about the part's centroid, world axes
+  std::optional<Wrench> on_hand;          // about the part's centroid, world axes; none of a path
   std::uint32_t points_proximity = 0, points_surface = 0, points_interior = 0;
   std::uint32_t contacts = 0;
   std::uint32_t guard_cuts = 0;

@@ -105,7 +105,7 @@ class Window {
   }
 
   static StripPoint strip_point(const TraceRow& row) {
-    return {row.time_s, glm::length(row.on_hand.force_n), kind_of(row)};
+    return {row.time_s, glm::length(row.on_hand.value_or(Wrench()).force_n), kind_of(row)};
   }
 
   void build() {
