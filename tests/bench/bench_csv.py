@@ -52,6 +52,7 @@ FILES = {
     "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
     "wrench_hand": (("voxel_m", "covering_voxels", "contacts", "motion", "n"), {"p50": 1.6}),
     "wrench_hand_cases": (("voxel_m", "covering_voxels", "contacts", "cases"), {}),
+    "wrench_hand_each": (("voxel_m", "covering_voxels", "contacts", "number"), {}),
     "motion_drift": (("model", "frames"), {}),
     "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_fraction": 1.3}),
     "stability_field": (("factor",), {"penetration_ratio": 1.5}),

@@ -240,7 +240,7 @@ void see_hand(const Combination& combination, const ContactCase& contact, const 
                    part = part_mesh(combination.part, kTruthDeviationM);
   const auto slide = contact.slide();
   const Pose first = pose_of(slide.front()), last = pose_of(slide.back());
-  hand.see({contact.voxmap(), pshell, scene, part, first, -contact.out(),
+  hand.see({combination.name, contact.voxmap(), pshell, scene, part, first, -contact.out(),
             glm::normalize(last.position_m - first.position_m)},
            hand.seen());
 }
@@ -300,7 +300,7 @@ void see_hand(const MeshPair& pair, const PairPart& part, const PairContact& con
   const auto& c = part.shell.header().center_m;
   Pose above = line.front();
   above.position_m -= above.orientation * glm::dvec3(c[0], c[1], c[2]);
-  hand.see({voxmap, part.shell, scene, part.mesh, above, in, along}, hand.seen());
+  hand.see({pair.name, voxmap, part.shell, scene, part.mesh, above, in, along}, hand.seen());
 }
 
 // The colliders of a pair: they know the scene in its own frame.
@@ -450,6 +450,18 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
                                       {"p50", s.p50},
                                       {"p95", s.p95},
                                       {"max", max}});
+  }
+  for (std::size_t i = 0; i < hand.each().size(); ++i) {
+    const Hand::Each& each = hand.each()[i];
+    Json row = {{"voxel_m", voxel_m},
+                {"covering_voxels", covering_voxels},
+                {"contacts", each.contact},
+                {"number", i}};
+    for (std::size_t motion = 0; motion < Hand::kMotions; ++motion) {
+      const double error = each.median[motion];
+      row[Hand::kNames[motion]] = std::isnan(error) ? Json(nullptr) : Json(error);
+    }
+    results["wrench_hand_each"].push_back(row);
   }
   const double off = hand.off().empty() ? 0 : *std::ranges::max_element(hand.off());
   std::printf(

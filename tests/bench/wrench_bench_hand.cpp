@@ -11,6 +11,7 @@
 #include "runtime/coupling/coupling.h"
 #include "runtime/loop/handle_velocity.h"
 #include "runtime/model/simulation.h"
+#include "tests/bench/spread.h"
 #include "tests/bench/wrench_bench_frame.h"
 #include "tests/stress/trial.h"
 #include "tests/support/mesh_gaps.h"
@@ -91,6 +92,18 @@ class Session {
 }  // namespace
 
 void Hand::see(const HandCase& contact, std::uint64_t seed) {
+  std::array<std::size_t, kMotions> before;
+  for (std::size_t motion = 0; motion < kMotions; ++motion) before[motion] = errors_[motion].size();
+  press(contact, seed);
+  Each& each = each_.emplace_back(contact.name);
+  for (std::size_t motion = 0; motion < kMotions; ++motion) {
+    const auto first = errors_[motion].begin() + static_cast<std::ptrdiff_t>(before[motion]);
+    std::vector<double> errors(first, errors_[motion].end());
+    each.median[motion] = errors.empty() ? NAN : spread(std::move(errors)).p50;
+  }
+}
+
+void Hand::press(const HandCase& contact, std::uint64_t seed) {
   ++seen_;
   Session session(contact);
   const Parameters& p = session.parameters();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -16,6 +17,7 @@ namespace forcelayer::bench {
 
 // A part above a scene.
 struct HandCase {
+  std::string name;  // of the contact
   const Voxmap& voxmap;
   const Pshell& shell;
   const mesh::Mesh& scene;  // the exact surface, world, m
@@ -38,6 +40,14 @@ class Hand {
   void see(const HandCase& contact, std::uint64_t seed);
 
   const std::vector<double>& errors(std::size_t motion) const { return errors_[motion]; }
+
+  // The errors of one case: the median over the poses of each motion; NaN where there are none.
+  struct Each {
+    std::string contact;
+    std::array<double, kMotions> median;
+  };
+  const std::vector<Each>& each() const { return each_; }
+
   std::size_t seen() const { return seen_; }          // cases
   std::size_t restless() const { return restless_; }  // cases that slip off or do not rest
   std::size_t unsolved() const { return unsolved_; }  // poses whose truth was not found
@@ -51,7 +61,10 @@ class Hand {
   std::size_t many() const { return many_; }  // of these, with more than ten contacts
 
  private:
+  void press(const HandCase& contact, std::uint64_t seed);
+
   std::array<std::vector<double>, kMotions> errors_;
+  std::vector<Each> each_;
   std::vector<double> off_;
   std::size_t many_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
 };

@@ -149,30 +149,63 @@ TEST(RigidContact, AnEdgeAcrossAnEdgePushesWhereTheyCross) {
   expect_near(found.on_hand.torque_nm, {-100 * turn, 0, 0}, 1e-5);
 }
 
-// The twin of the gaps: all pairs of triangles, one by one.
+// The twin of the gaps: the least of all pairs of triangles, one by one, less the standoff.
+double least_gap_m(const mesh::Mesh& scene, const mesh::Mesh& part, const Pose& pose,
+                   double standoff_m) {
+  double least_m = 1e300;
+  for (const mesh::Triangle& a : scene.triangles) {
+    for (const mesh::Triangle& b : part.triangles) {
+      exact::Corners first, second;
+      for (std::size_t n = 0; n < 3; ++n) {
+        const mesh::Vec3d &v = scene.vertices[a[n]], &w = part.vertices[b[n]];
+        first[n] = {v[0], v[1], v[2]};
+        second[n] = pose.orientation * glm::dvec3(w[0], w[1], w[2]) + pose.position_m;
+      }
+      least_m = std::min(least_m, exact::triangle_distance(first, second).distance_m);
+    }
+  }
+  return least_m - standoff_m;
+}
+
+void expect_least(MeshGaps& gaps_at, const Pose& pose, double reach_m, double wanted_m) {
+  double found_m = reach_m;
+  for (const Gap& gap : gaps_at(pose)) found_m = std::min(found_m, gap.gap_m);
+  ASSERT_NEAR(found_m, std::min(reach_m, wanted_m), 1e-12);
+}
+
 TEST(MeshGaps, TheLeastIsTheDistanceOfAllTriangles) {
+  constexpr double kStandoff = 0.005, kReach = 0.02;
   Random random(20261129);
   const mesh::Mesh scene = stress::sphere(0.05, 16), part = stress::box(kHalfM);
-  MeshGaps gaps_at(scene, part, 0.005, 0.02);
+  MeshGaps gaps_at(scene, part, kStandoff, kReach);
   for (int i = 0; i < 40; ++i) {
+    SCOPED_TRACE(i);
     const double out_m = uniform(random, 0.088, 0.1), turn = uniform(random, 0, 3);
     const glm::dvec3 direction = random_direction(random), axis = random_direction(random);
     const Pose pose{out_m * direction, coupling::rotation_by(turn * axis)};
-    double least_m = 1e300;
-    for (const mesh::Triangle& a : scene.triangles) {
-      for (const mesh::Triangle& b : part.triangles) {
-        exact::Corners first, second;
-        for (std::size_t n = 0; n < 3; ++n) {
-          const mesh::Vec3d &v = scene.vertices[a[n]], &w = part.vertices[b[n]];
-          first[n] = {v[0], v[1], v[2]};
-          second[n] = pose.orientation * glm::dvec3(w[0], w[1], w[2]) + pose.position_m;
-        }
-        least_m = std::min(least_m, exact::triangle_distance(first, second).distance_m);
-      }
+    ASSERT_NO_FATAL_FAILURE(
+        expect_least(gaps_at, pose, kReach, least_gap_m(scene, part, pose, kStandoff)));
+  }
+}
+
+// Far features are not searched again until the part has gone as far: at the end of a way in small
+// steps they are near.
+TEST(MeshGaps, TheLeastStaysThatOfAllTrianglesOverSmallSteps) {
+  constexpr double kStandoff = 0.005, kReach = 0.0003;
+  Random random(20261130);
+  const mesh::Mesh scene = stress::sphere(0.05, 12), part = stress::box(kHalfM);
+  for (int way = 0; way < 8; ++way) {
+    MeshGaps gaps_at(scene, part, kStandoff, kReach);
+    const glm::dvec3 from = random_direction(random), axis = random_direction(random);
+    const double spin_radpm = uniform(random, 0, 30);
+    int near = 0;
+    for (double out_m = 0.11; near < 5; out_m -= 0.0007) {
+      SCOPED_TRACE(out_m);
+      const Pose pose{out_m * from, coupling::rotation_by(spin_radpm * out_m * axis)};
+      const double wanted_m = least_gap_m(scene, part, pose, kStandoff);
+      ASSERT_NO_FATAL_FAILURE(expect_least(gaps_at, pose, kReach, wanted_m));
+      near += wanted_m < kReach ? 1 : 0;
     }
-    double found_m = 0.02;
-    for (const Gap& gap : gaps_at(pose)) found_m = std::min(found_m, gap.gap_m);
-    ASSERT_NEAR(found_m, std::min(0.02, least_m - 0.005), 1e-12) << i;
   }
 }
 

@@ -24,6 +24,7 @@ class MeshGaps {
     for (const part::Vec3& v : part_.soup.vertices) {
       radius_m_ = std::max(radius_m_, glm::length(glm_of(v)));
     }
+    far_m_.resize(part_.soup.vertices.size() + scene_.soup.vertices.size() + part_.edges.size());
   }
   MeshGaps(const MeshGaps&) = delete;  // the trees know the soups
 
@@ -39,6 +40,7 @@ class MeshGaps {
 
  private:
   static constexpr double kSlackM = 0.0005;
+  static constexpr double kAheadM = 0.01;  // farther than needed is searched, so that it holds
 
   // A triangle, an edge or a corner: what is missing repeats the last.
   using Feature = std::array<std::uint32_t, 3>;
@@ -126,12 +128,18 @@ class MeshGaps {
   void find_near(const Pose& pose) {
     const double within_m = standoff_m_ + reach_m_ + 2 * kSlackM;
     near_.clear();
+    if (near_of_) gone_m_ += way_m(*near_of_, pose);
+    auto far_m = far_m_.begin();
     const auto add = [&](const Surface& surface, const glm::dvec3& middle, double half_m,
                          const auto& pairs_of) {
-      const auto nearest = surface.tree.nearest(vec3_of(middle), within_m + half_m);
-      if (!nearest.found) return;
-      const double most_m =
-          std::min(within_m, std::sqrt(nearest.distance_squared) + half_m + 2 * kSlackM);
+      double& known_m = *far_m++;
+      if (known_m - gone_m_ > within_m + half_m) return;
+      const double search_m = within_m + half_m + kAheadM;
+      const auto nearest = surface.tree.nearest(vec3_of(middle), search_m);
+      const double distance_m = nearest.found ? std::sqrt(nearest.distance_squared) : search_m;
+      known_m = distance_m + gone_m_;
+      if (distance_m > within_m + half_m) return;
+      const double most_m = std::min(within_m, distance_m + half_m + 2 * kSlackM);
       surface.tree.visit_near(vec3_of(middle), most_m + half_m, [&](std::uint32_t triangle) {
         pairs_of(surface.soup.triangles[triangle], [&](const Pair& pair) {
           if (gap_of(pair, pose).gap_m + standoff_m_ < most_m) near_.push_back(pair);
@@ -146,7 +154,10 @@ class MeshGaps {
     for (std::uint32_t v = 0; v < scene_.soup.vertices.size(); ++v) {
       const glm::dvec3 place =
           glm::conjugate(pose.orientation) * (glm_of(scene_.soup.vertices[v]) - pose.position_m);
-      if (glm::length(place) > radius_m_ + within_m) continue;
+      if (glm::length(place) > radius_m_ + within_m) {
+        ++far_m;
+        continue;
+      }
       add(part_, place, 0, [&](const Feature& t, const auto& keep) { keep(Pair{{v, v, v}, t}); });
     }
     for (const Feature& edge : part_.edges) {
@@ -163,6 +174,11 @@ class MeshGaps {
 
   Surface scene_, part_;
   double standoff_m_, reach_m_, radius_m_ = 0;
+  // For every corner, and edge of the part, in the order of find_near(): its least possible
+  // distance from the other surface, plus the way gone_m_ that the part had gone when that was
+  // found.
+  std::vector<double> far_m_;
+  double gone_m_ = 0;
   std::optional<Pose> near_of_;
   std::vector<Pair> near_;
 };
