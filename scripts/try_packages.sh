@@ -83,7 +83,7 @@ bash /tmp/project/help_examples.sh /tmp/project/sample_data
 cp pin/worst.png pin/installed.png pin/report.html /tmp/project/pictures
 # A live run, in a picture.
 voxrun bay.vox part.pshell --motion press.csv --udp 7000 --quiet &
-voxview bay.json bay.vox part.pshell --listen 7000 --duration 3s --screenshot /tmp/project/pictures/live.png
+voxview bay.json bay.vox part.pshell --listen 7000 --screenshot /tmp/project/pictures/live.png
 wait
 # Only these files.
 voxrun bay.vox part.pshell --duration 0.1s --quiet --expect "$(sha256sum bay.vox | cut -c 1-64)" \
@@ -202,9 +202,10 @@ OBJ
 voxelize floor.obj --units mm --voxel-size 5mm -o floor.vox
 pointshell part.obj --units mm --voxel-size 5mm -o part.pshell
 
-# C by pkg-config, and the device plugin, by the commands of their page.
+# C by pkg-config, and the device plugin, by the command of its page.
 cd examples
-sed -n 's/^    cc/cc/p; s/^A plugin links nothing: `\(.*\)`\.$/\1/p' README.md >commands.sh
+echo 'cc embed.c $(pkg-config --cflags --libs forcelayer) -o embed' >commands.sh
+sed -n 's/.*`\(cc -shared .*\)`\.$/\1/p' README.md >>commands.sh
 test "$(grep -c ^cc commands.sh)" = 2
 sh -eux commands.sh
 ./embed ../floor.vox ../part.pshell ../part.pshell

@@ -46,6 +46,18 @@ Vector center_of(const PathRow& row, const Vector& center_m) {
   return {row.position_m[0] + arm[0], row.position_m[1] + arm[1], row.position_m[2] + arm[2]};
 }
 
+// The distance of a point from the axis about which the part turns between two rows, as far as the
+// orientation tells: that of the arm from a point on the axis.
+double radius_of_turn_m(const PathRow& from, const PathRow& to, const Vector& arm_m) {
+  const Quaternion turn = product(to.orientation_wxyz, conjugate(from.orientation_wxyz));
+  const Vector axis{turn[1], turn[2], turn[3]}, arm = rotated(from.orientation_wxyz, arm_m);
+  const double sine = length(axis);  // of half the angle
+  if (!(sine > 0)) return 0;
+  return length({axis[1] * arm[2] - axis[2] * arm[1], axis[2] * arm[0] - axis[0] * arm[2],
+                 axis[0] * arm[1] - axis[1] * arm[0]}) /
+         sine;
+}
+
 }  // namespace
 
 PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>& center_m) {
@@ -75,24 +87,44 @@ PathFacts path_facts(std::span<const PathRow> rows, const std::array<double, 3>&
 WideStep widest_step(std::span<const PathRow> rows, const std::array<double, 3>& center_m) {
   WideStep widest;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    const Quaternion& from = rows[i].orientation_wxyz;
-    const Quaternion turn = product(rows[i + 1].orientation_wxyz, conjugate(from));
-    const Vector axis{turn[1], turn[2], turn[3]}, arm = rotated(from, center_m);
-    const double sine = length(axis);  // of half the angle
-    if (!(sine > 0)) continue;
-    const double radius_m =
-        length({axis[1] * arm[2] - axis[2] * arm[1], axis[2] * arm[0] - axis[0] * arm[2],
-                axis[0] * arm[1] - axis[1] * arm[0]}) /
-        sine;
-    const double turn_rad = angle_between(from, rows[i + 1].orientation_wxyz);
+    const double turn_rad = angle_between(rows[i].orientation_wxyz, rows[i + 1].orientation_wxyz);
     const double quarter = std::sin(turn_rad / 4);
-    const double aside_m = radius_m * 2 * quarter * quarter;  // 1 - cos(turn / 2)
+    const double aside_m = 2 * quarter * quarter *
+                           radius_of_turn_m(rows[i], rows[i + 1], center_m);  // 1 - cos(turn / 2)
     if (!(aside_m > widest.aside_m)) continue;
     widest = {i, turn_rad,
               length(difference(center_of(rows[i + 1], center_m), center_of(rows[i], center_m))),
               aside_m};
   }
   return widest;
+}
+
+Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
+                                          const std::array<double, 3>& pivot_m,
+                                          const std::array<double, 3>& center_m, double within_m) {
+  const Vector arm_m = difference(center_m, pivot_m);
+  std::vector<PathRow> all{rows.front()};
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const PathRow &from = rows[i], &to = rows[i + 1];
+    const double turn_rad = angle_between(from.orientation_wxyz, to.orientation_wxyz);
+    const double radius_m = radius_of_turn_m(from, to, arm_m);
+    const double steps = std::max(1.0, std::ceil(turn_rad * std::sqrt(radius_m / (8 * within_m))));
+    if (!(static_cast<double>(all.size()) + steps <= double{kMaxPathRows})) {
+      return Error{ErrorCode::kUsage, "", "", "the turns about this point take too many poses",
+                   "check the unit of the point"};
+    }
+    for (double n = 1; n < steps; ++n) {
+      const double time_s = from.time_s + n / steps * (to.time_s - from.time_s);
+      if (!(time_s > all.back().time_s && time_s < to.time_s)) {
+        return Error{ErrorCode::kUsage, "", "",
+                     "two rows are too near in time to add the poses of a turn between them",
+                     "let the times begin at 0"};
+      }
+      all.push_back(pose_at(rows.subspan(i, 2), time_s, pivot_m));
+    }
+    all.push_back(to);
+  }
+  return all;
 }
 
 PathRow pose_at(std::span<const PathRow> rows, double time_s,

@@ -45,6 +45,16 @@ PathRow pose_at(std::span<const PathRow> rows, double time_s,
 std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
                                const std::array<double, 3>& center_m);
 
+// A path whose poses lie on turns about the point `pivot_m` of the part (part frame): between two
+// rows that point goes straight, and the part turns about it. Rows are added until the same path
+// comes from the point `center_m` going straight: no point of the part is off by more than
+// `within_m`. A point at the distance r from the axis leaves its chord by at most r turn^2 / 8 in a
+// turn. Errors: kUsage where that takes too many rows, or times are so late that doubles are
+// farther apart than the rows.
+Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
+                                          const std::array<double, 3>& pivot_m,
+                                          const std::array<double, 3>& center_m, double within_m);
+
 // The same poses from the last to the first, over the same times.
 std::vector<PathRow> reversed(std::span<const PathRow> rows);
 

@@ -40,9 +40,7 @@ std::vector<ProvenMoment> moments_of(const CheckResult& result, bool some_are_al
 ExactRequest request_of(const Options& options, const clearance::LeftOut& allowed,
                         const CheckResult& result) {
   ExactRequest request;
-  request.scene = options.scene;
-  request.part = options.part;
-  request.path = options.path;
+  static_cast<PathSource&>(request) = options;
   name_meshes(options, request);
   request.required_m = options.clearance_m;
   request.min_s = result.smallest.time_s;

@@ -66,6 +66,7 @@ std::string text_of(const ExactRequest& r) {
   return Json{{"scene", bytes_of(r.scene)},
               {"part", bytes_of(r.part)},
               {"path", bytes_of(r.path)},
+              {"pivot_m", r.pivot_m ? Json(*r.pivot_m) : Json()},
               {"meshes", bytes_of(r.meshes)},
               {"part_meshes", bytes_of(r.part_meshes)},
               {"without", bytes_of(r.without)},
@@ -95,6 +96,9 @@ Result<ExactRequest> exact_request(const std::string& text) {
         r.scene = text_from(json.at("scene"));
         r.part = text_from(json.at("part"));
         r.path = text_from(json.at("path"));
+        if (const Json& pivot = json.at("pivot_m"); !pivot.is_null()) {
+          r.pivot_m = pivot.get<std::array<double, 3>>();
+        }
         r.meshes = texts_from(json.at("meshes"));
         r.part_meshes = texts_from(json.at("part_meshes"));
         r.without = texts_from(json.at("without"));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/result.h"
+#include "runtime/voxcheck/path_source.h"
 
 namespace forcelayer::voxcheck {
 
@@ -28,8 +29,7 @@ struct ProvenMoment {
   bool seated = false;  // the seat's objects do not count in `min_m`
 };
 
-struct ExactRequest {
-  std::string scene, part, path;  // baked files and path, as given
+struct ExactRequest : PathSource {
   std::vector<std::string> meshes, part_meshes, without;
   std::optional<double> unit_m, part_unit_m;  // meters per file unit
   bool allow_outside = false;

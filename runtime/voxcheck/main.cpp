@@ -48,7 +48,7 @@ Status prepare_outputs(Options& options) {
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--report csv", &options.csv, FileKind::kTable},
-      {"--picture", &options.picture, FileKind::kPicture},
+      {"--report picture", &options.picture, FileKind::kPicture},
       {"--report junit", &options.junit, FileKind::kExport},
       {"--report gitlab", &options.code_quality, FileKind::kReport}};
   if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
@@ -158,7 +158,7 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
       command::text(
           "from %.3f to %.3f s the part turns by %.3g degrees between two rows. Its centroid is "
           "moved straight, by %.3f mm. If the origin of its frame moved straight instead, the part "
-          "is up to %.3f mm away from there: add rows in between, or use voxinfo path --resample",
+          "is up to %.3f mm away from there: add rows in between, or give --center 0,0,0m",
           rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
           1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);
@@ -173,7 +173,7 @@ Status check(const Options& options) {
   warn_of_missing_faces(options.scene, *scene, options.part, *part, options.quiet);
   const auto allowed = named_objects(*scene, options.allow);
   if (!allowed) return allowed.error();
-  const auto rows = read_part_path(options.path, options.scene, options.part);
+  const auto rows = read_part_path(options, *part);
   if (!rows) return rows.error();
   warn_of_wide_step(options, *scene, *part, *rows);
   const clearance::CenterPath path(*rows, *part);
@@ -228,12 +228,12 @@ int run(int argc, char** argv) {
   command::arrange_help(
       app,
       {{"Question",
-        {"--clearance", "--seat", "--felt-seat", "--seat-depth", "--allow", "--fail-on",
+        {"--clearance", "--center", "--seat", "--felt-seat", "--seat-depth", "--allow", "--fail-on",
          "--threads"}},
        {"Meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox", "--time"}},
-       {"Output", {"--picture", "--report"}}},
+       {"Output", {"--report"}}},
       "  voxcheck bay.vox part.pshell run.csv                      1 mm along a trace\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --report junit:verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");

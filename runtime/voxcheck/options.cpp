@@ -27,6 +27,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   app.add_option("--clearance", clearance_,
                  "required distance between the exact surfaces, default 1mm");
   app.add_option(
+      "--center", center_,
+      "point of the part, x,y,z in the part's frame, that moves straight between two poses of the "
+      "path while the part turns about it, such as 0,0,0m; default: the centroid");
+  app.add_option(
       "--seat", seat_,
       "pose world_from_part in which the part is installed, x,y,z[,qw,qx,qy,qz]. At the "
       "beginning and at the end of the path, the part may be near the objects that it touches in "
@@ -48,13 +52,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   app.add_option("--time", time_,
                  "with --exact: time after which the measurement ends, with the answer undecided; "
                  "default: no limit");
+  app.add_option("--json", options_.json, "write a report to this file");
   app.add_option("--threads", options_.threads,
                  "number of threads, default all; the number does not change the answer")
       ->check(CLI::Range(1u, kMaxThreads));
-  app.add_option(
-      "--picture", options_.picture,
-      "write a picture (PNG) of the worst moment, drawn by voxview with the meshes of --exact");
-  app.add_option("--json", options_.json, "write a report to this file");
   command::name_value(
       command::add_texts(
           app, "--report", reports_, '\n',
@@ -62,7 +63,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
           "clearance over time. junit:FILE: the verdict as a test result, XML. "
           "gitlab:FILE: violations and warnings for a GitLab merge request, JSON. "
           "github: violations and warnings as printed lines, which GitHub shows at the path's "
-          "file"),
+          "file. picture:FILE: the worst moment as a PNG, drawn by voxview with the meshes of "
+          "--exact"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
@@ -73,7 +75,8 @@ Result<Options> OptionParser::finish() const {
   const command::ValueName reports[] = {{.name = "csv", .text = &options.csv},
                                         {.name = "junit", .text = &options.junit},
                                         {.name = "gitlab", .text = &options.code_quality},
-                                        {.name = "github", .is_given = &options.github}};
+                                        {.name = "github", .is_given = &options.github},
+                                        {.name = "picture", .text = &options.picture}};
   if (Status read = command::read_reports(reports_, reports); !read) return read.error();
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
@@ -90,6 +93,11 @@ Result<Options> OptionParser::finish() const {
                    "leave it out"};
     }
     options.max_s = *time_s;
+  }
+  if (!center_.empty()) {
+    const auto center_m = command::parse_point(center_);
+    if (!center_m) return about("--center", center_m.error());
+    options.pivot_m = *center_m;
   }
   if (!seat_.empty()) {
     const auto seat = command::parse_pose(seat_);

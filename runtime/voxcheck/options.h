@@ -8,11 +8,11 @@
 #include "forcelayer/pose.h"
 #include "formats/result.h"
 #include "runtime/voxcheck/mesh_options.h"
+#include "runtime/voxcheck/path_source.h"
 
 namespace forcelayer::voxcheck {
 
-struct Options : MeshOptions {
-  std::string scene, part, path;
+struct Options : MeshOptions, PathSource {
   double clearance_m = 0;
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
@@ -38,7 +38,7 @@ class OptionParser {
  private:
   Options options_;
   MeshOptionParser meshes_;
-  std::string clearance_, seat_, time_, reports_;
+  std::string clearance_, center_, seat_, time_, reports_;
 };
 
 }  // namespace forcelayer::voxcheck

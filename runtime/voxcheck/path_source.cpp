@@ -1,5 +1,6 @@
 #include "runtime/voxcheck/path_source.h"
 
+#include "formats/path/path_edit.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/stream/replay.h"
 
@@ -39,10 +40,17 @@ Result<std::vector<PathRow>> read_recording(const std::string& path, const std::
 
 }  // namespace
 
-Result<std::vector<PathRow>> read_part_path(const std::string& path, const std::string& scene,
-                                            const std::string& part) {
-  if (stream::is_recording(path)) return read_recording(path, scene, part);
-  return read_path(path, PathOf::kPart);
+Result<std::vector<PathRow>> read_part_path(const PathSource& source, const Pshell& part) {
+  const bool is_recording = stream::is_recording(source.path);
+  auto rows = is_recording ? read_recording(source.path, source.scene, source.part)
+                           : read_path(source.path, PathOf::kPart);
+  if (!rows || !source.pivot_m) return rows;
+  const auto& center = part.header().center_m;
+  auto turned = turned_about(*rows, *source.pivot_m, {center[0], center[1], center[2]}, kPivotM);
+  if (turned) return turned;
+  Error error = turned.error();
+  error.file = source.path, error.where = "--center";
+  return error;
 }
 
 }  // namespace forcelayer::voxcheck

@@ -105,7 +105,7 @@ Status draw_picture(const Report& report, const command::Verdict& verdict) {
                                         "forcelayer-viewer");
   if (!end) return end.error();
   if (end->status == 0) return {};
-  return Error{ErrorCode::kInternal, options.picture, "--picture",
+  return Error{ErrorCode::kInternal, options.picture, "--report picture",
                "voxview ended with status " + std::to_string(end->status), "see its error above"};
 }
 

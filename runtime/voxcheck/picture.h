@@ -1,4 +1,4 @@
-// --picture: the worst moment of a path, drawn by voxview.
+// --report picture: the worst moment of a path, drawn by voxview.
 #pragma once
 
 #include "formats/result.h"

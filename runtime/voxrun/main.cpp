@@ -74,7 +74,7 @@ void arrange(CLI::App& app) {
          "--guide", "--expect"}},
        {"Loop",
         {"--duration", "--threads", "--as-fast-as-possible", "--model", "--force", "--set"}},
-       {"Output", {"--trace", "--save-path", "--record", "--replay", "--on-new-scene", "--udp"}}},
+       {"Output", {"--trace", "--save-path", "--record", "--replay", "--udp"}}},
       "  voxrun bay.vox part.pshell --motion press.csv --trace run.csv   a scripted hand\n"
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"

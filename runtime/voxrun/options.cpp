@@ -100,9 +100,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "write the part's path, a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
   command::add_text(app, "--replay", options_.replay,
-                    "repeat a recording bit for bit, instead of a device");
-  command::add_flag(app, "--on-new-scene", options_.on_new_scene,
-                    "replay only the inputs of the recording, on another bake");
+                    "repeat a recording bit for bit, instead of a device. inputs:FILE: replay only "
+                    "the inputs of the recording, on another bake");
   command::add_text(app, "--udp", options_.udp,
                     "send the pose stream to [HOST:]PORT[@RATE], RATE datagrams a second, default "
                     "60 (1 to 100000)");
@@ -257,9 +256,6 @@ Status OptionParser::check(const Options& options) const {
     return usage("--seat", "is only for --model default: the paper's model has no seat",
                  "leave it out");
   }
-  if (options.on_new_scene && options.replay.empty()) {
-    return usage("--on-new-scene", "requires --replay", "give both");
-  }
   if (options.replay.empty()) {
     const bool endless = !options.duration_s && options.motion.empty() && !options.pull_m;
     if (options.as_fast_as_possible && endless) {
@@ -287,6 +283,9 @@ Status OptionParser::finish() {
   options.run.scene = texts_.scene;
   options.run.part = texts_.part;
   if (Status read = read_device(texts_.device, options); !read) return read;
+  constexpr std::string_view kInputs = "inputs:";
+  options.on_new_scene = options.replay.starts_with(kInputs);
+  if (options.on_new_scene) options.replay.erase(0, kInputs.size());
   if (!options.replay.empty()) {
     if (command::is_given(app_, "--device")) {
       return usage("--replay", "replaces the device", "leave out --device");

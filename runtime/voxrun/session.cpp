@@ -89,7 +89,7 @@ Status open_recording(const Options& options, const Voxmap& voxmap, const Pshell
   auto recording = stream::Recording::open(options.replay);
   if (!recording) return recording.error();
   if (options.on_new_scene) {
-    session.facts.warnings.push_back("--on-new-scene: only the inputs of " + options.replay +
+    session.facts.warnings.push_back("--replay: only the inputs of " + options.replay +
                                      " are used; the outcomes are not compared");
   } else if (Status same = recording->check_files(voxmap, shell); !same) {
     return same;

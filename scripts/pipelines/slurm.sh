@@ -35,7 +35,7 @@ case ${1:-submit} in
     path=$(ls paths/*.csv | sed -n "${SLURM_ARRAY_TASK_ID}p")
     verdict=verdicts/$(basename "$path" .csv)
     voxcheck scene.vox part.pshell "$path" --clearance "$CLEARANCE" \
-      --exact "$SCENE" --part "$PART" --part-units "$PART_UNITS" --picture "$verdict.png" \
+      --exact "$SCENE" --part "$PART" --part-units "$PART_UNITS" --report "picture:$verdict.png" \
       --json "$verdict.json" --report "junit:$verdict.xml"
     ;;
 esac

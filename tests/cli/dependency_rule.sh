@@ -81,7 +81,7 @@ runtime/run:            formats formats/audit formats/digest runtime/field runti
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
 voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
 runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
-workbench/viewer/run:    formats runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
+workbench/viewer/run:    formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/command/verdict formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/command/spelling formats/command/verdict formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream

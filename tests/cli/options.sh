@@ -3,7 +3,7 @@
 # option is better than an option. The habits of every command (--json, --quiet, --help, --version) do not count.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR
-limit=143
+limit=140
 
 # options_of COMMAND [SUBCOMMAND]: the first spelling of each of its options, a line each.
 options_of() { "$bin/$1" "${@:2}" --help | sed -nE 's/^  (-[^ ]+).*/\1/p' | grep -vE -- '--(json|quiet|help|version)$' || true; }

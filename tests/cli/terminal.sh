@@ -161,7 +161,7 @@ voxrun doctor --json no/a.json
 voxcheck none.vox none.pshell none.csv --json no/a.json
 voxcheck none.vox none.pshell none.csv --report csv:no/a.csv
 voxcheck none.vox none.pshell none.csv --report junit:no/a.xml
-voxcheck none.vox none.pshell none.csv --picture no/a.png
+voxcheck none.vox none.pshell none.csv --report picture:no/a.png
 voxcheck none.vox none.pshell none.csv --report gitlab:no/a.json
 voxplan none.vox none.pshell -o no/a.csv
 voxplan none.vox none.pshell -o a.csv --json no/a.json

@@ -223,6 +223,31 @@ check 0 opened.vox cover.pshell fine.csv --clearance 12.7mm
 "$bin/voxinfo" path pivot.csv --resample 5ms -o close.csv --quiet
 check 0 opened.vox cover.pshell close.csv --clearance 12.7mm
 ! grep -q 'between two rows' err.txt || fail "warned of resampled steps: $(cat err.txt)"
+# The point that moves straight can be given: then few rows are the same motion as many, by files and by meshes.
+"$bin/voxinfo" path pivot.csv --resample 0.2ms -o closer.csv --quiet
+hows=("")
+[ ! -x "$bin/voxcheck-exact" ] || hows+=("--exact $data/gearbox.glb --without Lid --part $data/gearbox.glb#Cover")
+for how in "${hows[@]}"; do
+  # shellcheck disable=SC2086  # words, or none
+  check 0 opened.vox cover.pshell pivot.csv --clearance 12.7mm --center 0,0,0m $how --json center.json
+  ! grep -q 'between two rows' err.txt || fail "warned of a center: $(cat err.txt)"
+  # shellcheck disable=SC2086
+  check 0 opened.vox cover.pshell closer.csv --clearance 12.7mm $how --json closer.json
+  # shellcheck disable=SC2086
+  check 0 opened.vox cover.pshell pivot.csv --clearance 12.7mm $how --json centroid.json
+  python3 - <<'PYTHON' || fail "--center: $(cat center.json)"
+import json
+least_m = {}
+for name in ("center", "closer", "centroid"):
+    least = json.load(open(name + ".json"))["min_clearance"]
+    least_m[name] = least.get("exact_m", least["clearance_m"])
+# Measured distances are found to a hundred thousandth. What the files prove depends on the poses.
+within_m = 2e-7 + 1e-5 * least["exact_m"] if "exact_m" in least else 1e-4
+assert abs(least_m["center"] - least_m["closer"]) < within_m < abs(least_m["center"] - least_m["centroid"]), least_m
+PYTHON
+done
+check 2 opened.vox cover.pshell pivot.csv --center 0,0
+errs '--center'
 # The scene holds the part too: it is seated on itself, all over.
 "$bin/voxelize" "$data/gearbox.glb" --voxel-size 2mm -o whole.vox --quiet
 check 6 whole.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --felt-seat
@@ -364,7 +389,7 @@ PYTHON
     chmod +x beside/voxview
     for count in 0 ${#meshes[@]}; do
       rm -f beside/asked
-      bin=$PWD/beside check 6 "${held[@]}" "${meshes[@]:0:count}" --picture no.png
+      bin=$PWD/beside check 6 "${held[@]}" "${meshes[@]:0:count}" --report picture:no.png
       grep -A 1 -x -e --title beside/asked | grep -q '^Does not come out' || fail "the picture's title: $(cat beside/asked)"
       grep -A 1 -x -e --measure-object beside/asked | grep -qx Gearbox/Lid/Bolt || fail "the picture's object: $(cat beside/asked)"
       grep -A 1 -x -e --measure-words beside/asked | grep -qE '^[0-9.]+ mm deep$' || fail "the picture's measure: $(cat beside/asked)"
@@ -404,9 +429,9 @@ fi
 
 # The picture of the worst moment: with meshes, and without.
 if [ -x "$bin/voxview" ] && [ -x "$bin/voxcheck-exact" ] && command -v xvfb-run >/dev/null; then
-  check 6 opened.vox cover.pshell sideways.csv --clearance 3.2mm "${exact[@]}" --picture meshes.png
-  check 6 opened.vox cover.pshell through.csv --picture voxels.png
-  check 0 opened.vox cover.pshell over.csv --picture far.png
+  check 6 opened.vox cover.pshell sideways.csv --clearance 3.2mm "${exact[@]}" --report picture:meshes.png
+  check 6 opened.vox cover.pshell through.csv --report picture:voxels.png
+  check 0 opened.vox cover.pshell over.csv --report picture:far.png
   python3 - <<'PYTHON'
 import struct
 for name in ("meshes", "voxels", "far"):
@@ -468,7 +493,7 @@ told 0 0 1 'broken.csv: line 3'
 # On the standard output too, once.
 check 2 opened.vox cover.pshell broken.csv --report junit:- --quiet
 python3 -c 'import xml.etree.ElementTree as tree; assert tree.parse("out.txt").getroot().get("errors") == "1"' || fail "$(cat out.txt)"
-for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github" \
+for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github, picture" \
   "csv 'csv' needs a file; write csv:FILE once" "junit: 'junit' needs a file; write junit:FILE once" \
   "github:a.txt 'github' takes no file: it is printed; write github alone"; do
   check 2 opened.vox cover.pshell out.csv --report "${wrong%% *}"

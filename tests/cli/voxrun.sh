@@ -208,7 +208,7 @@ expect 4 'which is not expected' rotten.vox ball.pshell "${fast[@]}" --expect $s
 
 # A replay with another scene is refused.
 expect 4 'recorded with' unlayered.vox ball.pshell --replay run.flr
-expect 2 'requires --replay' floor.vox ball.pshell --on-new-scene
+expect 1 'no such file' floor.vox ball.pshell --replay inputs:none.flr
 
 # Errors leave no output behind; a signal ends the run in order, with its report.
 rm -f bad.json bad.csv

@@ -162,20 +162,20 @@ refuses "--scene-next: 'open.vox@1s' is earlier than the scene before it" --scen
 refuses "--device scene: needs a clock" --device hid:scene=1 --as-fast-as-possible
 refuses "--json: is an input of this command" --scene-next open.vox --json open.vox
 # A recording on another bake: the same hand, which the plate no longer holds; not where it begins in metal.
-replay() { "$bin/voxrun" "$1.vox" part.pshell --replay pressed.flr --as-fast-as-possible "${@:2}" >out 2>err; }
+replay() { "$bin/voxrun" "$1.vox" part.pshell --replay "$2" --as-fast-as-possible "${@:3}" >out 2>err; }
 "$bin/voxrun" plate.vox part.pshell --motion press.csv --duration 2s --as-fast-as-possible --record pressed.flr \
   --trace pressed.csv --json pressed.json --quiet || fail "the run that is recorded"
-replay open && fail "a recording on another scene without --on-new-scene"
-replay plate --on-new-scene --json again.json || fail "on its own scene: $(cat err)"
-replay open --on-new-scene --json opened.json --trace opened.csv --save-path opened_path.csv || fail "on another: $(cat err)"
-grep -q 'warning: --on-new-scene: only the inputs of pressed.flr are used' err || fail "not said: $(cat err)"
-replay buried --on-new-scene && fail "a start in metal"
+replay open pressed.flr && fail "a recording on another scene, not for its inputs alone"
+replay plate inputs:pressed.flr --json again.json || fail "on its own scene: $(cat err)"
+replay open inputs:pressed.flr --json opened.json --trace opened.csv --save-path opened_path.csv || fail "on another: $(cat err)"
+grep -q 'warning: --replay: only the inputs of pressed.flr are used' err || fail "not said: $(cat err)"
+replay buried inputs:pressed.flr && fail "a start in metal"
 [ "$(wc -l <err)" = 1 ] || fail "$(cat err)"
 python3 - <<'PYTHON' || fail "the replays"
 import csv, json
 pressed, again, opened = (json.load(open(name + ".json")) for name in ("pressed", "again", "opened"))
 assert again["outcome_hash"] == pressed["outcome_hash"] != opened["outcome_hash"]
-assert any("--on-new-scene" in warning for warning in opened["warnings"])
+assert any("--replay: only the inputs" in warning for warning in opened["warnings"])
 before, after = (list(csv.DictReader(open(name + ".csv"))) for name in ("pressed", "opened"))
 keys = [key for key in before[0] if key == "t_s" or key.startswith("handle_")]
 assert len(before) == len(after) == 2000 and all(a[k] == b[k] for a, b in zip(before, after) for k in keys)

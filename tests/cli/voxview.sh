@@ -71,7 +71,7 @@ for kind in "--kind paper" "--kind lean" "--range 30mm" "--compliance 4mm:1N,20m
 done
 
 # Words that are wider than the picture go on below: none touches its right edge, where they were cut off.
-"$bin/voxview" bay.vox --view-from 0,0,1 --size 600x450 --scale 2 --show force-layer --quiet --screenshot words.png
+"$bin/voxview" bay.vox --view-from 0,0,1 --size 600x450@2 --show force-layer --quiet --screenshot words.png
 "$python" - <<'END'
 import numpy
 from matplotlib import image
@@ -257,7 +257,7 @@ END
 kill -0 $sender || fail "the run did not outlive its viewer"
 kill $sender
 wait $sender || true
-"$bin/voxview" "$data/bay.json" bay.vox part.pshell --trace trace.csv --size 320x240 --duration 1s ||
+"$bin/voxview" draw "$data/bay.json" bay.vox part.pshell --trace trace.csv --size 320x240 --duration 1s ||
   fail "the window"
 
 # A picture for people: the size asked for, light paper, and neither empty nor full.
@@ -273,11 +273,11 @@ END
 # A turntable: a movie of 72 pictures, the first of them the plan's, the nineteenth a quarter about z further; a whole scene
 # is never cut off.
 movie=(--plain --size 200x150 --show force-layer)
-"$bin/voxview" draw bay.vox "${movie[@]}" --view-from 1,0.5,0.4 --pixels-per-voxel 1 --turntable turn.png
+"$bin/voxview" draw bay.vox "${movie[@]}" --view-from 1,0.5,0.4 --pixels-per-voxel 1 --screenshot turntable:turn.png
 for picture in 0:1,0.5,0.4 18:-0.5,1,0.4; do
   "$bin/voxview" draw bay.vox "${movie[@]}" --view-from "${picture#*:}" --pixels-per-voxel 1 --screenshot "at_${picture%%:*}.png"
 done
-"$bin/voxview" draw bay.vox "${movie[@]}" --focus scene --turntable whole.png
+"$bin/voxview" draw bay.vox "${movie[@]}" --focus scene --screenshot turntable:whole.png
 "$python" - <<'END'
 import numpy
 from PIL import Image
@@ -297,7 +297,7 @@ for n, frame in enumerate(frames("whole.png")):
     rim = numpy.concatenate([frame[0], frame[-1], frame[:, 0], frame[:, -1]])
     assert (rim == 255).all() and (frame != 255).any(axis=2).mean() > 0.1, n
 END
-"$bin/voxview" bay.vox --turntable movie.gif 2>err.txt && fail "an ending of no picture was taken"
+"$bin/voxview" bay.vox --screenshot turntable:movie.gif 2>err.txt && fail "an ending of no picture was taken"
 
 # A machined part with another on it, which moves by 30 and 20 mm between two bakes.
 counter=$FORCELAYER_SOURCE_DIR/tests/models/counter.drc

@@ -389,8 +389,8 @@ def check_buttons(screen):
 
 def check_scale(screen):
     """Words and strip are twice as large where the screen says that its pixels are small, or the user does."""
-    def shown(*arguments):
-        process = viewer(screen, "--trace", "trace.csv", "--at", "0.5s", *arguments, size="1000x740")
+    def shown(scale=""):
+        process = viewer(screen, "--trace", "trace.csv", "--at", "0.5s", size="1000x740" + scale)
         picture = screen.wait(lambda now: (now[:740, :1000] > 0).any(axis=2).mean() > 0.9, "the window")
         screen.key("q")
         ends(process, 0, "q")
@@ -402,11 +402,11 @@ def check_scale(screen):
 
     usual = shown()
     assert abs(strip_height(usual) - 118) <= 2, strip_height(usual)
-    doubled = shown("--scale", "2")
+    doubled = shown("@2")
     assert abs(strip_height(doubled) - 236) <= 3, strip_height(doubled)
     screen.set_resources(b"*color: 1\nXft.dpi:\t192\n")
     assert (shown() == doubled).all(), "Xft.dpi is not heeded"
-    assert (shown("--scale", "1") == usual).all(), "--scale is not heeded"
+    assert (shown("@1") == usual).all(), "the scale of --size is not heeded"
     screen.set_resources(b"")
 
 

@@ -497,6 +497,54 @@ TEST(Path, AWideStepIsWhereTheOriginOrTheCentroidGoesStraight) {
   EXPECT_EQ(widest_step(std::span(still).first(1), {1, 2, 3}).aside_m, 0);
 }
 
+// Between the rows that are added the centroid goes straight, and no point is off by more than
+// allowed: every orientation is the same, so all points of the part are off as the centroid is.
+// With one row fewer in the longest turn it would be off by more than half of that.
+TEST(Path, TurnsAboutAPivotAsCloselyAsAllowed) {
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(-0.1, 0.1);
+    std::vector<PathRow> rows;
+    for (int n = 0; n < 4; ++n) {
+      PathRow row{double(n), {}, {}};
+      for (double& x : row.position_m) x = any(random);
+      double square = 0;
+      for (double& q : row.orientation_wxyz) q = any(random), square += q * q;
+      for (double& q : row.orientation_wxyz) q /= std::sqrt(square);
+      rows.push_back(row);
+    }
+    std::array<double, 3> center_m{}, pivot_m{};
+    for (double& x : center_m) x = any(random);
+    for (double& x : pivot_m) x = any(random);
+    constexpr double kWithinM = 1e-5;
+    const auto turned = turned_about(rows, pivot_m, center_m, kWithinM);
+    ASSERT_TRUE(turned) << to_line(turned.error());
+    double off_m = 0;
+    for (int n = 0; n <= 30000; ++n) {
+      const double time_s = 1e-4 * n;
+      const PathRow a = pose_at(*turned, time_s, center_m), b = pose_at(rows, time_s, pivot_m);
+      off_m = std::max(
+          off_m, std::hypot(a.position_m[0] - b.position_m[0], a.position_m[1] - b.position_m[1],
+                            a.position_m[2] - b.position_m[2]));
+    }
+    EXPECT_LE(off_m, kWithinM) << "seed " << seed;
+    EXPECT_GT(off_m, kWithinM / 2) << "seed " << seed;
+  }
+}
+
+// About the centroid, and where nothing turns, no row is added; too many are refused.
+TEST(Path, TurnsAboutAPivotByNoMoreRowsThanItNeeds) {
+  const std::vector<PathRow> half = {{0, {0, 0, 0}, {1, 0, 0, 0}}, {1, {1, 0, 0}, {0, 0, 0, 1}}};
+  EXPECT_EQ(turned_about(half, {1, 2, 3}, {1, 2, 3}, 1e-9)->size(), 2u);
+  EXPECT_EQ(turned_about(half, {1, 2, 0}, {1, 2, 3}, 1e-9)->size(), 2u);  // along the axis
+  const std::vector<PathRow> still = {{0, {0, 0, 0}, {1, 0, 0, 0}}, {1, {1, 0, 0}, {1, 0, 0, 0}}};
+  EXPECT_EQ(turned_about(still, {}, {1, 2, 3}, 1e-9)->size(), 2u);
+  EXPECT_EQ(turned_about(half, {}, {1e9, 0, 0}, 1e-9).error().code, ErrorCode::kUsage);
+  std::vector<PathRow> late = half;
+  for (PathRow& row : late) row.time_s = 1e12 + 2e-4 * row.time_s;
+  EXPECT_EQ(turned_about(late, {}, {1, 0, 0}, 1e-6).error().code, ErrorCode::kUsage);
+}
+
 // Seconds since 1970 are doubles 2.4e-7 s apart: a sample at 1.0000002 s is one at the end. Those
 // at 1e11 s are 1.5e-5 s apart.
 TEST(Path, IsResampledAtLateTimes) {

@@ -775,7 +775,7 @@ Result<ExactAnswer> check_exactly(const Meshes& meshes, const std::vector<PathRo
 Result<ExactAnswer> check_exactly(const ExactRequest& request) {
   const auto meshes = read_meshes(request, request.quiet);
   if (!meshes) return meshes.error();
-  const auto rows = voxcheck::read_part_path(request.path, request.scene, request.part);
+  const auto rows = voxcheck::read_part_path(request, meshes->shell);
   if (!rows) return rows.error();
   return check_exactly(*meshes, *rows, request);
 }

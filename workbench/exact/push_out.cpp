@@ -67,8 +67,8 @@ std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double rea
     });
     if (!(direction == Vec3{}) && !is_known) directions.push_back(direction);
   };
-  // Of the faces nearby. They are kept apart from the direction to the nearest place, which may be
-  // one of them: the edge of that face needs its normal, too.
+  // The normals of the faces nearby. They are kept apart from the direction to the nearest place,
+  // which may be one of them: the edge of that face needs its normal, too.
   std::vector<Vec3> normals;
   std::size_t seen = 0;
   visit_near(solid, hull, {}, reach_m, bend, [&](const Piece& triangle) {

@@ -30,6 +30,11 @@ Status check_numbers(const Options& options) {
     if (!length_m) return command::about(length.option, length_m.error());
     if (*length_m < 0) return usage(length.option, "must not be negative", "");
   }
+  if (!options.center.empty()) {
+    const auto center_m = command::parse_point(options.center);
+    if (!center_m) return command::about("--center", center_m.error());
+    if (options.path.empty()) return usage("--center", "has no effect without --path", "give both");
+  }
   if (!options.pull.empty()) {
     const auto shift_m = command::parse_point(options.pull);
     if (!shift_m) return command::about("--pull", shift_m.error());
@@ -64,6 +69,9 @@ OptionParser::OptionParser(CLI::App& study) {
                    "that lies deeper in its seat; default 4 voxels");
   study.add_option("--path", options_.path,
                    "the path to check: a CSV, a trace or a recording of voxrun");
+  study.add_option("--center", options_.center,
+                   "point of the part that moves straight between two poses of --path, as in "
+                   "voxcheck; default: the centroid");
   study.add_option("--pull", options_.pull,
                    "x,y,z: displacement by which a simulated hand pulls the part, instead of a "
                    "path, such as 0,0,60mm");

@@ -303,13 +303,14 @@ Step Study::check_step() const {
   const auto add = [&](const std::vector<std::string>& more) {
     step.arguments.insert(step.arguments.end(), more.begin(), more.end());
   };
+  if (!options_.center.empty()) add({"--center", options_.center});
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
   add_check_meshes(step);
   add({"--json", in("verdict.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
   if (draws_) {
-    add({"--picture", in("worst.png")});
+    add({"--report", "picture:" + in("worst.png")});
     step.outputs.push_back(in("worst.png"));
   }
   return step;
@@ -631,9 +632,9 @@ Step Study::question() const {
   Step question;
   question.program = "study";
   question.arguments = {options_.assembly, options_.node, options_.range, options_.clearance};
-  for (const std::string* text :
-       {&options_.voxel_size, &options_.units, &options_.up, &options_.path, &options_.pull,
-        &options_.time, &options_.seat, &options_.seat_depth, &options_.missing_faces}) {
+  for (const std::string* text : {&options_.voxel_size, &options_.units, &options_.up,
+                                  &options_.path, &options_.center, &options_.pull, &options_.time,
+                                  &options_.seat, &options_.seat_depth, &options_.missing_faces}) {
     question.arguments.push_back(*text);
   }
   for (const auto* list : {&options_.allow, &options_.without}) {

@@ -93,7 +93,7 @@ Status prepare_outputs(ViewOptions& options) {
   inputs.insert(inputs.end(), {options.inputs.before, options.inputs.part, options.run});
   const command::OutputFile outputs[] = {
       {"--screenshot", &options.screenshot, command::FileKind::kPicture},
-      {"--turntable", &options.turntable, command::FileKind::kPicture},
+      {"--screenshot turntable", &options.turntable, command::FileKind::kPicture},
       {"--json", &options.json, command::FileKind::kReport},
       {"--frame-times", &options.frame_times, command::FileKind::kReport}};
   return command::prepare_outputs(outputs, inputs);
@@ -149,10 +149,9 @@ int main(int argc, char** argv) {
       {{"View",
         {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
          "--cut"}},
-       {"A run and its moment",
-        {"--trace", "--at", "--listen", "--path", "--duration", "--part-pose"}},
+       {"A run and its moment", {"--trace", "--at", "--listen", "--path", "--part-pose"}},
        {"The eye", {"--view-from", "--focus"}},
-       {"Output", {"--screenshot", "--turntable", "--size", "--scale"}}},
+       {"Output", {"--screenshot", "--size"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
       "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");
   int exit_code = 0;

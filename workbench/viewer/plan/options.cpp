@@ -15,6 +15,7 @@ namespace {
 using command::about;
 
 constexpr int kSmallestPicture = 64, kLargestPicture = 8192;  // pixels a side
+constexpr double kSmallestScale = 0.5, kLargestScale = 8;     // of words and marks
 
 Error usage(const std::string& option, const std::string& what, const std::string& mend) {
   return {ErrorCode::kUsage, "", option, what, mend};
@@ -37,14 +38,20 @@ Result<std::optional<double>> unit_of(const std::string& text) {
 }
 
 Status read_size(const std::string& text, ViewOptions& options) {
-  char end = 0;
-  const int read = std::sscanf(text.c_str(), "%dx%d%c", &options.width, &options.height, &end);
+  char at = 0, end = 0;
+  double scale = 0;
+  const int read =
+      std::sscanf(text.c_str(), "%dx%d%c%lf%c", &options.width, &options.height, &at, &scale, &end);
+  const bool is_scaled =
+      read == 4 && at == '@' && scale >= kSmallestScale && scale <= kLargestScale;
   for (const int side : {options.width, options.height}) {
-    if (read != 2 || side < kSmallestPicture || side > kLargestPicture) {
+    if ((read != 2 && !is_scaled) || side < kSmallestPicture || side > kLargestPicture) {
       return usage("--size", "'" + text + "' is not a picture size",
-                   "write it in pixels like 1600x1000, each from 64 to 8192");
+                   "write it in pixels like 1600x1000, each from 64 to 8192, or with a scale from "
+                   "0.5 to 8 like 1600x1000@2");
     }
   }
+  if (is_scaled) options.scale = scale;
   return {};
 }
 
@@ -62,16 +69,15 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "otherwise it replaces the unit of the format");
   app.add_option("--part-units", texts_.part_units,
                  "unit of the mesh of --part, if it differs from --units");
-  app.add_option("--screenshot", options_.screenshot, "write a picture (PNG) and end");
-  app.add_option("--turntable", options_.turntable,
-                 "write an animated PNG in which the camera goes once around z, and end");
+  app.add_option("--screenshot", options_.screenshot,
+                 "write a picture (PNG) and end. turntable:FILE: write an animated PNG in which "
+                 "the camera goes once around z");
   app.add_option("--json", options_.json, "write the facts of the picture as numbers to this file");
-  app.add_option("--size", texts_.size, "size of the picture in pixels")->capture_default_str();
-  command::add_number(
-      app, "--scale", texts_.scale,
-      "scale of text and marks, such as 2 on a screen with 192 pixels an inch; default: the "
-      "screen's Xft.dpi / 96, and 1 for pictures",
-      {0.5, 8});
+  app.add_option("--size", texts_.size,
+                 "size of the picture in pixels. WIDTHxHEIGHT@SCALE also scales text and marks, "
+                 "such as @2 on a screen with 192 pixels an inch; default: the screen's Xft.dpi / "
+                 "96, and 1 for pictures")
+      ->capture_default_str();
   auto* run =
       app.add_option("--trace,--replay", options_.run,
                      "the run to show: a trace or a recording of voxrun, or a path of the part");
@@ -80,13 +86,11 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "clearance, or else of the strongest force")
       ->needs(run);
   app.add_option("--listen", options_.listen,
-                 "follow a run: [ADDRESS:]PORT that voxrun --udp sends to")
+                 "follow a run: [ADDRESS:]PORT that voxrun --udp sends to. --screenshot takes its "
+                 "picture after 3s")
       ->excludes(run);
   app.add_option("--path", options_.path,
                  "a path of the part to draw as a line, such as one of voxplan");
-  app.add_option("--duration", texts_.duration,
-                 "close the window, or take the picture, after this time. By default a window "
-                 "stays open, and a picture of a stream is taken after 3s");
   app.add_option("--part-pose", texts_.part_pose,
                  "pose world_from_part: x,y,z or x,y,z,qw,qx,qy,qz")
       ->excludes(run);
@@ -116,6 +120,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
 }
 
 void ViewOptionParser::add_draw_options(CLI::App& app) {
+  app.add_option("--duration", texts_.duration,
+                 "close the window, or take the picture, after this time. By default a window "
+                 "stays open, and a picture of a stream is taken after 3s");
   app.add_option("--frame-times", options_.frame_times,
                  "turn the scene once in the window, write the frame times (JSON) and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
@@ -162,7 +169,6 @@ Status ViewOptionParser::read_moment(ViewOptions& options) const {
 
 Status ViewOptionParser::read_camera(ViewOptions& options) const {
   if (Status size = read_size(texts_.size, options); !size) return size;
-  if (texts_.scale > 0) options.scale = texts_.scale;
   if (texts_.focus == "part") options.focus = Focus::kPart;
   if (texts_.focus == "scene") options.focus = Focus::kScene;
   if (!texts_.view_from.empty()) {
@@ -210,8 +216,8 @@ Status ViewOptionParser::read_measure(ViewOptions& options) const {
                   1e3 * glm::length(options.measure->part_m - options.measure->object_m));
     options.measure->words = words;
   }
-  return options.screenshot.empty() && options.turntable.empty()
-             ? usage("--measure", "has no effect without --screenshot or --turntable", "give both")
+  return options.screenshot.empty()
+             ? usage("--measure", "has no effect without --screenshot", "give both")
              : Status();
 }
 
@@ -222,6 +228,11 @@ Result<ViewOptions> ViewOptionParser::finish() const {
   if (Status camera = read_camera(options); !camera) return camera.error();
   if (Status measure = read_measure(options); !measure) return measure.error();
   options.color_objects = texts_.color == "object";
+  constexpr std::string_view kTurntable = "turntable:";
+  if (options.screenshot.starts_with(kTurntable)) {
+    options.turntable = options.screenshot.substr(kTurntable.size());
+    options.screenshot.clear();
+  }
   if (options.inputs.inputs.empty()) {
     return usage("", "no file to show is given", "name meshes, a manifest, a .vox or a .pshell");
   }

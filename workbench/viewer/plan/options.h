@@ -69,7 +69,6 @@ class ViewOptionParser {
     std::string view_from, focus = "auto", cut, shown, color = "one";
     std::string measure, measure_object, measure_words;
     int pixels_per_voxel = 0;
-    double scale = 0;
   };
   void add_draw_options(CLI::App& app);
   Status read_units(ViewOptions& options) const;
