@@ -331,7 +331,7 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
     };
     along = text("(%.4g, %.4g, %.4g)", digit(0), digit(1), digit(2));
   }
-  if (!is_straight) return "along a curved path toward " + along;
+  if (!is_straight) return "along a bent path toward " + along;
   return "straight along " + along + (facts.turn_rad > kTurnRad ? " and turning" : "");
 }
 

@@ -136,8 +136,7 @@ std::string seat_depth_text(const Report& report) {
   if (report.checked.result.seated.empty()) return "";
   if (!is_seat_settled(report)) {
     return text("in its seat, features narrower than %.2f mm are not seen%s",
-                ceil_mm(narrowest_felt_m(report)),
-                report.exact ? "" : "; add --exact to check them");
+                ceil_mm(narrowest_felt_m(report)), report.exact ? "" : "; the meshes show them");
   }
   const auto& seats = report.exact->seat;
   const auto deeper = [](const ExactSeat& seat) { return seat.deepest_m - seat.installed_m; };
@@ -208,7 +207,7 @@ command::Verdict verdict_of(const Report& report) {
   notes.insert(notes.end(), verdict.remarks.begin(), verdict.remarks.end());
   if (std::string line = seat_depth_text(report); !line.empty()) notes.push_back(std::move(line));
   if (const double within_m = hidden_within_m(report); within_m > 0) {
-    notes.push_back(hidden_text(within_m) + "; add --exact");
+    notes.push_back(hidden_text(within_m) + "; the meshes show them");
   }
   return verdict;
 }

@@ -232,6 +232,7 @@ grep -q 'goes [0-9.]* mm deep into Gearbox/Lid/Bolt' given/report.html && grep -
 study 6 'bore.json#pin' --voxel-size 3mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>undecided in contact</td>' given/report.html ||
   fail "the page does not say that the seat is not settled"
+grep -q '; leave out --files-alone: the meshes may decide; see given/report\.html$' err.txt || fail "no way on without the meshes: $(cat err.txt)"
 
 # A part that touches nothing as installed comes out, or does not, all the same.
 study 0 'bore.json#pin' --voxel-size 2mm --pull 0,0,100mm --clearance 0.05mm --no-pictures -o free
@@ -250,11 +251,13 @@ boxes("floor.obj", ((-30, -30, -10), (30, 30, 0)))
 boxes("box.obj", ((-5, -5, 0), (5, 5, 10)))
 *lines, last = open("box.obj").read().splitlines()
 open("open.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\n")  # without a triangle
+*lines, last = open("floor.obj").read().splitlines()
+open("leaky.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\n")
 block("thick.obj", 10.4, 0, 60)
 boxes("left.obj", ((-1, -10, -1), (1, 10, 1)))
 boxes("near.obj", ((1.345, -10, -1), (3, 10, 1)))
 boxes("right.obj", ((1.58, -10, -1), (3, 10, 1)))
-for scene, meshes in (("stood", ("floor", "open")), ("press", ("plate", "thick")), ("beside", ("left", "near")),
+for scene, meshes in (("stood", ("floor", "open")), ("leaky", ("leaky", "open")), ("press", ("plate", "thick")), ("beside", ("left", "near")),
                       ("apart", ("left", "right"))):
     json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in meshes]}, open(scene + ".json", "w"))
 END
@@ -262,6 +265,9 @@ study 0 'stood.json#open' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o st
 grep -q 'warning: the surface is not a closed solid, with 3 open edges' err.txt || fail "the part is not open: $(cat err.txt)"
 grep -q '^Comes out, straight along +z: slides along floor for the first 1 mm, otherwise stays 1[0-9.]* mm away or more (measured to floor, ' stood/verdict.txt &&
   grep -q '^  in its seat, the part goes nowhere deeper than installed$' stood/verdict.txt || fail "an open part on a closed floor: $(cat stood/verdict.txt)"
+study 6 'leaky.json#open' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o leaky
+grep -q '; close one of the two meshes there, and repeat the study; see leaky/report\.html$' err.txt ||
+  fail "no way on from two open meshes: $(cat err.txt)"
 study 0 'press.json#thick' --pull 0,0,100mm --no-pictures -o press
 grep -q '^Comes out, straight along +z: slides along plate for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
   grep -q '^  where it is installed the part overlaps plate by 0\.3 mm$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"

@@ -143,7 +143,7 @@ check 0 opened.vox cover.pshell out.csv --clearance 1mm "${felt[@]}" --json out.
 says '^Comes out, straight along \+z: slides along Gearbox/Housing for the first [1-5]\.[0-9] mm, otherwise stays [12]\.[0-9]{1,3} mm away or more \(proven to Gearbox/[A-Za-z/]+, after [1-5]\.[0-9] of 48 mm; 1 mm required\)\.$'
 says '^  nearest otherwise: at least [12]\.[0-9]{1,3} mm and at most '
 says '^  in its seat from 0\.0 to [1-5]\.[0-9] mm along the path \(0\.000 to 0\.[0-9]{3} s\): at least 0 mm and at most [01]\.[0-9]+ mm to Gearbox/'
-says '^  in its seat, features narrower than 1\.73 mm are not seen; add --exact to check them$'
+says '^  in its seat, features narrower than 1\.73 mm are not seen; the meshes show them$'
 "$bin/voxinfo" path out.csv --reverse -o in.csv --quiet
 check 0 opened.vox cover.pshell in.csv --clearance 1mm "${felt[@]}"
 says '^Keeps the clearance, straight along -z: slides along Gearbox/Housing for the last [1-5]\.[0-9] mm, otherwise stays'

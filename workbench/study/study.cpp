@@ -101,6 +101,7 @@ class Study {
   Status write_page();
   Status report(int status = 0) const;
   Status judge() const;
+  std::string advice() const;
 
   Step question() const;
   Status begin_step(const Step& step);
@@ -878,13 +879,29 @@ Status Study::report(int status) const {
   return command::write_report(options_.json, report);
 }
 
+// The way on where the answer is open.
+std::string Study::advice() const {
+  if (path_.empty()) {
+    return "the same search would find no path again; try a longer --time, a smaller --clearance "
+           "or "
+           "--voxel-size, or give your own path with --path or --pull";
+  }
+  if (verdict_.kind != command::VerdictKind::kUndecided) return "";
+  const auto any = [&](const char* key) {
+    const json violations = checked_.value("violations", json::array());
+    return std::any_of(violations.begin(), violations.end(),
+                       [&](const json& violation) { return violation.value(key, false); });
+  };
+  if (any("out_of_time")) return "give a longer --time";
+  if (options_.files_alone) return "leave out --files-alone: the meshes may decide";
+  if (any("seat_not_settled")) return "close one of the two meshes there, and repeat the study";
+  return "";
+}
+
 Status Study::judge() const {
   if (command::is_yes(verdict_.kind)) return {};
-  const std::string mend = path_.empty()
-                               ? "the same search would find no path again; try a longer --time, a "
-                                 "smaller --clearance or --voxel-size, or give your own path with "
-                                 "--path or --pull"
-                               : "see " + in("report.html");
+  std::string mend = advice();
+  if (!path_.empty()) mend += (mend.empty() ? "" : "; ") + ("see " + in("report.html"));
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
                sentence_.substr(0, sentence_.size() - 1), mend};
 }
