@@ -4,7 +4,7 @@
   scripts/list_messages.py [--sample N --seed S]
 
 Takes the string literals of the product's sources. Adjacent literals are one message, a value that the program puts in
-is shown as {}. Literals of fewer than three words (names, formats, keys) are left out.
+is shown as {}. Tags of HTML and SVG, and literals of fewer than three words (names, formats, keys) are left out.
 """
 import argparse
 import pathlib
@@ -14,31 +14,52 @@ import re
 ROOMS = ("formats", "pointshell", "voxelize", "runtime", "workbench")
 # A comment, a character, a raw string, a string, or one other character.
 TOKEN = re.compile(
-    r'//[^\n]*|/\*.*?\*/|\'(?:\\.|[^\'\\\n])\'|R"(\w*)\((.*?)\)\1"|"((?:\\.|[^"\\\n])*)"|#\s*include[^\n]*|\s+|.', re.DOTALL)
+    r'//[^\n]*|/\*.*?\*/|\'(?:\\.|[^\'\\\n])\'|R"(\w*)\((.*?)\)\1"|"((?:\\.|[^"\\\n])*)"'
+    r'|#\s*include[^\n]*|\s+|::|<<|.', re.DOTALL)
+# A tag of HTML or SVG, and a style sheet.
+TAG = re.compile(r"<style>.*?</style>|<[/?!]?[a-z][^<>]*>", re.DOTALL | re.IGNORECASE)
 ESCAPES = {r"\n": "\n", r"\"": '"', r"\\": "\\", r"\t": " "}
+
+
+def value_text(code, literals):
+    """{}, or both texts of a value such as `(is_one ? " is" : " are")`."""
+    is_choice = len(literals) == 2 and all(literals) and re.search(r"\?_:_\)", code)
+    return " {" + "/".join(text.strip() for text in literals) + "} " if is_choice else "{}"
 
 
 def messages_of(text):
     """Yields (line, message) for each run of adjacent literals, and of literals joined by + or <<."""
-    line, start, parts, between = 1, 0, [], ""
+    line, start, parts, between, depth, before, call_end, nested = 1, 0, [], "", 0, "", "", []
     for token in TOKEN.finditer(text):
         word = token.group(0)
         literal = token.group(2) if token.group(2) is not None else token.group(3)
         if literal is not None:
             if token.group(2) is None:
                 literal = re.sub(r"\\.", lambda e: ESCAPES.get(e.group(0), e.group(0)), literal)
-            if parts and between:
-                parts.append("{}")
-            start = start or line
-            parts.append(literal)
-            between = ""
+            if parts and depth > 0:  # within a value
+                between += "_"
+                nested.append(literal)
+                yield line, literal
+            else:
+                if not parts:
+                    start, call_end = line, r"\)?" if before == "(" else ""  # `string("a") + value`
+                if between or (not parts and before in ("+", "<<")):
+                    parts.append(value_text(between, nested))
+                parts.append(literal)
+                between, nested = "", []
         elif parts and not word.isspace() and not word.startswith("//"):
-            between += word
+            depth += (word in "([") - (word in ")]")
             # A value between two literals: `"a" + value + "b"`, `"a" << value << "b"`.
-            joined = re.match(r"^(\+|<<)", between)
-            if not joined or re.search(r"[;{}]", between) or len(between) > 120:
-                yield start, "".join(parts)
-                start, parts, between = 0, [], ""
+            joined = re.match(call_end + r"(\+|<<|$)", between + word)
+            ends = word in ";{}" or len(between) > 120 or depth < -1 or (depth <= 0 and word in ",:?")
+            between += word
+            if not joined or ends:
+                ends_in_value = re.match(call_end + r"(\+|<<)", between)
+                yield start, "".join(parts) + (value_text(between, nested) if ends_in_value else "")
+                start, parts, between, depth, before, nested = 0, [], "", 0, word, []
+            depth = 0 if between == ")" else depth
+        elif not word.isspace():
+            before = word
         line += word.count("\n")
     if parts:
         yield start, "".join(parts)
@@ -50,7 +71,7 @@ def list_messages(root):
             if path.suffix not in (".h", ".cpp", ".c"):
                 continue
             for line, message in messages_of(path.read_text()):
-                text = " ".join(message.split())
+                text = " ".join(TAG.sub(" ", message).split())
                 if len(re.findall(r"[A-Za-z]{2,}", text)) >= 3 and " " in text:
                     yield f"{path.relative_to(root)}:{line}", text
 
