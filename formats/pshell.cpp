@@ -43,7 +43,7 @@ void check_block_fields(const PshellHeader& h, FieldChecks& checks) {
 
 void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   checks.require(h.mass_source <= static_cast<std::uint32_t>(MassSource::kArea),
-                 offsetof(PshellHeader, mass_source), "mass_source", "is not a known source");
+                 offsetof(PshellHeader, mass_source), "mass_source", "is not a known mass source");
   checks.require(is_finite_not_negative(h.area_m2), offsetof(PshellHeader, area_m2), "area_m2",
                  "is not a finite area");
   const bool from_volume = h.mass_source == static_cast<std::uint32_t>(MassSource::kVolume);
@@ -105,10 +105,10 @@ Status check_section_sizes(const PshellHeader& h, std::span<const std::span<cons
     const std::uint64_t wanted = blocks ? h.block_count : super ? h.super_block_count : stored;
     const std::uint64_t actual = all[i].size() / rules[i].element_bytes;
     if (actual == wanted) continue;
-    return Error{
-        ErrorCode::kSectionInvalid, name, rules[i].name,
-        std::to_string(actual) + " elements, but the header requires " + std::to_string(wanted),
-        "bake or copy it again"};
+    return Error{ErrorCode::kSectionInvalid, name, rules[i].name,
+                 "has " + std::to_string(actual) + " elements, but the header requires " +
+                     std::to_string(wanted),
+                 "bake or copy it again"};
   }
   return {};
 }
@@ -176,8 +176,8 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
 Status check_losses(std::span<const DistanceLoss> losses, std::string_view name) {
   if (losses.size() > kMaxLosses) {
     return Error{ErrorCode::kSectionInvalid, name, "losses",
-                 std::to_string(losses.size()) + " entries; at most " + std::to_string(kMaxLosses) +
-                     " are allowed",
+                 "has " + std::to_string(losses.size()) + " entries, but at most " +
+                     std::to_string(kMaxLosses) + " are allowed",
                  "bake or copy it again"};
   }
   for (std::size_t i = 0; i < losses.size(); ++i) {

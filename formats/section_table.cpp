@@ -51,9 +51,10 @@ bool starts_with(std::span<const std::byte> bytes, const std::array<std::uint8_t
 Error wrong_magic(std::span<const std::byte> bytes, std::string_view name,
                   const std::array<std::uint8_t, 8>& magic) {
   const bool wants_voxmap = magic == kVoxmapMagic;
-  Error error{ErrorCode::kNotThisFormat, name, "byte 0",
-              wants_voxmap ? "not a Forcelayer .vox file" : "not a Forcelayer .pshell file",
-              wants_voxmap ? "make one with voxelize" : "make one with pointshell"};
+  Error error{
+      ErrorCode::kNotThisFormat, name, "byte 0",
+      wants_voxmap ? "not a Forcelayer .vox file" : "not a Forcelayer .pshell file",
+      wants_voxmap ? "make a .vox file with voxelize" : "make a .pshell file with pointshell"};
   if (starts_with(bytes, kPshellMagic)) {
     error.what = "this is a .pshell file (a moving part), but a .vox scene is needed";
     error.mend = "give the scene's .vox file here";
@@ -96,10 +97,10 @@ Status check_version(const FileHeader& header, std::string_view name, const Head
   }
   if (header.major != rule.major) {
     return Error{ErrorCode::kUnknownVersion, file, "header byte 12",
-                 "format version " + std::to_string(header.major) + "." +
+                 "the format version is " + std::to_string(header.major) + "." +
                      std::to_string(header.minor) + ", but this program reads version " +
                      std::to_string(rule.major),
-                 "bake it again or use a program of that version"};
+                 "bake it again, or use a program that reads that version"};
   }
   return {};
 }
@@ -119,8 +120,8 @@ Status check_header_checksum(std::span<const std::byte> bytes, std::string_view 
   }
   if (header.section_count > kMaxSections) {
     return Error{ErrorCode::kFieldInvalid, file, "header byte 20",
-                 std::to_string(header.section_count) + " sections; at most " +
-                     std::to_string(kMaxSections) + " are allowed",
+                 "the file has " + std::to_string(header.section_count) +
+                     " sections, but at most " + std::to_string(kMaxSections) + " are allowed",
                  "bake or copy it again"};
   }
   if (table_end(header) > bytes.size()) {
@@ -134,8 +135,8 @@ Status check_header_checksum(std::span<const std::byte> bytes, std::string_view 
   std::fill_n(front.begin() + offsetof(FileHeader, header_checksum), 8, std::byte{0});
   if (checksum(front) != header.header_checksum) {
     return Error{ErrorCode::kChecksumMismatch, file, "header",
-                 "header or section table is damaged: its checksum is " + hex(checksum(front)) +
-                     " instead of " + hex(header.header_checksum),
+                 "the header or the section table is damaged: the checksum is " +
+                     hex(checksum(front)) + " instead of " + hex(header.header_checksum),
                  "bake or copy it again"};
   }
   return {};
@@ -196,9 +197,10 @@ Status check_identity(const PlacedEntry& placed, std::span<const SectionEntry> t
   }
   const std::uint32_t wanted = placed.rule ? placed.rule->element_bytes : entry.element_bytes;
   if (entry.element_bytes != wanted || wanted == 0 || entry.bytes % wanted != 0) {
-    return placed.error(name, std::to_string(entry.bytes) + " bytes in elements of " +
-                                  std::to_string(entry.element_bytes) + " bytes instead of " +
-                                  std::to_string(wanted));
+    return placed.error(name, "has " + std::to_string(entry.bytes) + " bytes in elements of " +
+                                  std::to_string(entry.element_bytes) +
+                                  " bytes, instead of whole elements of " + std::to_string(wanted) +
+                                  " bytes");
   }
   return {};
 }
@@ -304,7 +306,7 @@ Status check_section_checksums(std::span<const std::byte> bytes, std::string_vie
     const SectionRule* rule = find_rule(rules, entry.id, read_file_header(bytes).minor);
     return Error{ErrorCode::kChecksumMismatch, name,
                  rule ? rule->name : "section " + std::to_string(entry.id),
-                 "the section is damaged: its checksum is " + hex(actual) + " instead of " +
+                 "the section is damaged: the checksum is " + hex(actual) + " instead of " +
                      hex(entry.checksum),
                  "bake or copy it again"};
   }

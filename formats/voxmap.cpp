@@ -84,8 +84,7 @@ void check_box_fields(const VoxmapHeader& h, FieldChecks& checks) {
     const std::size_t origin_at = offsetof(VoxmapHeader, origin_voxel) + 8 * axis;
     const std::size_t dims_at = offsetof(VoxmapHeader, dims_voxels) + 8 * axis;
     if (empty) {
-      checks.require(origin == 0, origin_at, "origin_voxel",
-                     "must be zero where all voxels are free");
+      checks.require(origin == 0, origin_at, "origin_voxel", "must be zero if all voxels are free");
       continue;
     }
     const std::int64_t low = h.directory_origin[axis];
@@ -134,7 +133,7 @@ void check_count_fields(const VoxmapHeader& h, FieldChecks& checks) {
   const bool any = (h.interior_voxels | h.surface_voxels | h.proximity_voxels) != 0;
   checks.require(any == (h.dims_voxels[0] != 0), offsetof(VoxmapHeader, interior_voxels),
                  "interior_voxels, surface_voxels, proximity_voxels",
-                 "must be zero if dims_voxels is zero, and only then");
+                 "must be zero if and only if dims_voxels is zero");
 }
 
 Status check_header_fields(const VoxmapHeader& h, std::string_view name) {
@@ -170,7 +169,7 @@ std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   if (value > rule.max_value) {
     return "value " + std::to_string(value) + " is above " + std::to_string(rule.max_value);
   }
-  return rule.clearance_mask != 0 ? "reserved bits of a value that is not free are not zero"
+  return rule.clearance_mask != 0 ? "a value that is not free has reserved bits that are not zero"
                                   : "reserved bits are not zero";
 }
 
@@ -204,7 +203,7 @@ Status check_tree(const VoxmapHeader& h, const TreeSections& sections, std::uint
       std::uint64_t{h.directory_dims[0]} * h.directory_dims[1] * h.directory_dims[2];
   if (directory.size() != wanted) {
     return Error{ErrorCode::kSectionInvalid, name, sections.directory,
-                 std::to_string(directory.size()) + " entries, but the header requires " +
+                 "has " + std::to_string(directory.size()) + " entries, but the header requires " +
                      std::to_string(wanted),
                  "bake or copy it again"};
   }
@@ -250,7 +249,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
   if (!has_distances(h)) return wrong("needs stored distances, but the file has none");
   const double deepest_m = h.zero_force_m + (h.distance_zero_code + 1.0) * h.distance_quantum_m;
   if (static_cast<double>(forces.size() - 1) * h.distance_quantum_m > deepest_m) {
-    return wrong("is deeper than the distances");
+    return wrong("is deeper than the stored distances");
   }
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const float smallest = i == 0 ? 0.0f : forces[i - 1];
@@ -258,7 +257,7 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     const double steep_n = kMaxComplianceNPerM * h.distance_quantum_m;
     if (forces[i] >= smallest && forces[i] <= largest && forces[i] - smallest <= steep_n) continue;
     return Error{ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
-                 i == 0 ? "is not 0: the force begins at the zero-force surface"
+                 i == 0 ? "is not 0, but the force must begin at the zero-force surface"
                         : "is below the entry before it, above 1e6 N, or steeper than 1e12 N/m",
                  "bake or copy it again"};
   }
@@ -335,10 +334,10 @@ Status Voxmap::read_names(std::span<const std::byte> names, std::string_view nam
   const auto wrong = [&](std::string_view what) {
     return Error{ErrorCode::kSectionInvalid, name, "object names", what, "bake or copy it again"};
   };
-  if (!text.empty() && text.back() != '\0') return wrong("the last name does not end");
+  if (!text.empty() && text.back() != '\0') return wrong("the last name has no end mark");
   const auto count = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\0'));
   if (count != header_->object_count) {
-    return wrong(std::to_string(count) + " names, but the header requires " +
+    return wrong("has " + std::to_string(count) + " names, but the header requires " +
                  std::to_string(header_->object_count));
   }
   object_names_.reserve(count);

@@ -95,7 +95,7 @@ Result<std::uint64_t> write_voxmap(const std::filesystem::path& path,
   constexpr std::uint64_t kMaxBytes = std::uint64_t{kUniformBit} * kPackedUnitBytes;
   for (const PackedTree* tree : {&packed.distances, &packed.objects}) {
     if (tree->bricks.bytes.size() <= kMaxBytes) continue;
-    return Error{ErrorCode::kBakeTooLarge, path.string(), "", "its bricks take more than 32 GB",
+    return Error{ErrorCode::kBakeTooLarge, path.string(), "", "the bricks take more than 32 GB",
                  "use a larger voxel size, or bake a smaller region (--roi)"};
   }
   return write_layout(path, lay_out(content, packed), check);

@@ -156,8 +156,8 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
   }
   char what[160];
   std::snprintf(what, sizeof what,
-                "the shell would need about %.2g points: too many for this machine's memory or the "
-                "file format",
+                "the shell would need about %.2g points, which is too many for this machine's "
+                "memory or the file format",
                 expected);
   return Error{ErrorCode::kBakeTooLarge, "", "", what,
                "use a larger voxel size or covering radius, and check --units"};

@@ -48,8 +48,8 @@ struct Arguments {
 
 void declare_reading(CLI::App& app, Arguments& arguments) {
   app.add_option("--without", arguments.without,
-                 "nodes of an assembly to leave out, with all nodes below them; named as in "
-                 "FILE#Node (repeatable)")
+                 "nodes of an assembly to leave out, with all nodes below them (repeatable). Name "
+                 "them as in FILE#Node")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many lost faces in a STEP or IGES file (default 0); no "
@@ -66,11 +66,11 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option("--voxel-size", arguments.voxel_size,
                  "voxel size of the scene in which the part will move, such as 5mm");
   app.add_option("--units", arguments.units,
-                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if their "
-                 "format defines none, otherwise it replaces the unit of the format");
+                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if the "
+                 "format defines no unit; otherwise it replaces the unit of the format");
   app.add_option("--method", arguments.method,
-                 "surface (default); fast: less time, more points; voxel-centers: the method of "
-                 "the 1999 paper")
+                 "surface (default), fast (less time, but more points), or voxel-centers (the "
+                 "method of the 1999 paper)")
       ->check(CLI::IsMember({"surface", "fast", "voxel-centers"}));
   app.add_option(
       "--covering-radius", arguments.covering_radius,
@@ -87,9 +87,9 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
 }
 
 void declare_verify(CLI::App& app, Arguments& arguments) {
-  CLI::App* verify = app.add_subcommand(
-      "verify",
-      "prove the covering radius and losses of a shell again, only from the shell and its meshes");
+  CLI::App* verify = app.add_subcommand("verify",
+                                        "prove the covering radius and the losses of a shell "
+                                        "again, from the shell and its meshes alone");
   verify->add_option("PART", arguments.shell, "the .pshell file")->required();
   verify->add_option("MESH", arguments.inputs, "the mesh files from which the part was baked")
       ->required();
@@ -201,7 +201,7 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times the points of the "
+      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times as many points as the "
       "planar bound\n",
       escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
       arguments.method.c_str(), header.covering_radius_m,
@@ -218,15 +218,17 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
                 escaped(arguments.output).c_str(), escaped(file.path).c_str());
   }
   const auto print_counted = [](std::uint64_t count, const char* singular, const char* what) {
-    if (count > 0) std::printf("%s %s\n", mesh::counted(count, singular).c_str(), what);
+    if (count > 0) {
+      std::printf("%s %s %s\n", mesh::counted(count, singular).c_str(), count == 1 ? "is" : "are",
+                  what);
+    }
   };
-  print_counted(shell.hidden_points, "point",
-                "left out, because they are inside another body of the part");
+  print_counted(shell.hidden_points, "point", "inside another body of the part and left out");
   print_counted(shell.orientation.flipped_triangles, "triangle", "reversed to face outward");
   print_counted(part.duplicate_triangles, "triangle", "repeated in the mesh and counted once");
   print_counted(
       shell.loose_triangles, "loose triangle",
-      "left out of the volume: hidden, without area, or smaller than the covering radius");
+      "left out of the volume (hidden, without area, or smaller than the covering radius)");
 }
 
 double now_s() {

@@ -75,12 +75,12 @@ std::string cost_warning(const BakeCost& cost, const ShellOptions& options,
   constexpr double kMinute = 60, kGigabyte = 1e9;
   if (cost.seconds <= kMinute && cost.bytes <= kGigabyte) return "";
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "%.2g points for %s: this takes about %s and %.2g GB; a larger voxel size%s%s takes less",
-      cost.points, mesh::counted(part.triangles.size(), "triangle").c_str(),
-      duration_text(cost.seconds).c_str(), cost.bytes / kGigabyte,
-      options.effort == sample::Effort::kFast ? "" : ", --method fast", " or a coarser mesh");
+  std::snprintf(text, sizeof text,
+                "%.2g points for %s take about %s and %.2g GB; a larger voxel size%s%s takes less",
+                cost.points, mesh::counted(part.triangles.size(), "triangle").c_str(),
+                duration_text(cost.seconds).c_str(), cost.bytes / kGigabyte,
+                options.effort == sample::Effort::kFast ? "" : ", --method fast",
+                " or a coarser mesh");
   return text;
 }
 
@@ -104,8 +104,9 @@ std::string sheet_warning(const BakedShell& shell) {
   }
   if (sheets.size() > kListed) text += "; ...";
   return text +
-         ". Their points act on both sides, so the scene must have stored distances (no --kind), "
-         "and voxrun must use --model default; mass is taken from the area";
+         ". The points of open sheets act on both sides, so the scene must have stored distances "
+         "(no --kind), "
+         "and voxrun must use --model default; the mass is taken from the area";
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {

@@ -29,7 +29,8 @@ Status check_compliance_depth(const BakeOptions& options) {
                  "use larger voxels");
   }
   if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
-    return wrong("range", "ends less than a voxel below the compliance", "leave out --range");
+    return wrong("range", "ends less than a voxel below the depth of the compliance",
+                 "leave out --range");
   }
   return {};
 }
@@ -54,12 +55,11 @@ Status check_standoff(const BakeOptions& options) {
     return {};
   }
   char why[200];
-  std::snprintf(
-      why, sizeof why,
-      "is %.4g mm, but must be from %.4g to %.4g mm: from the force layer's %.4g voxels plus "
-      "888/1024 voxel, to %.4g voxels",
-      options.standoff_m * 1e3, min_m * 1e3, kMaxStandoffVoxels * s * 1e3, layer,
-      kMaxStandoffVoxels);
+  std::snprintf(why, sizeof why,
+                "is %.4g mm, but must be %.4g to %.4g mm: at least the %.4g voxels of the force "
+                "layer plus 888/1024 voxel, and at most %.4g voxels",
+                options.standoff_m * 1e3, min_m * 1e3, kMaxStandoffVoxels * s * 1e3, layer,
+                kMaxStandoffVoxels);
   return wrong("standoff", why,
                options.standoff_m < min_m ? "use a larger standoff, or smaller voxels"
                                           : "use a smaller standoff, or larger voxels");

@@ -49,7 +49,7 @@ Status check_compliance(std::span<const CompliancePoint> curve) {
   CompliancePoint last;
   for (const CompliancePoint& point : curve) {
     if (!(point.depth_m > last.depth_m) || !std::isfinite(point.depth_m)) {
-      return wrong("has depths that are not above 0 and ascending", "list the corners by depth");
+      return wrong("has depths that are not above 0, or do not ascend", "list the pairs by depth");
     }
     if (!(point.force_n >= last.force_n && point.force_n <= double{kMaxComplianceN})) {
       return wrong("has a force that is below the force before it, or above 1e6 N",

@@ -57,7 +57,7 @@ std::optional<std::string> unit_question(const char* what, const mesh::Box& box_
                                          double largest_unit_m) {
   constexpr double kLongestMadeThing = 50, kMeter = 0.9;
   if (!(longest_side(box_m) >= kLongestMadeThing && largest_unit_m >= kMeter)) return std::nullopt;
-  return across_text(what, box_m) + "; if its unit is the millimeter, add --units mm";
+  return across_text(what, box_m) + "; if the unit of the files is the millimeter, add --units mm";
 }
 
 Forecast forecast_of(const mesh::Scene& scene, std::span<const cache::MeshOutline> meshes,

@@ -148,8 +148,8 @@ std::string size_of(const ListedFile& file, const ListedNode& node) {
 std::string heading_of(const ListedFile& file) {
   char unit[80];
   const char* const axes = !file.up                   ? ""
-                           : *file.up == mesh::Up::kZ ? ", turned from y up to z up"
-                                                      : ", y up as in the file";
+                           : *file.up == mesh::Up::kZ ? ", turned from y-up to z-up"
+                                                      : ", y-up as in the file";
   if (file.meters_per_unit) {
     std::snprintf(unit, sizeof unit, "unit %.6g m", *file.meters_per_unit);
   } else {

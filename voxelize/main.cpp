@@ -70,7 +70,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
   app.add_option("--units", arguments.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
                  "otherwise it replaces the unit of the format");
   mesh::declare_up(app, arguments.up);
   app.add_option(
@@ -101,8 +101,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm (default 0)");
   app.add_option("--without", arguments.without,
-                 "nodes of an assembly to leave out, with all nodes below them; named as in "
-                 "FILE#Node, or like a part of the manifest (repeatable)")
+                 "nodes of an assembly to leave out, with all nodes below them (repeatable). Name "
+                 "them as in FILE#Node, or as a part is named in the manifest")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many lost faces in each STEP or IGES file (default 0); no "
@@ -111,7 +111,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1: the region to keep in the file (default: everything)");
   app.add_option("--cache", arguments.cache,
-                 "folder of earlier results, from which objects that did not change are taken");
+                 "folder of earlier results. Objects that did not change are taken from it");
   app.add_option("--shard", arguments.shard,
                  "I/N: bake the I-th of N shards of the objects into the cache, and write no file");
   arguments.trust.declare(app);
@@ -139,7 +139,7 @@ void arrange(CLI::App& app) {
          "--free-seed", "--roi"}},
        {"Many bakes", {"--cache", "--shard", "--threads"}},
        {"Untrusted files", {"--sandbox", "--allow-outside"}}},
-      "  voxelize bay.json --voxel-size 5mm --plan                 what a voxel size gives\n"
+      "  voxelize bay.json --voxel-size 5mm --plan                 the cost of a voxel size\n"
       "  voxelize bay.json --voxel-size 5mm -o bay.vox             a scene of many files\n"
       "  voxelize --list gearbox.glb                               the parts of an assembly\n"
       "  voxelize gearbox.glb --without Cover --voxel-size 1mm -o opened.vox");
@@ -251,7 +251,7 @@ Result<mesh::SceneShard> shard_of(const Arguments& arguments) {
   if (slash == std::string_view::npos || !number(text.substr(0, slash), shard.index) ||
       !number(text.substr(slash + 1), shard.count) || shard.index > shard.count) {
     return Error{ErrorCode::kUsage, "", "--shard", "'" + arguments.shard + "' is not I/N",
-                 "write for example 1/4 to 4/4"};
+                 "write 1/4 to 4/4 for four shards"};
   }
   --shard.index;
   return shard;
@@ -344,8 +344,8 @@ void print_narrow_passages(const Bake& bake) {
       const auto& [i, j, k] = cavity.seed_voxel;
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
-          "%s: a cavity of %.3g cm3 is closed only by a passage narrower than %g mm; --free-seed "
-          "%.9gm,%.9gm,%.9gm opens it; half the voxel size opens it, too\n",
+          "%s: a cavity of %.3g cm3 is closed only because a passage is narrower than %g mm; "
+          "--free-seed %.9gm,%.9gm,%.9gm or half the voxel size opens it\n",
           escaped(object.name).c_str(),
           static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
           center_m(j), center_m(k));

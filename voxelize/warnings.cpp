@@ -13,10 +13,10 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
                                       const BakeOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
   if (scene.objects.size() > kMaxObjects && options.objects && stores_distances(options)) {
-    warnings.push_back("the file names no objects: it can name at most " +
-                       std::to_string(kMaxObjects) + ", but the scene has " +
+    warnings.push_back("the file stores no object names, because it can name at most " +
+                       std::to_string(kMaxObjects) + " objects, but the scene has " +
                        std::to_string(scene.objects.size()) +
-                       "; leave some out with --without, or join some");
+                       "; leave some objects out with --without, or join some");
   }
   std::map<std::string, double> coarse_files;  // with the widest spacing of each, meters
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -33,7 +33,7 @@ std::vector<std::string> all_warnings(const mesh::Scene& scene,
                         [](const auto& a, const auto& b) { return a.second < b.second; });
   std::string line = file + ": " + *mesh::coarse_vertices_warning(spacing_m, options.voxel_size_m);
   if (coarse_files.size() > 1) {
-    line += " (this is true of " + mesh::counted(coarse_files.size() - 1, "other file") + ", too)";
+    line += " (this also applies to " + mesh::counted(coarse_files.size() - 1, "other file") + ")";
   }
   warnings.push_back(std::move(line));
   return warnings;

@@ -172,7 +172,7 @@ class ClearanceAudit {
       return;
     if (effort_.is_spent()) return;
     bad_ = untrue(name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
-                  "its clearance " + std::to_string(clearance) + " is wrong: " +
+                  "the clearance " + std::to_string(clearance) + " is wrong: " +
                       (known ? "a voxel within that distance is not free"
                              : "a cropped side of the scene is within that distance"));
   }

@@ -171,8 +171,8 @@ class NeighborAudit {
         continue;
       }
       return refuse(low, x, y, z,
-                    " does not fit the codes of the voxels on both sides, " + code_text(a) +
-                        " and " + code_text(b) + ": they are too far from the mesh");
+                    " does not fit between the codes " + code_text(a) + " and " + code_text(b) +
+                        " of the voxels on both sides: these two voxels are too far from the mesh");
     }
   }
 
@@ -185,7 +185,7 @@ class NeighborAudit {
       return refuse(low, x, y, z,
                     " differs from code " + code_text(other) + " of " +
                         voxel_text({low[0] + to[0], low[1] + to[1], low[2] + to[2]}) +
-                        " by more than the distance of the two voxels");
+                        " by more than the distance between the two voxels");
     }
   }
 
@@ -198,8 +198,7 @@ class NeighborAudit {
         if (rules_.may_lead_to_mesh(cube_.at(x, y, z), cube_.at(to[0], to[1], to[2]))) return;
       }
     }
-    refuse(low, x, y, z,
-           " does not fit the voxels beside it: none of them is near enough to the mesh");
+    refuse(low, x, y, z, " does not fit: no voxel beside it is near enough to the mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {

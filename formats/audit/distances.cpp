@@ -188,9 +188,8 @@ class DistanceAudit {
   void check_value(const Voxel& at, std::uint32_t value, std::uint32_t code) {
     if (bad_ || rules_.beside_value(value, code)) return;
     bad_ = untrue(name_, voxel_text(at),
-                  "its code " + std::to_string(code) + " (" + range_text(header_, code) +
-                      ") is not a distance that a voxel of value " + std::to_string(value) +
-                      " can have");
+                  "the code " + std::to_string(code) + " (" + range_text(header_, code) +
+                      ") is not a possible distance of a voxel of value " + std::to_string(value));
   }
 
   std::string_view name_;
@@ -235,10 +234,11 @@ Status audit_lengths(const VoxmapHeader& h, std::string_view name) {
                         ", which is more than a quarter of a voxel");
     }
     if (min_distance_m(h, kMaxDistanceCode) < interior_radius_m(h)) {
-      return untrue(
-          name, "header (distance_quantum_m, distance_zero_code)",
-          "stored distances reach " + std::to_string(min_distance_m(h, kMaxDistanceCode)) +
-              " m, but interior voxels reach " + std::to_string(interior_radius_m(h)) + " m");
+      return untrue(name, "header (distance_quantum_m, distance_zero_code)",
+                    "stored distances end at " +
+                        std::to_string(min_distance_m(h, kMaxDistanceCode)) +
+                        " m, but interior voxels lie up to " +
+                        std::to_string(interior_radius_m(h)) + " m from the mesh");
     }
   }
   if (has_standoff(h)) return {};

@@ -126,7 +126,7 @@ class LayerCountAudit {
   Status status() const {
     if (bad_) {
       return untrue(name_, voxel_text(*bad_),
-                    "is interior, but the interior is too narrow there for " +
+                    "is interior, but the interior there is too narrow for " +
                         std::to_string(header_.offset_layers) + " layers around a surface");
     }
     return effort_.is_spent() ? Status(strewn(name_)) : Status();

@@ -7,7 +7,8 @@
 namespace forcelayer {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "a word's first byte is its lowest");
+static_assert(std::endian::native == std::endian::little,
+              "the first byte of a word must be its lowest");
 
 // A packed brick of distances: base, slopes along x, y and z; the widths of 64 rows, four bits
 // each; the rows, as many bytes each as its width.
@@ -119,7 +120,7 @@ const char* packed_distances_fault(const std::uint8_t* packed) noexcept {
   for (std::size_t n = 0; n < 32; ++n) {
     const unsigned widths = packed[kWidthsAt + n];
     if ((widths & 15) > 8 || widths >> 4 > 8)
-      return "has a row of numbers with more than eight bits";
+      return "has a row whose numbers have more than eight bits";
   }
   return nullptr;
 }

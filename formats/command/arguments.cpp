@@ -33,7 +33,8 @@ Error old_spelling(const CLI::App& app) {
     const std::string option = argument.substr(0, argument.find('='));
     const std::string_view now = new_spelling(app.get_name(), option);
     if (!now.empty()) {
-      return {ErrorCode::kUsage, "", option, "is an old spelling", "write " + std::string(now)};
+      return {ErrorCode::kUsage, "", option, "is an option of an earlier version",
+              (now.starts_with("leave it out") ? "" : "write ") + std::string(now)};
     }
   }
   return {};

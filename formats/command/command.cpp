@@ -83,8 +83,8 @@ void end_on_signal(int number) {
   length = append(line, length, ": ended by SIG");
   length = append(line, length, signal_name != nullptr ? signal_name : "?");
   length = append(line, length,
-                  removed ? "; half-written files are removed, and earlier files are unchanged\n"
-                          : "; nothing was half-written\n");
+                  removed ? "; incomplete files are removed, and earlier files are unchanged\n"
+                          : "; no incomplete file is left\n");
   if (number != SIGPIPE) {
     const bool said = ::write(2, line.data(), length) >= 0;
     static_cast<void>(said);  // nobody is there

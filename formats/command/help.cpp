@@ -161,13 +161,15 @@ void arrange_help(CLI::App& app, std::initializer_list<HelpGroup> groups,
   for (const HelpGroup& group : groups) {
     for (const char* const name : group.options) {
       CLI::Option* const option = app.get_option_no_throw(name);
-      if (option == nullptr) throw std::logic_error(std::string("help: no option ") + name);
+      if (option == nullptr)
+        throw std::logic_error(std::string("help: there is no option ") + name);
       option->group(group.title);
     }
   }
   std::string footer = app.get_footer();
   if (!footer.empty()) footer += "\n\n";
-  app.footer(footer + "Lengths are at most 1e9m, times at most 10000h.\n\nExamples:\n" + examples);
+  app.footer(footer + "Lengths are at most 1e9m, and durations at most 10000h.\n\nExamples:\n" +
+             examples);
 }
 
 void add_help_table(CLI::App& app, const char* title, std::string_view rows) {

@@ -126,7 +126,7 @@ Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::s
   const std::string program = program_path(name);
   if (program.empty()) {
     return Error{ErrorCode::kFileNotFound, "", name, "is not installed",
-                 "it comes with the package " + package};
+                 "install the package " + package};
   }
   if (stop_signal() != 0) return ProgramEnd{128 + stop_signal(), ""};
   const Descriptor in = file_of(input);

@@ -127,7 +127,7 @@ Result<double> parse_bare(std::string_view text, std::string_view) {
   const auto split = split_number(text);
   if (!split) return split.error();
   if (split->rest.empty()) return split->number;
-  return usage(quoted(trimmed(text)) + " is not a bare number", "leave the unit out");
+  return usage(quoted(trimmed(text)) + " is not a number without a unit", "leave the unit out");
 }
 
 // Adds `unit` to a bare number.
@@ -179,13 +179,13 @@ Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view>
     if (!number) return number.error();
     if (!number->rest.empty()) {
       return usage("the quaternion of pose " + quoted(pose) + " has a unit",
-                   "write it as x,y,z,qw,qx,qy,qz");
+                   "write x,y,z,qw,qx,qy,qz, and units only for x, y and z");
     }
     wxyz[i] = number->number;
     norm2 += number->number * number->number;
   }
   if (!(norm2 > 1e-24) || !std::isfinite(norm2)) {
-    return usage("the quaternion of pose " + quoted(pose) + " has no valid length",
+    return usage("the quaternion of pose " + quoted(pose) + " has an invalid length",
                  "write 1,0,0,0 for no rotation");
   }
   for (double& component : wxyz) component /= std::sqrt(norm2);
@@ -286,8 +286,9 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds) {
   const auto split = split_number(text);
   if (!split || !split->rest.empty()) {
     const bool finite = bool(split);
-    return usage(quoted(text) + (finite ? " is not a bare number" : " is not a finite number"),
-                 "give a number from " + to_text(bounds));
+    return usage(
+        quoted(text) + (finite ? " is not a number without a unit" : " is not a finite number"),
+        "give a number from " + to_text(bounds));
   }
   if (!(split->number >= bounds.smallest && split->number <= bounds.largest)) {
     return usage(quoted(text) + " is outside the allowed range",

@@ -63,8 +63,8 @@ Status read_values(const char* option, std::string_view text, std::span<const Va
     if (smallest == typed.npos) {
       wrong = {"is not a known name", "leave it out"};
     } else if (smallest > 0) {
-      wrong = {"is not a known name",
-               "the nearest known name is " + std::string(nearest->name) + "; --help lists all"};
+      wrong = {"is not a known name", "the nearest known name is " + std::string(nearest->name) +
+                                          "; --help lists all names"};
     } else if (seen.find(',' + typed + ',') != seen.npos) {
       wrong = {"is given more than once", "give it once"};
     } else {
@@ -96,7 +96,8 @@ Status read_reports(std::string_view texts, std::span<const ValueName> kinds) {
     const bool has_file = text.size() > name.size() + 1;
     if (kind->is_given != nullptr) {
       if (text != name)
-        return wrong(name, "' takes no file: it is printed", "write " + name + " alone");
+        return wrong(name, "' takes no file, because this report is printed",
+                     "write " + name + " alone");
       *kind->is_given = true;
     } else if (!has_file || !kind->text->empty()) {
       return wrong(name, has_file ? "' is given more than once" : "' needs a file",

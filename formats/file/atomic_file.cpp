@@ -89,7 +89,7 @@ void AtomicFile::discard() noexcept {
 }
 
 Error AtomicFile::write_error(int number) const {
-  const char* mend = number == ENOSPC || number == EDQUOT ? "free space or write elsewhere"
+  const char* mend = number == ENOSPC || number == EDQUOT ? "free some space, or write elsewhere"
                      : number == ENOENT                   ? "create the folder first"
                                                           : "";
   return {ErrorCode::kWriteFailed, shown_.string(), "",
@@ -187,8 +187,8 @@ Status AtomicFile::commit(ReaderCheck check) {
 
 Error AtomicFile::refused(std::string_view why) const {
   return {ErrorCode::kInternal, shown_.string(), "",
-          "not written, because its reader would refuse it: " + std::string(why),
-          "report this with the input file"};
+          "was not written, because its reader would refuse it: " + std::string(why),
+          "report this error with the input file"};
 }
 
 Status AtomicFile::commit() {

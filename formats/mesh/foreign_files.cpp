@@ -29,10 +29,10 @@ constexpr Foreign kContents[] = {
 constexpr Foreign kExtensions[] = {
     {".sldprt.sldasm.catpart.catproduct.cgr.ipt.iam.par.psm.prt.asm.neu.x_t.x_b.xmt_txt.sat.sab.jt."
      "3dm.dwg.dxf.fcstd.f3d.f3z.brep.brp.stpx.",
-     "of a CAD system", kStep},
+     "a format of a CAD system", kStep},
     {".ifc.skp.blend.fbx.dae.3ds.max.3mf.amf.wrl.vrml.x3d.x3dv.usd.usda.usdc.usdz.vtk.vtp.vtu.msh."
      "abc.",
-     "of another program", kMesh},
+     "a format of another program", kMesh},
     {".stpz.", "compressed STEP", kUnpack}};
 
 constexpr std::size_t kLooked = 2048;  // bytes that tell a format
@@ -115,10 +115,10 @@ void refuse_extension(const SourceFile& file) {
   const char* const mend = "use stl, obj, ply, off, om, drc, glb, gltf, step or iges";
   const Told told = format_by_content(file.bytes);
   const std::string content =
-      told.format == nullptr ? "" : std::string("; it contains ") + told.format + " data";
+      told.format == nullptr ? "" : std::string("; the file contains ") + told.format + " data";
   fail_read(file, ErrorCode::kMeshUnsupported, "",
             (extension.size() < 2
-                 ? "has no extension to show its mesh format"
+                 ? "has no extension that shows its mesh format"
                  : in_quotes(extension) + " is not the extension of a supported mesh format") +
                 content,
             told.format == nullptr ? mend : std::string("rename it to ") + told.extension);

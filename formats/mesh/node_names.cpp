@@ -131,9 +131,9 @@ Error several(const std::string& where, const std::vector<std::size_t>& found,
   const bool is_one_path =
       std::all_of(found.begin(), found.end(), [&](std::size_t i) { return nodes[i].path == path; });
   return {ErrorCode::kSceneInvalid, "", where, "several nodes have this name",
-          is_one_path
-              ? "all have the path " + path + " because a name contains a slash: rename that node"
-              : "use one of: " + listed(found, nodes)};
+          is_one_path ? "all of them have the path " + path +
+                            ", because a name contains a slash: rename that node"
+                      : "use one of: " + listed(found, nodes)};
 }
 
 // Whether `label` is `first` with a number behind it: of a later sibling that is called alike.
@@ -183,8 +183,8 @@ class OneOfSeveral {
 
   // After may_mean() has been asked of all nodes.
   std::string mend() const {
-    return "write " + with_ending("[1]") + " for the first one only, " + with_ending("*") +
-           " for all whose names begin like this";
+    return "write " + with_ending("[1]") + " for the first one only, or " + with_ending("*") +
+           " for all nodes whose names begin with this name";
   }
 
  private:
@@ -428,8 +428,8 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
       }
       for (const std::string& part : other_parts) nearest.add(part);
       const std::string mend = any ? nearest.text()
-                                   : "a file of this format is one part; list one file for each "
-                                     "part in a scene manifest";
+                                   : "a file of this format has only one part: list one file for "
+                                     "each part in a scene manifest";
       return Error{ErrorCode::kSceneInvalid, "", "--without",
                    "no file has a node called " + in_quotes(name), mend};
     }

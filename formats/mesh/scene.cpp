@@ -369,7 +369,7 @@ Result<Scene> SceneReader::finish() {
   if (scene_.objects.empty() && !scene_.parts_left_out.empty()) {
     return Error{ErrorCode::kMeshEmpty, "", "--without",
                  "leaves no part of the manifest, and the scene would be empty",
-                 "leave out less, or add a part"};
+                 "leave out fewer parts, or add a part"};
   }
   // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;

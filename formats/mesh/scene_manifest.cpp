@@ -61,7 +61,7 @@ double finite_number(const Json& json, const std::string& key) {
 
 std::string text(const Json& json, const std::string& key) {
   if (!json.is_string() || json.get_ref<const std::string&>().empty()) {
-    throw BadKey{key, "is not a text or is empty", ""};
+    throw BadKey{key, "is not a text, or is empty", ""};
   }
   return json.get<std::string>();
 }
@@ -132,7 +132,7 @@ Affine matrix(const Json& json, const std::string& key) {
     if (i == 3) {
       if (json[i] != Json{0, 0, 0, 1}) {
         throw BadKey{row_key, "is not 0, 0, 0, 1",
-                     "give the matrix row by row, the translation last in each row"};
+                     "give the matrix row by row, with the translation last in each row"};
       }
       continue;
     }
@@ -153,7 +153,7 @@ std::array<double, 9> rotation(const Json& json, const std::string& key) {
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
   // Below the least normal double nothing is left of its digits.
   if (!(norm >= std::numeric_limits<double>::min()) || !std::isfinite(norm))
-    throw BadKey{key, "is a quaternion (w, x, y, z) without a valid length", ""};
+    throw BadKey{key, "is a quaternion (w, x, y, z) with an invalid length", ""};
   for (double& c : q) c /= norm;
   const auto [w, x, y, z] = q;
   return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
@@ -174,7 +174,7 @@ Affine placement(const Fields& fields) {
              *turned = fields.find("rotation"), *scaled = fields.find("scale");
   if (whole != nullptr) {
     if (moved != nullptr || turned != nullptr || scaled != nullptr) {
-      throw BadKey{fields.path("matrix"), "is given beside translation, rotation or scale",
+      throw BadKey{fields.path("matrix"), "is given together with translation, rotation or scale",
                    "leave out the matrix, or leave out translation, rotation and scale"};
     }
     return matrix(*whole, fields.path("matrix"));
@@ -208,14 +208,14 @@ ManifestObject read_object(const Json& json, const std::string& key,
     const std::string axis = text(*up, fields.path("up"));
     if (axis != "y" && axis != "z") {
       throw BadKey{fields.path("up"), "is neither \"y\" nor \"z\"",
-                   "write \"y\" to keep the axes of a glTF file, or leave it out"};
+                   "write \"y\" to keep the axes of a glTF file, or leave out this key"};
     }
     object.up = axis == "y" ? Up::kY : Up::kZ;
   }
   object.world_from_object = placement(fields);
   if (is_flat(object.world_from_object)) {
     throw BadKey{fields.path(fields.find("matrix") != nullptr ? "matrix" : "scale"),
-                 "makes the object flat, or a line or a point",
+                 "makes the object flat, a line or a point",
                  "to leave the object out, list its name in \"without\""};
   }
   if (const Json* seeds = fields.find("free_seeds"))
@@ -274,7 +274,8 @@ Result<Manifest> read_manifest(const std::string& path) {
   try {
     std::string repeated;
     const Json json = parse_json<Json>(std::string_view(first, file->bytes().size()), repeated);
-    if (!repeated.empty()) throw BadKey{repeated, "is repeated in one object", "keep one of them"};
+    if (!repeated.empty())
+      throw BadKey{repeated, "is given twice in the same JSON object", "keep one of them"};
     return read_fields(json, std::filesystem::path(path).parent_path());
   } catch (const Json::parse_error& error) {
     return Error{ErrorCode::kSceneInvalid, path, "byte " + std::to_string(error.byte),

@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 constexpr const char* kMend =
-    "a path has t_s,x_m,y_m,z_m and qw,qx,qy,qz or rx_deg,ry_deg,rz_deg, in these or other units";
+    "a path has the columns t_s,x_m,y_m,z_m, and qw,qx,qy,qz or rx_deg,ry_deg,rz_deg, in these or "
+    "other units";
 constexpr const char* kWanted = "give a CSV file of poses, in UTF-8";
 constexpr std::size_t kMaxLine = 4096;  // bytes
 constexpr std::size_t kFlushBytes = 1 << 20;
@@ -156,9 +157,10 @@ Result<std::vector<PathRow>> read_path(const std::filesystem::path& path, PathOf
       return wrong("has a coordinate above 1e9 m or a time above 1e12 s");
     if (!rows.empty()) {
       if (!(row->time_s > rows.back().time_s)) {
-        char times[96];
-        std::snprintf(times, sizeof times, "%.15g s is not later than the row before, %.15g s",
-                      row->time_s, rows.back().time_s);
+        char times[128];
+        std::snprintf(times, sizeof times,
+                      "the time %.15g s is not later than %.15g s in the row before", row->time_s,
+                      rows.back().time_s);
         return wrong(times);
       }
       if (const auto turn = open_turn(before, values, rows.back(), *row)) {

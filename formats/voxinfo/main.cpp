@@ -115,32 +115,34 @@ int run(int argc, char** argv) {
   CLI::App app{"Shows, verifies, samples and exports .vox scenes and .pshell parts", "voxinfo"};
   std::string path, out, json_path;
   bool quiet = false, objects = false;
-  app.add_option("FILE", path, "a .vox or .pshell file, whose facts are printed");
+  app.add_option("FILE", path, "the .vox or .pshell file to describe");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
   app.add_flag("--objects", objects,
                "list a scene's objects, each with the number of voxels to which it is nearest");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
-  auto* verify = app.add_subcommand(
-      "verify",
-      "check every structure, checksum and stated fact of a file. In a scene, counts, box and "
-      "every clearance must be correct, layers must have no hole, each distance must fit its "
-      "voxel's value and its neighbors, and each object must be in the list");
+  auto* verify =
+      app.add_subcommand("verify",
+                         "check the structure, the checksums and the stated facts of a file. In a "
+                         "scene, the counts, the box and every clearance must be correct, the "
+                         "layers must have no hole, each distance must fit the value of its voxel "
+                         "and the distances around it, and each object must be in the list");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
-  auto* sample = app.add_subcommand(
-      "sample",
-      "read `x y z` lines in meters and print each point's voxel: its value, 0 to 3; the smallest "
-      "and largest distance from the mesh in meters, and the nearest object, if the scene stores "
-      "them. The word hint at the end of a line means that the distance was not measured");
+  auto* sample =
+      app.add_subcommand("sample",
+                         "read lines `x y z` in meters. Print for each point the value of its "
+                         "voxel (0 to 3) and, if the scene stores them, the smallest and largest "
+                         "distance from the mesh in meters and the nearest object. The word hint "
+                         "at the end of a line means that the distance was not measured");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
   export_to->add_option("OUT", out, "a .csv, .ply or .vdb file")->required();
   PathRequest of_path;
-  auto* path_command =
-      app.add_subcommand("path",
-                         "print the length of a path (a CSV of poses, or a trace); write the path "
-                         "again in meters and quaternions, also resampled or reversed");
+  auto* path_command = app.add_subcommand(
+      "path",
+      "print the length of a path (a CSV of poses, or a trace). With -o, write the path again in "
+      "meters and quaternions, resampled or reversed if you like");
   path_command->add_option("FILE", path, "a CSV of poses over time, or a trace of voxrun")
       ->required();
   path_command->add_option("-o,--output", of_path.output, "write the path to this CSV file");
@@ -148,13 +150,13 @@ int run(int argc, char** argv) {
                            "keep all rows, and add rows between them at this period, such as 1ms");
   path_command->add_option(
       "--part", of_path.shell,
-      "measure the path of the centroid of this .pshell part, which moves straight between rows as "
-      "in voxcheck (default: the path of the frame's origin)");
+      "measure the path of the centroid of this .pshell part. As in voxcheck, the centroid moves "
+      "straight between rows (default: the path of the frame's origin)");
   path_command->add_flag("--reverse", of_path.reverse,
                          "reverse the path: from the last pose to the first");
   of_path.of = "part";
   path_command
-      ->add_option("--of", of_path.of, "which poses of a trace: part or handle, default part")
+      ->add_option("--of", of_path.of, "the poses of a trace to use: part or handle, default part")
       ->check(CLI::IsMember({"part", "handle"}));
   path_command->add_option("--json", json_path, "write the facts to this file as JSON");
   for (auto* subcommand : {verify, sample, export_to, path_command}) {
@@ -172,15 +174,15 @@ int run(int argc, char** argv) {
   command::arrange_help(
       *path_command,
       {{"The path", {"--resample", "--reverse", "--part", "--of"}}, {"Output", {"-o"}}},
-      "  voxinfo path run.csv                               how long it is\n"
+      "  voxinfo path run.csv                               the length of the path\n"
       "  voxinfo path run.csv --reverse -o back.csv         the same path backward\n"
       "  voxinfo path run.csv --resample 10ms --part part.pshell -o fine.csv    more rows");
   command::arrange_help(
       app, {{"Output", {"--objects"}}},
-      "  voxinfo bay.vox                              what the file is\n"
-      "  voxinfo verify bay.vox                       whether it keeps its promises\n"
-      "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    what is at a point, in meters\n"
-      "  voxinfo export bay.vox layer.ply             for other programs");
+      "  voxinfo bay.vox                              facts about the file\n"
+      "  voxinfo verify bay.vox                       whether these facts are correct\n"
+      "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    the scene at a point, in meters\n"
+      "  voxinfo export bay.vox layer.ply             a file for other programs");
   int exit_code = 0;
   if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {

@@ -19,8 +19,8 @@ std::string summary_of(const PathFacts& f, const std::string& path, const char* 
   using command::text;
   return text("%s: %zu poses from %.6g to %.6g s; %s travels %.6g m and turns %.6g rad\n",
               escaped(path).c_str(), f.poses, f.begin_s, f.end_s, point, f.length_m, f.turn_rad) +
-         text("  between two poses at most %.6g mm and %.6g rad; at most %.6g m/s\n",
-              f.max_step_m * 1e3, f.max_turn_rad, f.max_mps) +
+         text("  largest step %.6g mm and %.6g rad; largest speed %.6g m/s\n", f.max_step_m * 1e3,
+              f.max_turn_rad, f.max_mps) +
          text("  %s in %.6g, %.6g, %.6g to %.6g, %.6g, %.6g m\n", point, f.low_m[0], f.low_m[1],
               f.low_m[2], f.high_m[0], f.high_m[1], f.high_m[2]);
 }
@@ -86,8 +86,8 @@ Status handle_path(const PathRequest& request) {
     center_m = shell->header().center_m;
   } else if (of_part && !request.period.empty() && path_facts(*rows).turn_rad > 0) {
     command::warn(
-        "between rows the frame's origin moves straight, but voxcheck moves the part's centroid "
-        "straight: give --part to move the centroid straight here too",
+        "the frame's origin moves straight between the new rows, but voxcheck moves the part's "
+        "centroid straight: add --part to move the centroid straight",
         request.quiet);
   }
   if (!request.output.empty()) {

@@ -102,7 +102,7 @@ Finding real_time_throttling(const fs::path& root) {
   if (runtime == "-1") return good("real-time throttling", "off");
   return note("real-time throttling",
               "real-time threads get " + runtime + " of every " + period +
-                  " us: this is enough, and the machine survives a loop that never sleeps");
+                  " us: this is enough, and the machine still responds if a loop never sleeps");
 }
 
 // ---- kernel and processor
@@ -151,9 +151,10 @@ Finding idle_states(const fs::path& root) {
   const fs::path latency = root / "dev/cpu_dma_latency";
   std::error_code failure;
   if (entries(root / "sys/devices/system/cpu/cpu0/cpuidle").empty()) {
-    return note("idle states", "the system reports none");
+    return note("idle states", "the system reports no idle states");
   }
-  if (!fs::exists(latency, failure)) return note("idle states", "this system cannot limit them");
+  if (!fs::exists(latency, failure))
+    return note("idle states", "this system cannot limit idle states");
   if (access(latency.c_str(), W_OK) == 0) {
     return note(
         "idle states",
@@ -169,7 +170,7 @@ Finding cores() {
   const std::string seen = std::to_string(count) + ", instruction set " + query::kernel_target();
   if (count >= 4) return good("cores", seen);
   return change(
-      "cores", seen + ": the loop shares them with graphics and driver",
+      "cores", seen + ": the loop shares the cores with graphics and driver",
       "use a machine with four cores or more, or run nothing else while a hand holds the device");
 }
 
@@ -177,7 +178,7 @@ Finding virtual_machine(const fs::path& root) {
   const bool guest = read_text(root / "proc/cpuinfo").find(" hypervisor") != std::string::npos;
   if (!guest) return good("virtual machine", "no");
   return change("virtual machine",
-                "yes: the host can stop a core at any time; it did so for " +
+                "yes: the host can stop a core at any time; cores were stopped for " +
                     std::to_string(static_cast<long long>(machine::steal_seconds())) +
                     " s since boot",
                 "run the loop on a real machine, and never drive motors from a virtual machine");
@@ -242,9 +243,10 @@ std::vector<Finding> hid_devices(const fs::path& root) {
     if (access(node.c_str(), R_OK | W_OK) == 0) {
       found.push_back(good(node.filename().string(), seen + ": you may use it"));
     } else {
-      found.push_back(
-          note(node.filename().string(),
-               seen + ": you have no permission; if it is the haptic device, see udev rules"));
+      found.push_back(note(
+          node.filename().string(),
+          seen +
+              ": you have no permission; if this is the haptic device, see the line udev rules"));
     }
   }
   if (found.empty()) found.push_back(note("HID devices", "no HID device is plugged in"));
@@ -361,10 +363,9 @@ std::string findings_text(const std::vector<Finding>& findings) {
     text += "       -> " + f.mend + "\n";
     ++changes;
   }
-  return text +
-         (changes == 0
-              ? "nothing to change\n"
-              : "changes to make before a hand holds a motor: " + std::to_string(changes) + "\n");
+  return text + (changes == 0 ? "nothing to change\n"
+                              : "changes to make before a hand holds a device with motors: " +
+                                    std::to_string(changes) + "\n");
 }
 
 Status run_doctor(const DoctorOptions& options) {

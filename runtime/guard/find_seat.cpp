@@ -59,9 +59,9 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   std::snprintf(largest, sizeof largest, "; the stored distances allow a seat up to %.3g mm deep",
                 1000 * max_m);
   return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
-               "check --start and the units of both files; where voxelize reports a cavity there, "
-               "bake the scene with --free-seed, --narrow-passages or smaller voxels, otherwise "
-               "with a larger --range"};
+               "check --start and the units of both files; if voxelize reports a cavity there, "
+               "bake the scene with --free-seed, --narrow-passages or smaller voxels; otherwise "
+               "bake it with a larger --range"};
 }
 
 std::string SeatRule::name_of(std::uint32_t object) const {
@@ -77,7 +77,7 @@ Status SeatRule::check_side(std::uint32_t i) const {
   }
   return Error{ErrorCode::kUsage, "", "start",
                "an open sheet of the part starts within an open sheet of " +
-                   name_of(probe_.object_of(i)) + ": it is not known on which side",
+                   name_of(probe_.object_of(i)) + ", so the side of the part is not known",
                "give one of the two sheets a thickness, or start elsewhere (--start)"};
 }
 

@@ -53,8 +53,8 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
   for (std::uint32_t i = 0; i < there.count; ++i) {
     if (there.is_barred[i] == 0) continue;
     return Error{ErrorCode::kUsage, "", "start",
-                 "the part starts inside " + seat_.name_of(object_of(i)) +
-                     ", or nearer to it than the guard allows, but away from its seat",
+                 "the part starts away from its seat, and inside " + seat_.name_of(object_of(i)) +
+                     " or nearer to it than the guard allows",
                  "start the part clear of the scene (--start), or leave out --seat"};
   }
   return {};

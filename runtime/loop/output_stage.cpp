@@ -36,7 +36,7 @@ constexpr CauseRow kCauses[] = {
     {TripCause::kOverSpeed, "the hand is too fast",
      "check whether the handle slipped out of the hand, or the motors were too strong", false},
     {TripCause::kNotFinite, "the motion or its wrench is not finite",
-     "please report it, with a recording (--record)", true},
+     "report this error with a recording (--record)", true},
     {TripCause::kLoopLate, "the loop was late", "see voxrun doctor", false},
     {TripCause::kOutputHeld, "the device or its driver set the motors to zero by itself",
      "see voxrun doctor", false},

@@ -28,7 +28,7 @@ Status check_sides(const PshellView& shell, const field::ForceField& field) {
   if (shell.two_sided == nullptr || field.proves_distances()) return {};
   const auto count = std::count(shell.two_sided, shell.two_sided + shell.point_count, 1);
   return Error{ErrorCode::kUsage, "", "part",
-               std::to_string(count) + " of its " + std::to_string(shell.point_count) +
+               std::to_string(count) + " of the part's " + std::to_string(shell.point_count) +
                    " points are on open sheets, which need stored distances",
                "bake the scene without --kind lean or paper, and use --model default and --force "
                "distance; or close the open sheets of the part"};

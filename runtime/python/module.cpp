@@ -256,7 +256,7 @@ forcelayer.Error: nowhere.vox: no such file; check the path
 )")
       .def_property_readonly(
           "dims_voxels", [](const Scene& s) { return s.map.header().dims_voxels; },
-          R"(Extent of the box of voxels that are not free.
+          R"(Extent, in voxels, of the box of voxels that are not free.
 
 >>> min(forcelayer.Scene("bay.vox").dims_voxels) > 0
 True
@@ -299,12 +299,12 @@ True
             return answers;
           },
           given("points_m"), py::kw_only(), given("threads") = 0,
-          R"(The scene at points of the world, shape (n, 3), meters.
+          R"(Samples the scene at points of the world, shape (n, 3), meters.
 
-A structured array with a row for each point:
+Returns a structured array with a row for each point:
 
     value             value of the voxel: 0 free, 1 interior, 2 surface (the force layer), 3 proximity
-    known             False beyond a side at which the scene was cropped
+    known             False for a point beyond a side at which the scene was cropped
     distance_m        distance from the meshes, interpolated between stored distances; negative inside;
                       NaN where none is stored
     min_distance_m    no point of the meshes is nearer; 0 where nothing is proven
@@ -333,7 +333,7 @@ forcelayer.Error: points_m: has the shape (1, 2); give an array of shape (n, 3)
           R"(Counts the points of the part by the value of their voxel, at each pose.
 
 `poses`: shape (n, 7), world_from_part as x y z (meters) and a quaternion qw qx qy qz, which is
-made unit. A structured array with a row for each pose:
+made unit. Returns a structured array with a row for each pose:
 
     interior, surface, proximity   points in voxels of value 1, 2 and 3
     outside_map                    True: a point lies beyond a side at which the scene was cropped
@@ -355,11 +355,11 @@ made unit. A structured array with a row for each pose:
                 });
           },
           given("part"), given("poses"), py::kw_only(), given("threads") = 0,
-          R"(The proven clearance between the exact surfaces of part and scene, at each pose.
+          R"(Proves a clearance between the exact surfaces of part and scene, at each pose.
 
-The bound is proven from the two files, as the runtime proves it for every frame. It holds at these
-poses only, not between them. `poses`: as for query(). A structured array with a
-row for each pose:
+The clearance is proven from the two files, as the runtime proves it for every frame. It holds at
+these poses only, not between them. `poses`: as for query(). Returns a structured array with a row
+for each pose:
 
     clearance_m       a lower bound, meters; NaN where nothing is known
     measured          False: no point is within reach of the stored distances, so the clearance may
@@ -477,7 +477,7 @@ True
             return view_of(p, {static_cast<py::ssize_t>(v.point_count)}, {sizeof(float)},
                            v.weight_m2);
           },
-          R"(Area that each point stands for, shape (n,): a view of the file.
+          R"(Area that each point represents, m2, shape (n,): a view of the file.
 
 >>> part = forcelayer.Part("part.pshell")
 >>> bool(abs(part.areas_m2.sum() / part.area_m2 - 1) < 0.01)

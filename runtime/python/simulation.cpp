@@ -217,7 +217,7 @@ class Stepper {
   }
   void set_moment(const Moment& moment) {
     if (moment.of != this) {
-      throw Failure({ErrorCode::kUsage, "", "moment", "is of another simulation", ""});
+      throw Failure({ErrorCode::kUsage, "", "moment", "belongs to another simulation", ""});
     }
     require_idle();
     moment_ = std::make_shared<Moment>(moment);
@@ -409,9 +409,9 @@ True
   py::class_<Stepper>(module, "Simulation", R"(A part in a scene, moved by a hand, frame by frame.
 
 `model`: "default", or "paper" for the method of 1999. `force`: "distance", "level" or
-"tangent-plane"; None for the best that the file allows. `settings`: physical parameters by the
-names of `parameters`; the others are derived from voxel size, part and rate. Files that guarantee
-no separation are refused, unless `without_guarantee` is set.
+"tangent-plane"; None for the best that the scene's file allows. `settings`: physical parameters by
+the names of `parameters`; the others are derived from voxel size, part and rate. Files that
+guarantee no separation are refused, unless `without_guarantee` is set.
 
 The hand holds a simulated device of 15 N and 0.1 N m, as in the paper.
 
@@ -451,10 +451,11 @@ Traceback (most recent call last):
 forcelayer.Error: world_from_part: is not a pose; give finite meters and a quaternion that is not zero
 )")
       .def("step", &Stepper::step, given("world_from_handle"),
-           py::arg("handle_velocity") = py::none(), R"(One frame: moves the hand, then the part.
+           py::arg("handle_velocity") = py::none(),
+           R"(Runs one frame: moves the hand, then the part.
 
 `handle_velocity`: linear (m/s) and angular (rad/s), six numbers, world axes; None: estimated from
-the poses, as for a device that does not sense it. Returns a row of run()'s array.
+the poses, as for a device that does not sense velocity. Returns a row of run()'s array.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.step([0, 0, 0, 1, 0, 0, 0])
@@ -463,13 +464,13 @@ forcelayer.Error: simulation: has not been started; call start(world_from_part) 
 )")
       .def("run", &Stepper::run, given("world_from_handle"),
            py::arg("handle_velocity") = py::none(),
-           R"(Many frames: the poses of the hand, shape (n, 7), one for each frame.
+           R"(Runs many frames. Takes the poses of the hand, shape (n, 7), one for each frame.
 
-A structured array with a row for each frame:
+Returns a structured array with a row for each frame:
 
-    t_s                 since start()
+    t_s                 time since start()
     world_from_handle, world_from_part   x y z qw qx qy qz
-    force_n, torque_nm  on the hand, world axes; the torque about the part's centroid ("max_torque_nm"
+    force_n, torque_nm  on the hand, world axes; the torque is about the part's centroid ("max_torque_nm"
                         of the report is about the handle)
     clearance_m, measured, nearest_object, nearest_point_m   as of Scene.clearance()
     depth_m             of the deepest contact
@@ -499,8 +500,9 @@ True
 >>> first.tobytes() == simulation.step([0.2, 0.15, 0.29, 1, 0, 0, 0]).tobytes()
 True
 )")
-      .def_property_readonly("report", &Stepper::report,
-                             R"(The run since start(): a dict with the names of `voxrun --json`;
+      .def_property_readonly(
+          "report", &Stepper::report,
+          R"(The report of the run since start(): a dict with the names of `voxrun --json`;
 docs/voxrun_report.md in the sources explains them.
 
 "max_torque_nm" is about the handle, where the hand holds the part; "torque_nm" of a frame is about
@@ -545,7 +547,8 @@ the part's centroid. They differ by the force times the arm between the two.
           "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
           R"(The guaranteed distance between the exact surfaces, meters, if no report says otherwise.
 
-In every frame ("tested_m"), and between two frames ("swept_m"); None where nothing is guaranteed.
+A dict: "tested_m" holds in every frame, "swept_m" also between two frames. A value is None if nothing
+is guaranteed.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.guarantee["tested_m"] > simulation.guarantee["swept_m"] > 0

@@ -56,7 +56,7 @@ Result<Model> model_from(int model) {
       return Model::kPaper;
     default:
       return Error{ErrorCode::kUsage, "", "model", "is not one of FORCELAYER_MODEL_...",
-                   "begin with forcelayer_default_options()"};
+                   "take the options from forcelayer_default_options()"};
   }
 }
 

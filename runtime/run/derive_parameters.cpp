@@ -223,7 +223,7 @@ void warn_of_coupling(const RunRequest& request, DerivedParameters& derived) {
 
 std::string borne_reason(const char* what, const DeviceCapabilities& device, const Bound& bound) {
   return format("%g of the ", kBoundFraction) + what + " that " + device.name +
-         " bears: " + bound.source;
+         " can render: " + bound.source;
 }
 
 constexpr const char* kLinear = "stiffness, divided by the squared motion scale,";
@@ -280,7 +280,7 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency ? borne_reason("stiffness", device, bound_rot)
-                                        : "k_T I / m: the frequency of the translation");
+                                        : "k_T I / m: the same frequency as the translation");
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
              "2 sqrt(I k_R): critically damped (paper 5.1)");
   warn_of_coupling(request, derived);
@@ -302,7 +302,7 @@ void choose_field(const RunRequest& request, double arm_m, DerivedParameters& de
   const double room = 1 - symplectic_euler_load(stiffness, damping, dt_s);
   const double largest = 4 * room / (dt_s * dt_s * kAveragedPoints * mobility_1pkg);
   choice.set("field_n_per_m", room > 0 ? kFieldMargin * largest : p.coupling_n_per_m,
-             "0.9 of the largest stable at 10 intersections (paper 5.2): "
+             "0.9 of the largest stable stiffness at 10 intersections (paper 5.2): "
              "(4 - h^2 k_T/m - 2 h b_T/m) / (10 h^2 (1/m + r^2/I))");
   if (room <= 0) {
     derived.warnings.push_back(
@@ -322,7 +322,7 @@ void derive_paper(const RunRequest& request, const Pshell& shell, DerivedParamet
   p.inertia_kgm2 = glm::dmat3(0.4 * p.mass_kg * p.part_radius_m * p.part_radius_m);
   choose_coupling(request, derived);
   choice.set("coupling_force_limit_n", p.coupling_n_per_m * p.voxel_size_m / 2,
-             "k_T s/2, the spring's force only (paper 5.2)");
+             "k_T s/2, for the force of the spring alone (paper 5.2)");
   choice.set("coupling_torque_limit_nm", std::numeric_limits<double>::infinity(),
              "none (paper 5.2)");
   choose_field(request, largest_contact_arm_m(shell), derived);
@@ -368,12 +368,12 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency
                  ? borne_reason("stiffness", device, bound_rot)
-                 : "k_T I / m, I the mean moment: the frequency of the translation");
+                 : "k_T I / m with the mean moment I: the same frequency as the translation");
   const model::PrincipalInertia inertia = model::principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choose_damping(
       choice, "coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
-      "2 sqrt(I k_R), I the largest moment: critically damped about every principal axis",
+      "2 sqrt(I k_R) with the largest moment I: critically damped about every principal axis",
       "damping", device, rotation_damping_bound(request, dt_s));
   // A device that renders none still moves and turns the part: the output stage keeps it at zero.
   const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
@@ -398,8 +398,9 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
                         std::max(2.0, std::ceil(8000 * dt_s))),
              "enough look-ups to follow a hand at 3 m/s, but at most eight a millisecond");
   choice.set("recovery_mps", kRecoveryMps, "slow enough for the hand to let go");
-  choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
-             "the force limit times the voxel size: more than a step of one voxel can use");
+  choice.set(
+      "allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
+      "the force limit times the voxel size, which exceeds the energy of a step of one voxel");
   choice.set("allowance_fade_s", kAllowanceFadeS, "the part comes to rest within a second");
 }
 
@@ -463,8 +464,8 @@ std::optional<std::string> arm_warning(const RunRequest& request, const Paramete
   const double felt = parameters.coupling_nm_per_rad + parameters.coupling_n_per_m * arm_m * arm_m;
   if (!(felt > bound.value)) return std::nullopt;
   return format(
-             "the handle is %.3g m from the part's centroid, where the paper's coupling acts: when "
-             "the handle turns, the hand feels %.3g N m/rad, above the %.3g N m/rad that ",
+             "the handle is %.3g m from the part's centroid, where the paper's coupling acts. When "
+             "the handle turns, the hand feels %.3g N m/rad, more than the %.3g N m/rad that ",
              arm_m, felt, bound.value) +
          request.device.name + " can render stably: " + bound.source +
          "; hold the part nearer to its centroid (--grip), or use --model default";

@@ -67,7 +67,8 @@ void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::s
   const PshellHeader& part = shell.header();
   if (part.covering_radius_m > map.voxel_size_m * std::sqrt(3.0) / 2 * 1.000001) {
     warnings.push_back(
-        "the shell is coarser than the scene's voxels: small features may pass between its points");
+        "the shell is coarser than the scene's voxels: small features may pass between the shell's "
+        "points");
   }
   double extent_m = 0;
   for (const std::uint64_t dim : map.dims_voxels) {
@@ -76,7 +77,8 @@ void warn_of_sizes(const Voxmap& voxmap, const Pshell& shell, std::vector<std::s
   const double part_m = 2 * part.bounding_radius_m;
   if (extent_m > 0 && part_m > 0 &&
       (part_m > kSizeRatioWarning * extent_m || extent_m > kSizeRatioWarning * part_m)) {
-    warnings.push_back("scene and part differ more than a hundredfold in size: check their units");
+    warnings.push_back(
+        "scene and part differ more than a hundredfold in size: check the units of both");
   }
 }
 

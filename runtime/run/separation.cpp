@@ -74,8 +74,8 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
   const double s = voxmap.voxel_size_m;
   if (has_standoff(voxmap)) {
     if (!(guard.distance_m > 0)) {
-      return "leave out --model and --force: with a standoff only the distance field keeps the "
-             "guarantee";
+      return "leave out --model and --force, because with a standoff only the distance field keeps "
+             "the guarantee";
     }
     const double arc_m = arc_deviation_m(s, shell.bounding_radius_m);
     return "bake the scene with " +
@@ -93,7 +93,7 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
   }
   return more_layers + ", or bake both from more exact meshes: the scene's meshes deviate by " +
          length_text(voxmap.static_deviation_m) + " and the part's meshes by " +
-         length_text(shell.part_deviation_m) + " (--mesh-deviation, and what the files declare)";
+         length_text(shell.part_deviation_m) + " (from --mesh-deviation and from the files)";
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class Reader {
       std::memcpy(&parameter, bytes_.data() + sizeof h + i * sizeof parameter, sizeof parameter);
       if (parameter.name.back() != 0) {
         return error(ErrorCode::kFieldInvalid, "parameter " + std::to_string(i),
-                     "has a name that does not end");
+                     "has a name without an end mark");
       }
       found[parameter.name.data()] = parameter.value;
     }
@@ -354,7 +354,7 @@ bool ReplayInput::next(double, double, StepInput& input) noexcept {
 Error outcome_differs(const std::string& name, std::uint64_t first) {
   return {ErrorCode::kInternal, name, "frame " + std::to_string(first),
           "the outcome differs from the recorded one",
-          "replay with the program and on the kind of machine that recorded it"};
+          "replay it with the program that recorded it, on the same kind of machine"};
 }
 
 void ReplayInput::output(const Frame& frame) noexcept {

@@ -127,8 +127,8 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
       warn("the part touches nothing where it is installed (--seat)");
     } else if (!(off_m < reach_m)) {
       warn(
-          command::text("--seat: has no effect, because it is at neither end of the path: the "
-                        "nearer end is %.4g mm away, and must be less than %.4g mm away",
+          command::text("--seat: has no effect, because the path neither begins nor ends there: "
+                        "the nearer end is %.4g mm away, and must be less than %.4g mm away",
                         1e3 * off_m, 1e3 * reach_m));
     }
     const auto& c = part.header().center_m;
@@ -155,12 +155,12 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
   const WideStep step = widest_step(rows, part.header().center_m);
   if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
   command::warn(
-      command::text(
-          "from %.3f to %.3f s the part turns by %.3g degrees between two rows. Its centroid is "
-          "moved straight, by %.3f mm. If the origin of its frame moved straight instead, the part "
-          "is up to %.3f mm away from there: add rows in between, or give --center 0,0,0m",
-          rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
-          1e3 * step.shift_m, 1e3 * step.aside_m),
+      command::text("from %.3f to %.3f s the part turns by %.3g degrees between two rows. voxcheck "
+                    "moves the centroid straight, by %.3f mm. If the origin of the part's frame "
+                    "moves straight instead, the checked positions are up to %.3f mm wrong: add "
+                    "rows in between, or give --center 0,0,0m",
+                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+                    1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);
 }
 

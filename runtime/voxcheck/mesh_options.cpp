@@ -18,7 +18,7 @@ void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::s
                  "nodes that were left out when the scene was baked; repeatable")
       ->allow_extra_args(false);
   app.add_option("--units", options.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
                  "otherwise it replaces the unit of the format");
   app.add_option("--part-units", options.part_units, "unit of --part, if it differs");
   app.add_flag("--allow-outside", options.allow_outside,

@@ -39,19 +39,19 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
                "accept a seat that the meshes do not prove, if the shell points find nothing "
                "wrong. Shell points miss thin walls and rods; the report says how thin");
   app.add_option("--allow", options_.allow,
-                 "name of an object that may be near, or the end of its name; * and ? match; "
-                 "repeatable")
+                 "name of an object that may be near, or the end of its name, also with the "
+                 "wildcards * and ?; repeatable")
       ->allow_extra_args(false);
-  command::add_choice(app, "--fail-on", options_.fail_on, {"far", "nothing"},
-                      "far: a part that never comes near the scene counts as not clear, because "
-                      "the path may be in another unit. nothing: the status is 0 for every "
-                      "answer");
+  command::add_choice(
+      app, "--fail-on", options_.fail_on, {"far", "nothing"},
+      "far: a part that never comes near the scene counts as not clear, because "
+      "the path may be in another unit. nothing: the exit status is 0 for every answer");
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. The meshes decide where the baked "
                   "files cannot; repeatable");
   app.add_option("--time", time_,
-                 "with --exact: time after which the measurement ends, with the answer undecided; "
-                 "default: no limit");
+                 "with --exact: time after which the measurement ends, and the answer is "
+                 "undecided; default: no limit");
   app.add_option("--json", options_.json, "write a report to this file");
   app.add_option("--threads", options_.threads,
                  "number of threads, default all; the number does not change the answer")

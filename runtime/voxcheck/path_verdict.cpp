@@ -80,9 +80,9 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
   if (exact->graze) {
-    return "goes between " + length_text(v.depth_m) + " and " +
+    return "goes " + length_text(v.depth_m) + " to " +
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep into " +
-           object + ", and " + length_text(seat->allowed_m) + " are allowed";
+           object + ", and " + length_text(seat->allowed_m) + " is allowed";
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
@@ -104,11 +104,12 @@ std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
   if (checked.exact != nullptr) {
     const ExactSeat* seat = exact_seat(checked, v.worst.object);
     return "while the part touches " + object +
-           ", overlap cannot be measured: both meshes are open, the part with " +
-           hole_text(seat->part_hole) + ", " + object + " with " + hole_text(seat->object_hole);
+           ", overlap cannot be measured, because both meshes are open: the part has " +
+           hole_text(seat->part_hole) + ", and " + object + " has " + hole_text(seat->object_hole);
   }
-  return text("features of %s narrower than %.2f mm are not seen while the part touches it",
-              object.c_str(), ceil_mm(2 * checked.part.header().covering_radius_m));
+  return text(
+      "features of %s narrower than %.2f mm are not seen while the part touches this object",
+      object.c_str(), ceil_mm(2 * checked.part.header().covering_radius_m));
 }
 
 std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact) {
@@ -159,8 +160,8 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
     const std::string near = "comes as near as " + distance + " to " + object;
     if (!exact->graze) return near;
     // More digits than the distance is off what is required.
-    return near + ", too near to decide with deviations and rounding of " +
-           command::length_texts(checked.exact->margin_m, off_m).first;
+    return near + "; deviations and rounding of " +
+           command::length_texts(checked.exact->margin_m, off_m).first + " leave this undecided";
   }
   if (v.worst.max_m <= 0) return "goes into " + object;
   if (v.worst.max_m < checked.required_m) {
@@ -168,10 +169,11 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
            " of " + object;
   }
   const std::string proven = command::length_texts(v.clearance_m, checked.required_m).first;
-  if (!std::isfinite(v.worst.max_m)) return "only " + proven + " to " + object + " are proven";
+  if (!std::isfinite(v.worst.max_m))
+    return "only a distance of " + proven + " to " + object + " is proven";
   return "is between " + proven + " and " +
          command::upper_length_text(v.worst.max_m, checked.required_m) + " away from " + object +
-         ", and the baked files are not more exact";
+         ", and the baked files are not exact enough to decide";
 }
 
 // The objects that the part goes into, the one that it goes into deepest first, to the micrometer:

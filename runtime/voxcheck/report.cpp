@@ -41,7 +41,7 @@ std::vector<std::string> overlap_texts(const Report& report) {
   if (!report.exact) return texts;
   for (const ExactSeat& seat : report.exact->seat) {
     if (seat.installed_m <= report.exact->margin_m) continue;
-    texts.push_back("where it is installed the part overlaps " +
+    texts.push_back("where the part is installed, it overlaps " +
                     escaped(object_name(report.checked.scene, seat.object)) + " by " +
                     length_text(seat.installed_m));
   }
@@ -147,7 +147,7 @@ std::string seat_depth_text(const Report& report) {
   const double allowed_m = deepest->allowed_m - deepest->installed_m;
   const std::string object = escaped(object_name(report.checked.scene, deepest->object));
   if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
-    return "in its seat, the part goes nowhere deeper than installed";
+    return "in its seat, the part never goes deeper than installed";
   }
   // The deepest position of some moments is known. That none is deeper than allowed is proven.
   const std::string found = length_text(std::max(0.0, deeper(*deepest)));
@@ -156,7 +156,8 @@ std::string seat_depth_text(const Report& report) {
            " deeper than installed, as " +
            (report.options.seat_depth_m ? "--seat-depth and the deviations"
                                         : "deviations and cracks") +
-           " of the meshes allow; the deepest that was found is " + found + ", into " + object;
+           " of the meshes allow; the largest depth that was found is " + found + ", into " +
+           object;
   }
   return "in its seat, the part goes at least " + found + " deeper than installed, into " + object +
          "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
@@ -171,9 +172,9 @@ std::string advice_of(const Report& report, const command::Verdict& verdict) {
   const Violation& worst = worst_of(report.checked);
   if (worst.out_of_time) return "give a longer --time, or check a part of the path";
   if (worst.unsettled_seat) {
-    return report.exact
-               ? "close one of the two meshes there and bake again, or accept with --felt-seat"
-               : "check with --exact, or accept with --felt-seat";
+    return report.exact ? "close one of the two meshes there and bake again, or accept the seat "
+                          "with --felt-seat"
+                        : "check the seat with --exact, or accept it with --felt-seat";
   }
   const std::string mend = seat_mend(report);
   if (!mend.empty()) return mend;

@@ -44,8 +44,8 @@ Status take_buttons(const Buttons& buttons, Options& options) {
 
 void add_device_options(CLI::App& app, std::string& text) {
   command::name_value(command::add_text(app, "--device", text,
-                                        "the device; default sim, a simulated hand. Its options "
-                                        "follow a colon, as NAME=VALUE,... (see below)"),
+                                        "the device; default sim, a simulated hand. Options follow "
+                                        "a colon, as NAME=VALUE,... (see below)"),
                       "sim|hid|spacemouse|plugin");
   command::add_help_table(
       app, "Options of --device (a comma in a value is written twice)",
@@ -108,7 +108,7 @@ Status read_device(const std::string& text, Options& options) {
     known = all.last(1);
   } else {
     return usage("--device", "'" + options.device + "' is not a kind of device",
-                 options.device == "replay" ? "give --replay FILE alone"
+                 options.device == "replay" ? "give --replay FILE without --device"
                                             : "give sim, hid, spacemouse or plugin");
   }
   const auto values =

@@ -79,8 +79,8 @@ void arrange(CLI::App& app) {
       "  voxrun bay.vox part.pshell --device hid --duration 10min        a hand on a device\n"
       "  voxrun opened.vox cover.pshell --motion lift.csv --fail-on penetration,seat\n"
       "  voxrun opened.vox cover.pshell --guide lift.csv --device sim:hand=loose --duration 30s\n"
-      "  voxrun bay.vox part.pshell --replay run.flr                     again, bit for bit\n"
-      "  voxrun doctor                                                   looks at the machine");
+      "  voxrun bay.vox part.pshell --replay run.flr                     repeats a run\n"
+      "  voxrun doctor                                                   checks the machine");
 }
 
 // voxrun doctor [...] is a program of its own, beside this one: a loop does not carry it.
@@ -117,7 +117,8 @@ int main(int argc, char** argv) {
   });
   const int ended_by = stop_signal.load();
   if (status != 0 || ended_by <= 0) return status;
-  std::fprintf(stderr, "voxrun: ended by signal %d (%s)%s\n", ended_by, strsignal(ended_by),
-               began ? "; its files contain the run up to this point" : " before the run began");
+  std::fprintf(
+      stderr, "voxrun: ended by signal %d (%s)%s\n", ended_by, strsignal(ended_by),
+      began ? "; the output files contain the run up to this point" : " before the run began");
   return 128 + ended_by;
 }

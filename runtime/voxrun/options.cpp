@@ -79,7 +79,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "pose of the device in the scene; default 0,0,0m");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
-      "end with status 6 if this happened, repeatable: penetration (always checked), contact "
+      "end with status 6 if one of these happened, repeatable: penetration (always checked), "
+      "contact "
       "(outside of the seat), outside (beyond the map), seat (not left at the end), held (the part "
       "did not follow --motion or did not reach the end of --pull)");
   command::add_texts(

@@ -118,7 +118,7 @@ Json capabilities_json(const DeviceCapabilities& c) {
 
 std::string capabilities_text(const DeviceCapabilities& c) {
   std::string line =
-      text("device %s: senses %d axes, drives %d, at most %.4g N and %.4g N m",
+      text("device %s: senses %d axes, drives %d axes with at most %.4g N and %.4g N m",
            escaped(c.name).c_str(), std::popcount(c.sensed_axes), std::popcount(c.actuated_axes),
            drives_force(c) ? c.max_force_n : 0, drives_torque(c) ? c.max_torque_nm : 0);
   if (c.workspace_radius_m > 0) line += text(", workspace radius %.3g m", c.workspace_radius_m);
@@ -351,8 +351,8 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
   return text(
-      "%s%s\nwhile the part is there, rods and ribs of %s narrower than %.3g mm may pass between "
-      "its points, and objects behind the seat are not felt\n",
+      "%s%s\nwhile the part is in its seat, rods and ribs of %s narrower than %.3g mm may pass "
+      "between the part's points, and objects behind the seat are not felt\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
       seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(),
       scenes.seat().size() == 1 ? "this object" : "these objects", 1000 * narrowest_felt_m(scenes));
@@ -407,7 +407,8 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
            s.worst_episode_generated_j);
   if (!facts.options.guide.empty()) {
     lines += text(
-        "guided in %llu frames by up to %.3g N; the guide gave the hand %.3g J of at most %.3g J\n",
+        "guided in %llu frames by up to %.3g N; the guide gave the hand %.3g J of the allowed %.3g "
+        "J\n",
         static_cast<unsigned long long>(s.guided_frames), s.max_guide_force_n, s.guide_given_j,
         s.guide_allowed_j);
   }
@@ -421,7 +422,7 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
   }
   lines += touched_text(scenes, s);
   if (facts.output_trips > 0) {
-    lines += text("output tripped %llu times, last: %s\n",
+    lines += text("the output tripped %llu times; last cause: %s\n",
                   static_cast<unsigned long long>(facts.output_trips), to_text(facts.last_trip));
   }
   return lines;

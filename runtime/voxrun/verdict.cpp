@@ -120,7 +120,7 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
       "seated on %s to the end: the part has not left its seat, and no separation is guaranteed; "
       "%s%s%s%s; ",
       seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
-      is_stopped(pull, s) ? "held" : "nothing holds it",
+      is_stopped(pull, s) ? "held" : "nothing holds the part",
       against(scenes, s.touched_last, true).c_str());
 }
 
@@ -143,7 +143,7 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
                 near_zero_mm(smallest.point_m.z));
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
-    part += text(", not known in %llu frame%s", printable(n), ending(n));
+    part += text(", and unknown in %llu frame%s", printable(n), ending(n));
   }
   return part;
 }
@@ -184,7 +184,7 @@ std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopS
   const auto add = [&](const std::string& doubt) { line += (line.empty() ? "" : "; ") + doubt; };
   if (outcome.scene_missed) add("a scene of --scene-next was never used");
   if (is_unfinished(scenes, outcome.pull, s)) {
-    add(pull_part(outcome.pull) + ", and nothing holds it");
+    add(pull_part(outcome.pull) + ", and nothing holds the part");
   }
   if (s.first_outside_map) {
     add(text(
@@ -247,7 +247,7 @@ command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const 
                           ? pull_part(pull)
                           : "the part is still installed on " + seat_text(scenes, INFINITY);
     if (is_stopped(pull, s)) verdict.blocked_by = names_of(scenes, s.touched_last);
-    if (!is_stopped(pull, s)) verdict.finding += ", and nothing holds it";
+    if (!is_stopped(pull, s)) verdict.finding += ", and nothing holds the part";
   } else if (is_held(outcome)) {
     verdict.kind = VerdictKind::kHeld;
     const bool is_pulled = is_short(pull);
@@ -291,18 +291,18 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
   if (outcome.scene_missed) line += "a scene of --scene-next was never used; ";
   if (!seat_open(scenes, s) && is_short(pull)) {
     line += pull_part(pull) +
-            (is_unfinished(scenes, pull, s) ? std::string(", nothing holds it")
+            (is_unfinished(scenes, pull, s) ? std::string(", nothing holds the part")
                                             : against(scenes, s.touched_last, true)) +
             "; ";
   }
   if (s.first_outside_map) {
-    line += text("%llu frame%s beyond a cropped side of the scene, the first at %.3f s; ",
-                 printable(s.outside_map_frames), ending(s.outside_map_frames),
-                 s.first_outside_map->time_s);
+    line += text(
+        "the part was beyond a cropped side of the scene in %llu frame%s, the first at %.3f s; ",
+        printable(s.outside_map_frames), ending(s.outside_map_frames), s.first_outside_map->time_s);
   }
   if (s.barred_frames > 0) {
-    line += text("%llu frame%s nearer than the guard allows; ", printable(s.barred_frames),
-                 ending(s.barred_frames));
+    line += text("the part was nearer than the guard allows in %llu frame%s; ",
+                 printable(s.barred_frames), ending(s.barred_frames));
   }
   if (is_too_fast(scenes, s)) line += "points may have moved more than half a voxel in a frame; ";
   const std::string last = motion_part(scenes, outcome) + "\n";

@@ -258,7 +258,7 @@ def check_simulation(scene, part, run):
     assert simulation.report["frames"] == 300
     assert simulation.run(hand[300:]).tobytes() == frames[300:].tobytes()
     other = forcelayer.Simulation(scene, part, rate_hz=500, settings={"mass_kg": 0.1})
-    expect_error(lambda: setattr(other, "moment", middle), "moment: is of another simulation")
+    expect_error(lambda: setattr(other, "moment", middle), "moment: belongs to another simulation")
     assert other.parameters["mass_kg"] == 0.1 and other.reasons["mass_kg"] == "set"
     given = forcelayer.Simulation(scene, part)
     given.start(start)

@@ -71,7 +71,7 @@ options = re.split(r"\n  (?=-)", text)[1:]
 numbers = [option for option in options if re.match(r"\S+ (N|NUMBER|INT|UINT|FLOAT)\b", option)]
 without = [n for n in numbers if not re.match(r"\S+ (N|NUMBER)\b", n) or not re.search(r"[-\d.e]+ to [-\d.e]+", " ".join(n.split()))]
 assert not without, without
-assert "Examples:" not in text or "Lengths are at most 1e9m, times at most 10000h." in text
+assert "Examples:" not in text or "Lengths are at most 1e9m, and durations at most 10000h." in text
 END
 done
 
@@ -191,7 +191,7 @@ for n in range(int(times)):
 words = run.communicate()[1]
 print(words, run.returncode, os.listdir())
 assert run.returncode == 130
-assert "its files contain the run up to this point" in words and open("run.csv").readline().startswith("t_s,")
+assert "the output files contain the run up to this point" in words and open("run.csv").readline().startswith("t_s,")
 assert not [name for name in os.listdir() if name.endswith(".tmp")]
 END
 done
@@ -207,7 +207,7 @@ def interrupted(name, words, begun):
     run.send_signal(signal.SIGINT)
     told = run.communicate()[1]
     print(name, told, run.returncode)
-    assert run.returncode == 130 and "ended by SIGINT; nothing was half-written" in told
+    assert run.returncode == 130 and "ended by SIGINT; no incomplete file is left" in told
     return told
 def measures(pid):
     status = open(f"/proc/{pid}/status").read()

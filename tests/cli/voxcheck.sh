@@ -123,11 +123,11 @@ errs "; if the part is installed at the path's beginning, give --seat 0,0,0m$"
 silent
 # There, narrow features are not felt: that is said, and it is not clear before it is accepted or settled.
 check 6 opened.vox cover.pshell out.csv --clearance 1mm --seat 0,0,0m --json open.json --report junit:open.xml --report github
-open='[Uu]ndecided.*: .*features of Gearbox/Housing narrower than 1\.73 mm are not seen while the part touches it \(1 mm of clearance required\)'
+open='[Uu]ndecided.*: .*features of Gearbox/Housing narrower than 1\.73 mm are not seen while the part touches this object \(1 mm of clearance required\)'
 says "^$open\.\$"
 says '^Undecided, straight along \+z: gets 1 mm away from its seat after [1-5]\.[0-9] mm, but '
 says "^::error file=out\.csv,title=clearance::$open\.\$"
-errs "^voxcheck: out\.csv: $open; check with --exact, or accept with --felt-seat\$"
+errs "^voxcheck: out\.csv: $open; check the seat with --exact, or accept it with --felt-seat\$"
 python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("open.json"))
@@ -190,7 +190,7 @@ warns "warning: the path leads away from the scene by 382 times the scene's size
 # A seat at neither end of the path lets nothing off.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0\n2,0,0,0.06\n' >visit.csv
 check 6 opened.vox cover.pshell visit.csv --clearance 1mm --seat 0,0,0m
-warns 'warning: --seat: has no effect, because it is at neither end of the path: the nearer end is 60 mm away, and must be less than 2 mm away'
+warns 'warning: --seat: has no effect, because the path neither begins nor ends there: the nearer end is 60 mm away, and must be less than 2 mm away'
 # Both ends in the seat.
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n2,0,0,0\n' >there_and_back.csv
 check 0 opened.vox cover.pshell there_and_back.csv --clearance 1mm "${felt[@]}"
@@ -216,7 +216,7 @@ write("fine.csv", [1.25 * n for n in range(121)])
 PYTHON
 check 0 opened.vox cover.pshell pivot.csv --clearance 12.7mm --json pivot.json
 grep '^voxcheck: warning: from ' err.txt >warnings.txt || true
-warns 'from 0.500 to 1.000 s the part turns by 120 degrees between two rows. Its centroid is moved straight, by '
+warns 'from 0.500 to 1.000 s the part turns by 120 degrees between two rows. voxcheck moves the centroid straight, by '
 grep -A 1 '"warnings": \[' pivot.json | grep -q '120 degrees between two rows' || fail "the report does not warn of a wide step"
 check 0 opened.vox cover.pshell fine.csv --clearance 12.7mm
 ! grep -q 'between two rows' err.txt || fail "warned of small steps: $(cat err.txt)"
@@ -315,7 +315,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   says '^Does not keep the clearance, .*: comes as near as 3 mm \(measured to Gearbox/Housing, after [0-9.]+ of 124 mm; 3\.2 mm required\)\.$'
   [ "$(grep -c 'mm along the path' out.txt)" = 1 ] || fail "more than one stretch: $(cat out.txt)"
   check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --report junit:graze.xml
-  says '^Too close to call, .*: comes as near as [23](\.[0-9]+)? mm to Gearbox/Housing, too near to decide with deviations and rounding of 0\.000[0-9]+ mm \('
+  says '^Too close to call, .*: comes as near as [23](\.[0-9]+)? mm to Gearbox/Housing; deviations and rounding of 0\.000[0-9]+ mm leave this undecided \('
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
   says '^Collides, straight along -z: meets Gearbox/Housing, at least [1-9][0-9.]* mm deep \(too near from [0-9.]+ mm on, worst after [0-9.]+ of 400 mm; 1 mm required\)\.$'
   # Where surfaces meet it is no graze, however little is required.
@@ -370,7 +370,7 @@ PYTHON
     says '^Does not come out, .* goes 1\.[45][0-9]* mm deep into Gearbox/Lid/Bolt, which it does not overlap as installed'
     check 6 "${held[@]}" "${meshes[@]}" --felt-seat
     check 0 "${held[@]}" "${meshes[@]}" --seat-depth 2mm
-    says '^  in its seat, the part goes at most 2 mm deeper than installed, as --seat-depth and the deviations of the meshes allow; the deepest that was found is 1\.[45][0-9]* mm, into Gearbox/Lid/Bolt$'
+    says '^  in its seat, the part goes at most 2 mm deeper than installed, as --seat-depth and the deviations of the meshes allow; the largest depth that was found is 1\.[45][0-9]* mm, into Gearbox/Lid/Bolt$'
     python3 - <<'PYTHON'
 import json, xml.etree.ElementTree as tree
 report = json.load(open("through_bolt.json"))
@@ -445,7 +445,7 @@ fi
 check 2 opened.vox cover.pshell out.csv --allow Nobody
 errs "'Nobody' is not an object of the scene"
 check 2 opened.vox cover.pshell out.csv --allow Pim
-errs 'the nearest are: Gearbox/Pin'
+errs 'the nearest names are: Gearbox/Pin'
 check 2 opened.vox cover.pshell out.csv --clearance 12
 check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat-depth 1mm
 errs '--seat-depth: has no effect without --exact'
@@ -495,14 +495,14 @@ check 2 opened.vox cover.pshell broken.csv --report junit:- --quiet
 python3 -c 'import xml.etree.ElementTree as tree; assert tree.parse("out.txt").getroot().get("errors") == "1"' || fail "$(cat out.txt)"
 for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github, picture" \
   "csv 'csv' needs a file; write csv:FILE once" "junit: 'junit' needs a file; write junit:FILE once" \
-  "github:a.txt 'github' takes no file: it is printed; write github alone"; do
+  "github:a.txt 'github' takes no file, because this report is printed; write github alone"; do
   check 2 opened.vox cover.pshell out.csv --report "${wrong%% *}"
   errs "^voxcheck: --report: ${wrong#* }\$"
 done
 check 2 opened.vox cover.pshell out.csv --report csv:a.csv --report csv:b.csv
 errs "^voxcheck: --report: 'csv' is given more than once"
 check 2 opened.vox cover.pshell out.csv --junit a.xml
-errs '^voxcheck: --junit: is an old spelling; write --report junit:FILE$'
+errs '^voxcheck: --junit: is an option of an earlier version; write --report junit:FILE$'
 check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat 0,0,1m
 errs '^voxcheck: --seat: is given more than once; see voxcheck --help$'
 echo "all good"

@@ -253,10 +253,10 @@ END
   check 0 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
     --part cube.obj --part-units mm --json pressed.json --report junit:pressed.xml --report gitlab:pressed.quality --report github
   for report in pressed.xml pressed.quality out.txt; do
-    grep -qF 'where it is installed the part overlaps Floor by 0.4 mm' $report || fail "$report does not say so: $(cat $report)"
+    grep -qF 'where the part is installed, it overlaps Floor by 0.4 mm' $report || fail "$report does not say so: $(cat $report)"
   done
-  says '^  where it is installed the part overlaps Floor by 0\.4 mm$'
-  says '^  in its seat, the part goes nowhere deeper than installed$'
+  says '^  where the part is installed, it overlaps Floor by 0\.4 mm$'
+  says '^  in its seat, the part never goes deeper than installed$'
   python3 - <<'END' || fail "the press fit: $(cat pressed.json)"
 import json
 [floor] = json.load(open("pressed.json"))["seat_depths"]
@@ -319,7 +319,7 @@ END
     says '^Does not come out, .* goes (3|2\.999[0-9]*) mm deep into (open_)?floor, which it does not overlap as installed'
   done
   check 6 open_floor.vox open_part.pshell up.csv --clearance 1mm --seat 0,0,5mm --exact open_floor.obj --part open_part.obj --units mm
-  says '^Undecided, .* but while the part touches open_floor, overlap cannot be measured: both meshes are open, the part with 34\.14[0-9]* mm of open edges, at x 0\.00, y 0\.00, z 0\.00 mm, open_floor with 341\.4[0-9]* mm of open edges, at x 0\.00, y 0\.00, z -10\.00 mm \(1 mm of clearance required\)\.$'
-  errs '; close one of the two meshes there and bake again, or accept with --felt-seat$'
+  says '^Undecided, .* but while the part touches open_floor, overlap cannot be measured, because both meshes are open: the part has 34\.14[0-9]* mm of open edges, at x 0\.00, y 0\.00, z 0\.00 mm, and open_floor has 341\.4[0-9]* mm of open edges, at x 0\.00, y 0\.00, z -10\.00 mm \(1 mm of clearance required\)\.$'
+  errs '; close one of the two meshes there and bake again, or accept the seat with --felt-seat$'
 fi
 finish

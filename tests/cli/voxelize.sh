@@ -81,7 +81,7 @@ assert r["metric"] == "euclidean" and r["distances"] == (sys.argv[2] == "") and 
 assert r["counts"]["interior"] == 14**3 - (12 * 14 - 2 * 8), r
 EOF
   "$bin/voxinfo" scene.vox --json report.json >out
-  grep -q 'force             from 2.867 mm' out || fail "facts $kind: $(cat out)"
+  grep -q 'force             begins 2.867 mm' out || fail "facts $kind: $(cat out)"
   grep -q "distances         $([ -n "$kind" ] && echo none || echo from)" out || fail "distances $kind: $(cat out)"
   printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0025 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n' |
     "$bin/voxinfo" sample scene.vox >out || fail "sample"
@@ -92,7 +92,7 @@ done
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500mN,3mm:4N || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
-grep -q 'compliance        a contact point feels 4 N at 3' out || fail "facts of a soft covering: $(cat out)"
+grep -q 'compliance        a contact point feels 4 N at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
 python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -139,7 +139,7 @@ done
 grep -q '"layers": 0' report.json || fail "a standoff has no layers"
 "$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
 "$bin/voxinfo" near.vox --json facts.json >facts
-grep -q "standoff          1.3 mm" facts && grep -q "through a gap that is 2.6 mm wider" facts && grep -q "in such a gap" facts ||
+grep -q "standoff          1.3 mm" facts && grep -q "passes            gaps 2.6 mm wider than the part" facts && grep -q "in a gap that the part just passes" facts ||
   fail "voxinfo does not say the standoff: $(cat facts)"
 python3 - <<'EOF' || fail "the facts of a standoff"
 import json
@@ -157,12 +157,12 @@ rm -rf cache cached.vox near.vox facts facts.json
 for option in "--kind lean" "--kind paper"; do
   expect 2 "--standoff: needs stored distances" cube.obj --units cm --voxel-size 1mm --standoff 2mm $option -o scene.vox
 done
-expect 2 "--lean: is an old spelling; write --kind lean" cube.obj --units cm --voxel-size 1mm --lean -o scene.vox
+expect 2 "--lean: is an option of an earlier version; write --kind lean" cube.obj --units cm --voxel-size 1mm --lean -o scene.vox
 expect 2 "--standoff: cannot be combined with --layers, because both set where the force begins" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
   --layers 2 -o scene.vox
-expect 2 "standoff: is 0.5 mm, but must be from 0.9672 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
+expect 2 "standoff: is 0.5 mm, but must be 0.9672 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
 expect 2 "use a smaller standoff, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
-expect 2 "must be from 2.867 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
+expect 2 "must be 2.867 to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 0mm -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 2 -o scene.vox
 expect 2 "--voxel-size" cube.obj --units cm -o scene.vox
@@ -199,7 +199,7 @@ printf '{"parts": [{"mesh": "cube.obj", "units": "mm"}, {"mesh": "cube.obj", "un
 expect 3 "directory" bad.json --voxel-size 1um -o scene.vox
 grep -q "use --voxel-size .*m or more" err || fail "no voxel size that would fit: $(cat err)"
 expect 3 "at 0.001 mm the scene takes at least 3.6e+10 GB of memory, but this process can have" cube.obj --units km --voxel-size 1um -o scene.vox
-grep -q "; the scene is 1000 m across; if its unit is the millimeter, add --units mm; otherwise use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
+grep -q "; the scene is 1000 m across; if the unit of the files is the millimeter, add --units mm; otherwise use --voxel-size .*m or more, or --roi$" err || fail "no mend: $(cat err)"
 expect 3 "free seed" cube.obj --units cm --voxel-size 1mm --free-seed 0,5mm,5mm -o scene.vox
 # A manifest states its units: --units does not, which is said, and an error sends nobody in a circle.
 printf '{"parts": [{"mesh": "cube.obj"}]}' >scene.json

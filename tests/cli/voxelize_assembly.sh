@@ -122,11 +122,11 @@ JSON
     fail "what was left out is not in the report"
 
   # Mistakes.
-  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" voxelize "$file#Covr" --voxel-size 1mm -o no.vox
-  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" pointshell "$file#Covr" --voxel-size 1mm -o no.pshell
-  refuses 3 "#Covr: no node has this name; the nearest are: Gearbox/Lid/Cover" voxelize --list "$file#Covr"
-  refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" voxelize "$file" --without Covr --voxel-size 1mm -o no.vox
-  refuses 3 "no file has a node called 'Covr'; the nearest are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
+  refuses 3 "#Covr: no node has this name; the nearest names are: Gearbox/Lid/Cover" voxelize "$file#Covr" --voxel-size 1mm -o no.vox
+  refuses 3 "#Covr: no node has this name; the nearest names are: Gearbox/Lid/Cover" pointshell "$file#Covr" --voxel-size 1mm -o no.pshell
+  refuses 3 "#Covr: no node has this name; the nearest names are: Gearbox/Lid/Cover" voxelize --list "$file#Covr"
+  refuses 3 "no file has a node called 'Covr'; the nearest names are: Gearbox/Lid/Cover" voxelize "$file" --without Covr --voxel-size 1mm -o no.vox
+  refuses 3 "no file has a node called 'Covr'; the nearest names are: Gearbox/Lid/Cover" pointshell "$file" --without Covr --voxel-size 1mm -o no.pshell
   refuses 3 "no file has a node called 'Covr'" voxelize --list "$file" --without Covr
   # Siblings that are called alike: nobody means the first alone without to say so.
   alike="several siblings have this name: Gearbox/Lid/Bolt[1], Gearbox/Lid/Bolt[2], Gearbox/Lid/Bolt[3], Gearbox/Lid/Bolt[4]; write Bolt[1] for"
@@ -134,7 +134,7 @@ JSON
   refuses 3 "$file: #Bolt: $alike" voxelize "$file#Bolt" --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" pointshell "$file#Bolt" --voxel-size 1mm -o no.pshell
   refuses 3 "$file: #Bolt: $alike" voxelize --list "$file#Bolt"
-  refuses 3 "write Gearbox/Lid/Bolt[1] for the first one only, Gearbox/Lid/Bolt* for all" \
+  refuses 3 "write Gearbox/Lid/Bolt[1] for the first one only, or Gearbox/Lid/Bolt* for all nodes" \
     voxelize "$file#Gearbox/Lid/Bolt" --voxel-size 1mm -o no.vox --cache no.cache
   bake one "$file#Bolt[1]" "$file#Lid/Bolt[3]" --without 'Bolt[3]' --without Half*
   [ "$(names one)" = "Gearbox/Lid/Bolt" ] || fail "the first of four bolts: $(names one)"
@@ -148,15 +148,15 @@ JSON
   printf '{"parts": [{"mesh": "%s#"}]}' "$file" >bad.json
   refuses 3 "parts[0] of bad.json, #: no name follows the #" voxelize bad.json --voxel-size 1mm -o no.vox
   printf '{"parts": [{"mesh": "%s#Pin"}, {"mesh": "%s#Pim"}]}' "$file" "$file" >bad.json
-  refuses 3 "parts[1] of bad.json, #Pim: no node has this name; the nearest are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
+  refuses 3 "parts[1] of bad.json, #Pim: no node has this name; the nearest names are: Gearbox/Pin" voxelize bad.json --voxel-size 1mm -o no.vox
   # Names of a manifest's parts. Of parts of one name each is meant, and the second has a number in the bake.
-  refuses 3 "no file has a node called 'boxx'; the nearest are: box, " voxelize scene.json --without boxx --voxel-size 1mm -o no.vox
+  refuses 3 "no file has a node called 'boxx'; the nearest names are: box, " voxelize scene.json --without boxx --voxel-size 1mm -o no.vox
   sed 's/"pin"/"box"/' scene.json >double.json
   bake twice double.json --without 'Bolt*'
   [ "$(names twice)" = "box box#2" ] || fail "two parts of one name: $(names twice)"
   bake fewer double.json --without box
   case " $(names fewer)" in *" box"*) fail "one of two boxes is left: $(names fewer)" ;; esac
-  refuses 3 "--without leaves no node with a mesh" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
+  refuses 3 "--without removes every node with a mesh" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
 }
 
 check_assembly gearbox.glb
@@ -228,8 +228,8 @@ grep -qF "${small#warning: }" small.json || fail "the report of a scene of less 
 "$bin/pointshell" 'gearbox.glb#Pin' --voxel-size 14mm -o small.pshell >out 2>err && [ ! -s err ] || fail "a part of four voxels: $(cat err)"
 
 # Axes and units: as the file, or as it was asked; the same question about meters in list, plan and bake.
-"$bin/voxelize" --list gearbox.glb | grep -q "; unit 1 m, turned from y up to z up$" || fail "no word of the axes: $(head -1 out)"
-"$bin/voxelize" --list gearbox.glb --up y | grep -q "110 x 60 x 70 mm, closed; unit 1 m, y up as in the file$" || fail "--up y in a list"
+"$bin/voxelize" --list gearbox.glb | grep -q "; unit 1 m, turned from y-up to z-up$" || fail "no word of the axes: $(head -1 out)"
+"$bin/voxelize" --list gearbox.glb --up y | grep -q "110 x 60 x 70 mm, closed; unit 1 m, y-up as in the file$" || fail "--up y in a list"
 for option in "" --sandbox "--cache axes" "--cache axes"; do
   bake axes gearbox.glb --up y $option
   grep -q "^scene: 9 objects, 110 x 60 x 70 mm$" out && grep -q '"up": "y"' axes.json || fail "--up y $option: $(cat out)"
@@ -249,10 +249,10 @@ text = json.dumps(document).encode()
 text += b" " * (-len(text) % 4)
 open("far.glb", "wb").write(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest)
 PYTHON
-"$bin/voxelize" --list far.glb >out 2>err && grep -qxF "voxelize: warning: far.glb: the model is 1100 m across; if its unit is the millimeter, add --units mm" err || fail "list: $(cat err)"
-"$bin/voxelize" far.glb --plan --voxel-size 8m >out 2>err && grep -qxF "voxelize: warning: the scene is 1100 m across; if its unit is the millimeter, add --units mm" err ||
+"$bin/voxelize" --list far.glb >out 2>err && grep -qxF "voxelize: warning: far.glb: the model is 1100 m across; if the unit of the files is the millimeter, add --units mm" err || fail "list: $(cat err)"
+"$bin/voxelize" far.glb --plan --voxel-size 8m >out 2>err && grep -qxF "voxelize: warning: the scene is 1100 m across; if the unit of the files is the millimeter, add --units mm" err ||
   fail "plan: $(cat err)"
-refuses 3 "the scene is 1100 m across; if its unit is the millimeter, add --units mm" voxelize far.glb --voxel-size 0.1mm -o no.vox
+refuses 3 "the scene is 1100 m across; if the unit of the files is the millimeter, add --units mm" voxelize far.glb --voxel-size 0.1mm -o no.vox
 "$bin/voxelize" --list far.glb --units m >out 2>err && [ ! -s err ] || fail "a question about a unit that was stated: $(cat err)"
 for call in "--list" "--plan --voxel-size 8mm" "--voxel-size 8mm -o far.vox"; do
   "$bin/voxelize" far.glb --units mm $call >out 2>err || fail "far.glb --units mm $call: $(cat err)"

@@ -92,9 +92,9 @@ for bake in vox part; do
   declare -n call=$bake
   expect 3 "tray/cube: OpenCASCADE could not read 1 solid: #99999 CSG_SOLID 'lid'" "${call[@]}"
   grep -q -- ", or accept the holes with --missing-faces 1" err || fail "$bake: no way out: $(cat err)"
-  [ "$(grep -c -- "leave out their node with --without" err)" = $([ $bake = vox ] && echo 1 || echo 0) ] ||
+  [ "$(grep -c -- "leave out the node of these faces with --without" err)" = $([ $bake = vox ] && echo 1 || echo 0) ] ||
     fail "$bake: leaving its only node out leaves nothing, one of several the others: $(cat err)"
-  expect 0 "CSG_SOLID 'lid' is missing, and no guarantee covers it: tray/cube, somewhere in its node, at (" "${call[@]}" --missing-faces 1
+  expect 0 "CSG_SOLID 'lid' is missing, and no guarantee covers it: tray/cube, somewhere in the region at (" "${call[@]}" --missing-faces 1
 done
 expect 0 "" "${vox[@]}" --without cube
 expect 0 "" pointshell "torn.step#seam" --voxel-size 2mm --method fast -o out.pshell
@@ -113,11 +113,11 @@ for node in bad tray/bad; do
 done
 expect 0 "" "${vox[@]}" --without bad --sandbox
 cmp -s out.vox bad.vox || fail "--without in a sandbox gives other bytes"
-expect 3 "nearest are: tray/seam" voxelize tray.step --voxel-size 2mm -o out.vox --without sem --missing-faces 1
+expect 3 "nearest names are: tray/seam" voxelize tray.step --voxel-size 2mm -o out.vox --without sem --missing-faces 1
 expect 3 "no node of this file is called 'sem'" "${vox[@]}" --without sem
-expect 3 "--without leaves no faces in this file; a scene needs at least one other part" "${vox[@]}" --without tray
+expect 3 "--without removes all faces of this file; a scene needs at least one other part" "${vox[@]}" --without tray
 printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n' >one.obj
-expect 3 "no file has a node called 'bad'; a file of this format is one part" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
+expect 3 "no file has a node called 'bad'; a file of this format has only one part" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
 expect 0 "" voxelize one.obj tray.step#seam tray.step#cube --units mm --voxel-size 2mm -o out.vox --without bad
 printf '{"voxel_size": "2mm", "parts": [{"mesh": "tray.step"}, {"mesh": "one.obj", "units": "mm"}]}' >scene.json
 expect 0 "" voxelize scene.json -o out.vox --without bad

@@ -30,7 +30,7 @@ disk_full() {
   local bytes
   for bytes in 0 1000 6000; do
     export LD_PRELOAD=$shim FAULT_WRITE_ERRNO=28 FAULT_WRITE_AFTER=$bytes
-    refused 'No space left on device; free space or write elsewhere'
+    refused 'No space left on device; free some space, or write elsewhere'
     unset LD_PRELOAD
   done
   expect 1 'No space left' "$voxelize" "${scene[@]}" -o /dev/full
@@ -57,7 +57,7 @@ disk_full_tmpfs() {
 
 quota() {
   export LD_PRELOAD=$shim FAULT_WRITE_ERRNO=122 FAULT_WRITE_AFTER=5000
-  refused 'Disk quota exceeded; free space or write elsewhere'
+  refused 'Disk quota exceeded; free some space, or write elsewhere'
 }
 
 file_size_limit() {
@@ -154,7 +154,7 @@ stray_vertex() {
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 4e8\nf 1 2 3\nf 2 4 3\n' >stray.obj
   local more
   for more in "" "--kind lean" "--kind paper" "--cache kept" "--cache kept --shard 1/1" --plan; do
-    local out="-o out.vox" status=3 text='correct its stray vertex at (0.000[0-9]*, 0.000[0-9]*, 400000) m'
+    local out="-o out.vox" status=3 text='correct the stray vertex at (0.000[0-9]*, 0.000[0-9]*, 400000) m'
     [[ $more = *--shard* || $more = --plan ]] && out=
     [ "$more" = --plan ] && status=0
     # shellcheck disable=SC2086

@@ -45,16 +45,16 @@ fresh() {  # a sound mesh, written long ago; not in place of the two that are ma
   cp "$data/return_line.stl" "$1"
   touch -d 2001-01-01 "$1"
 }
-both 3 'crash.stl: its reader crashed (Segmentation fault)' crash.stl
-both 3 'abort.stl: its reader crashed (Aborted)' abort.stl
-both 3 'quit.stl: its reader ended with status 9' quit.stl
-both 3 "hang.stl: reading it takes longer than the sandbox's limit of 0.5 s" hang.stl --sandbox=time=500ms
+both 3 'crash.stl: the reader of this file crashed (Segmentation fault)' crash.stl
+both 3 'abort.stl: the reader of this file crashed (Aborted)' abort.stl
+both 3 'quit.stl: the reader of this file ended with status 9' quit.stl
+both 3 "hang.stl: reading this file takes longer than the sandbox's limit of 0.5 s" hang.stl --sandbox=time=500ms
 # A limit asks for the sandbox.
 fresh hang.stl
-expect 3 "reading it takes longer than the sandbox's limit of 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
+expect 3 "reading this file takes longer than the sandbox's limit of 0.5 s" "$bin/voxelize" hang.stl --units mm --voxel-size 20mm -o out.vox \
   --sandbox=time=500ms
-both 3 'mute.stl: its reader' mute.stl
-both 3 'nonsense.stl: its reader sent a damaged mesh' nonsense.stl
+both 3 'mute.stl: the reader of this file' mute.stl
+both 3 'nonsense.stl: the reader of this file sent a damaged mesh' nonsense.stl
 both 1 'changed.stl: has changed while it was being read; start again' changed.stl
 printf 'solid nothing\nendsolid nothing\n' >empty.stl
 both 3 'no triangles' empty.stl
@@ -69,7 +69,7 @@ if ! grep -aq __asan_init "$bin/voxelize"; then
   # Four million triangles of nothing, in a file that takes no disk.
   { head -c 80 /dev/zero; printf '\x00\x09\x3d\x00'; } >huge.stl
   truncate -s $((84 + 50 * 4000000)) huge.stl
-  both 3 "huge.stl: reading it takes more than the sandbox's limit of 0.375 GiB" huge.stl --sandbox=memory=384MiB
+  both 3 "huge.stl: reading this file takes more memory than the sandbox's limit of 0.375 GiB" huge.stl --sandbox=memory=384MiB
 fi
 fresh changed.stl
 expect 1 'has changed while it was being read' "$bin/voxelize" changed.stl --units mm --voxel-size 20mm -o out.vox
@@ -127,7 +127,7 @@ fi
 if "$bin/voxrun" doctor --clock 0 | grep -q 'confinement of plugins: Landlock.*seccomp'; then
   mkdir inside
   echo secret >secret.txt
-  both 3 'nosy.stl: its reader ended with status 32;' inside/nosy.stl
+  both 3 'nosy.stl: the reader of this file ended with status 32;' inside/nosy.stl
   [ "$(ls inside)" = nosy.stl ] || fail "a reader made $(ls inside)"
 else
   echo "SKIPPED: this kernel confines no process"
@@ -137,6 +137,6 @@ fi
 expect 2 '--sandbox time: ' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=time=5
 expect 2 '--sandbox memory: ' "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=memory=1MiB
 expect 2 "--sandbox: 'tme' is not a known name; the nearest known name is time" "$bin/voxelize" good.stl --units mm --voxel-size 20mm -o out.vox --sandbox=tme=5s
-expect 2 '--sandbox-time: is an old spelling; write --sandbox=time=LIMIT' "$bin/pointshell" good.stl --units mm --voxel-size 20mm -o out.pshell --sandbox-time 5s
+expect 2 '--sandbox-time: is an option of an earlier version; write --sandbox=time=LIMIT' "$bin/pointshell" good.stl --units mm --voxel-size 20mm -o out.pshell --sandbox-time 5s
 
 finish

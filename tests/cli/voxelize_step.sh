@@ -116,10 +116,10 @@ refuse() {  # refuse STATUS TEXT OPTIONS...: by both commands, with nothing writ
   done
 }
 mv external/home/rod.stp external/rod.stp
-refuse 1 "clamp/rod-assembly_1/rod_1: its shape is in the file 'rod.stp', which is missing"
+refuse 1 "clamp/rod-assembly_1/rod_1: the shape of this node is in the file 'rod.stp', which is missing"
 sed -i "s|'rod.stp'|'../rod.stp'|" $part
 for more in --quiet --sandbox; do
-  refuse 3 "clamp/rod-assembly_1/rod_1: its shape is in the file '../rod.stp', which leads outside the folder" $more
+  refuse 3 "clamp/rod-assembly_1/rod_1: the shape of this node is in the file '../rod.stp', which leads outside the folder" $more
   "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --quiet --allow-outside $more 2>err || fail "--allow-outside $more: $(cat err)"
   cmp -s <(rows parts) clamp.rows || fail "--allow-outside gives other voxels $more"
 done
@@ -127,7 +127,7 @@ done
 mv external/rod.stp external/home
 "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
 "$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --method fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
-[ "$(grep -c "warning: .*the file '../rod.stp' that it names was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
+[ "$(grep -c "warning: .*the file '../rod.stp', which this node names, was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
 "$bin/voxelize" $part --voxel-size 4mm --plan --json plan.json >out 2>err || fail "plan: $(cat err)"
 python3 - <<'PYTHON' || fail "warnings of the reports"
 import json
@@ -175,7 +175,7 @@ for more in "" --quiet; do
   timeout 23 "$bin/voxelize" wavy.step --voxel-size 5mm -o no.vox $more 2>err_$more >out &
 done
 wait
-grep -q "is still being read after 20 s: its surfaces are tessellated to 0.05 mm (in a bake: a hundredth of a voxel); a coarser tessellation is faster" err_ || fail "a slow file: $(cat err_)"
+grep -q "is still being read after 20 s: the surfaces are tessellated to 0.05 mm (in a bake, to a hundredth of a voxel); a coarser tessellation is faster" err_ || fail "a slow file: $(cat err_)"
 grep -q "wavy.step becomes about 3.1 million triangles, which take about 0.57 minutes and up to 6.3 GB" err_ || fail "no forecast: $(cat err_)"
 [ "$(grep -n "becomes about" err_ | cut -d: -f1)" -lt "$(grep -n "is still being read after" err_ | cut -d: -f1)" ] || fail "the forecast came late"
 ! grep -q "becomes about\|is still being read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"
@@ -199,7 +199,7 @@ PYTHON
 for command in "voxelize -o no.vox" "pointshell -o no.pshell"; do
   # A sanitizer would report the crash itself, and end the process with a status.
   ASAN_OPTIONS=handle_segv=0 "$bin/"$command damaged.step --voxel-size 4mm --quiet --json no.json 2>err
-  [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q '^[a-z]*: damaged.step: its reader crashed (Segmentation fault)' err || fail "$command of a file that crashes its reader: $(cat err)"
+  [ $? = 3 ] && [ "$(wc -l <err)" = 1 ] && grep -q '^[a-z]*: damaged.step: the reader of this file crashed (Segmentation fault)' err || fail "$command of a file that crashes its reader: $(cat err)"
   [ ! -e no.vox ] && [ ! -e no.pshell ] || fail "$command of a file that crashes its reader: a file was written"
   python3 -c 'import json; r = json.load(open("no.json")); assert r["schema_version"] and r["exit_status"] == 3 and "damaged.step" in r["error"]["line"], r' ||
     fail "$command of a file that crashes its reader: no report"

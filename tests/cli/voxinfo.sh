@@ -42,7 +42,7 @@ expect_equal sides "$(value vox.json '["cropped_sides"]')" "['max_x']"
 expect_equal provenance "$(value vox.json '["provenance"]["inputs"]')" "[]"
 grep -q 'distances         none' facts || fail "v2.vox has no distances"
 "$voxinfo" "$golden/v2_distances.vox" --objects --json full.json >facts
-grep -q 'force             from 2.867 mm off the mesh, 1 mm deep' facts || fail "force: $(cat facts)"
+grep -q 'force             begins 2.867 mm off the mesh, in a layer 1 mm deep' facts || fail "force: $(cat facts)"
 grep -q 'distances         from -3.938 to 4 mm in steps of 0.0312 mm, 560 bytes' facts || fail "distances: $(cat facts)"
 grep -q 'objects           2; the nearest objects are stored in 1040 bytes' facts || fail "objects: $(cat facts)"
 # The number of each object's voxels with a measured distance.
@@ -74,7 +74,7 @@ expect_equal losses "$(value shell.json '["losses"][2]["loss_m"]')" 0.0005
 # The reader in Python and the command prove the same distance of the surface.
 reader "$golden/v2.pshell" >header.json
 proven=$(value header.json '["surface_distance_of_2_voxels_m"]')
-grep -q "proven            $("$python" -c "print('%.6g' % $proven)") m" facts || fail "proven distance"
+grep -q "proven distance   $("$python" -c "print('%.6g' % $proven)") m" facts || fail "proven distance"
 "$voxinfo" "$golden/v2.vox" --json /dev/stdout --quiet >stdout.json
 cmp stdout.json vox.json || fail "--json /dev/stdout"
 expect_equal version "$("$voxinfo" --version | cut -d' ' -f1)" voxinfo
@@ -249,8 +249,8 @@ PYTHON
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err
 expect_equal "no warning" "$(cat err)" ""
 "$voxinfo" path pivot.csv --resample 500ms -o about.csv --json about.json >out 2>err
-grep -q "^voxinfo: warning: between rows the frame's origin moves straight, but voxcheck moves .* give --part" err || fail "origin: $(cat err)"
-grep -q 'give --part to move the centroid straight here too' about.json || fail "the report does not warn"
+grep -q "^voxinfo: warning: the frame's origin moves straight between the new rows, but voxcheck moves .* add --part" err || fail "origin: $(cat err)"
+grep -q 'add --part to move the centroid straight' about.json || fail "the report does not warn"
 expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 [ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
 "$voxinfo" path path.csv --resample 10s -o coarse.csv --quiet 2>err

@@ -136,7 +136,7 @@ errs '--seat: the part touches Gearbox/[^ ]*, and the stored distances are not d
 plan 0 shallow.vox cover.pshell -o x.csv --clearance 1mm --quiet
 
 plan 2 opened.vox cover.pshell -o x.csv --out-of-scene
-errs 'is an old spelling; write nothing: it is the default'
+errs 'is an option of an earlier version; leave it out: it is the default'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,1mm --clearance 2mm
 errs '--goal: the part is nearer to Gearbox/Housing than --clearance: only [0-9.]+ mm are proven'
 plan 2 opened.vox cover.pshell -o x.csv --goal 0,0,100km --clearance 2mm --time 1s
@@ -157,7 +157,7 @@ printf 'v %s\n' '20 20 50' '24 20 50' '20 24 50' '20 20 54' >tip.obj
 printf 'f %s\n' '1 3 2' '1 2 4' '1 4 3' '2 3 4' >>tip.obj
 "$bin/pointshell" tip.obj --units mm --voxel-size 2mm -o tip.pshell --quiet
 plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --time 20s
-errs '--goal: is missing, and all sides of the scene are cropped, so nothing is known outside of it; add --goal'
+errs '--goal: is missing, and all sides of the scene are cropped, so nothing is known outside of the scene; add --goal'
 plan 0 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 2mm,0,0m --quiet
 plan 2 cropped.vox tip.pshell -o x.csv --clearance 1mm --goal 50mm,0,0m
 errs '--goal: the part is nearer to a cropped side of the scene than --clearance'

@@ -128,7 +128,7 @@ grep -q '"mass_kg": 0.02' set.json && grep -q '"look_ups": 3.0' set.json || fail
 expect 2 '--set rate_hz: is too slow for a device with motors' floor.vox ball.pshell --device plugin:library=none.so --set rate_hz=49
 # The options of a device follow its kind.
 expect 2 "--device: 'phantom' is not a kind of device; give sim, hid, spacemouse or plugin" floor.vox ball.pshell --device phantom
-expect 2 "--device: 'replay' is not a kind of device; give --replay FILE alone" floor.vox ball.pshell --device replay --replay run.flr
+expect 2 "--device: 'replay' is not a kind of device; give --replay FILE without --device" floor.vox ball.pshell --device replay --replay run.flr
 expect 2 '--replay: replaces the device' floor.vox ball.pshell --device sim --replay run.flr
 expect 2 '--device: plugin needs the plugin.s library; write plugin:library=FILE' floor.vox ball.pshell --device plugin
 expect 2 "--device: 'libary' is not a known name; the nearest known name is library" floor.vox ball.pshell --device plugin:libary=a.so
@@ -141,8 +141,8 @@ expect 2 "--device: control 'fast' is not known; give rate or position" floor.vo
 expect 2 "--device dead-zone: '1' is outside" floor.vox ball.pshell --device spacemouse:dead-zone=1
 expect 2 "--device clutch: '32' is outside" floor.vox ball.pshell --device hid:clutch=32
 expect 2 '--device: scene is not a whole number' floor.vox ball.pshell --device spacemouse:scene=1.5
-expect 2 '^voxrun: --clutch-button: is an old spelling; write --device KIND:clutch=N$' floor.vox ball.pshell --clutch-button 1
-expect 2 '^voxrun: --hand: is an old spelling; write --device sim:hand=firm|loose$' floor.vox ball.pshell --hand firm
+expect 2 '^voxrun: --clutch-button: is an option of an earlier version; write --device KIND:clutch=N$' floor.vox ball.pshell --clutch-button 1
+expect 2 '^voxrun: --hand: is an option of an earlier version; write --device sim:hand=firm|loose$' floor.vox ball.pshell --hand firm
 expect 2 'never end' floor.vox ball.pshell --as-fast-as-possible
 expect 2 "--set: 'mas_kg' is not a known name; the nearest known name is mass_kg" floor.vox ball.pshell "${fast[@]}" --set mas_kg=1
 expect 2 "--set: 'mass_kg' needs a value" floor.vox ball.pshell "${fast[@]}" --set mass_kg
@@ -154,8 +154,8 @@ for setting in mass_kg=0.02 braking=0 rate_hz=500 motion_scale=2; do
   expect 2 '--set: sets a parameter that the recording already sets' floor.vox ball.pshell --replay run.flr --set $setting
 done
 # An option that has another name now: at its place in the command line, with and without a value.
-expect 2 '^voxrun: --mass: is an old spelling; write --set mass_kg=VALUE$' floor.vox ball.pshell "${fast[@]}" --mass 1
-expect 2 '^voxrun: --no-braking: is an old spelling; write --set braking=0$' --no-braking floor.vox
+expect 2 '^voxrun: --mass: is an option of an earlier version; write --set mass_kg=VALUE$' floor.vox ball.pshell "${fast[@]}" --mass 1
+expect 2 '^voxrun: --no-braking: is an option of an earlier version; write --set braking=0$' --no-braking floor.vox
 # Every option and every name of --set that takes a number: not finite, and far outside.
 numbers=$("$bin/voxrun" --help | sed -nE 's/^ +(--[a-z-]+) NUMBER.*/\1/p')
 settings=$("$bin/voxrun" --help | sed -nE '/^Names of --set/,/^$/s/^  ([a-z_]+) .*/\1/p;/^Names of --set/,/^$/s/^  ([a-z_]+)$/\1/p')

@@ -51,7 +51,7 @@ END
 
 # The text at the end says it, where there is one.
 "$bin/voxrun" rest.vox pin.pshell --device sim:hand=loose --duration 1s --as-fast-as-possible --guide way.csv >out || fail "status $?"
-grep -qE '^guided in [0-9]+ frames by up to 0\.[0-9]+ N; the guide gave the hand [0-9.e-]+ J of at most [0-9.e-]+ J$' out || fail "$(cat out)"
+grep -qE '^guided in [0-9]+ frames by up to 0\.[0-9]+ N; the guide gave the hand [0-9.e-]+ J of the allowed [0-9.e-]+ J$' out || fail "$(cat out)"
 
 # A button of a device: it pulls upward until the button is pressed, and not from then on.
 by_button() {

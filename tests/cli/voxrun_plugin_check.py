@@ -151,7 +151,7 @@ FAULTS = {
     "nan": "not finite",
     "absurd": "units",
     "uncalibrated": "not calibrated",
-    "crash": "does not answer (the plugin crashed: its process was ended by signal",
+    "crash": "does not answer (the plugin crashed: the process was ended by signal",
     "hang": "no fresh reading from the device (the plugin hung and was killed); check the plugin and its SDK",
     "wild": "does not answer (the plugin damaged the memory that it shares with the loop)",
     "wild-index": "does not answer (the plugin damaged the memory that it shares with the loop)",

@@ -341,7 +341,7 @@ expect 2 'is not known' bay.vox --show layer
 expect 2 'no length' bay.vox --view-from 0,0,0
 expect 2 'no file to show is given'
 expect 2 'the run does not contain the time 99 s' bay.vox part.pshell --trace trace.csv --at 99s
-expect 2 'the nearest are: hydraulic_line' bay.vox --hide hydraulic_lin
+expect 2 'the nearest names are: hydraulic_line' bay.vox --hide hydraulic_lin
 # A first sibling has no number, but may be named by it, as to the bakes: the same picture.
 for first in 'Half' 'Clip[1]/Half[1]'; do
   "$bin/voxview" "$data/gearbox.glb" --hide "$first" --size 200x150 --screenshot "${first%%[*}.png" || fail "--hide $first"

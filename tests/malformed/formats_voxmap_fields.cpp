@@ -139,8 +139,8 @@ TEST(VoxmapFields, Objects) {
     const char* where;
     const char* what;
   } cases[] = {
-      {AT(object_count), 1, "object names", "2 names, but the header requires 1"},
-      {AT(object_count), 3, "object names", "2 names, but the header requires 3"},
+      {AT(object_count), 1, "object names", "has 2 names, but the header requires 1"},
+      {AT(object_count), 3, "object names", "has 2 names, but the header requires 3"},
       {AT(object_count), 0, "object directory", "because object_count is zero"},
       {AT(distance_quantum_m), 0, "distance directory", "because distance_quantum_m is zero"}};
   for (const auto& c : cases) {
@@ -262,10 +262,10 @@ TEST(VoxmapSections, TreesOfAnotherShape) {
     const auto longer = with_content([&](VoxmapContent& c) { (c.*part).directory = two; });
     ASSERT_FALSE(longer);
     EXPECT_EQ(longer.error().code, ErrorCode::kSectionInvalid);
-    EXPECT_EQ(longer.error().what, "2 entries, but the header requires 1");
+    EXPECT_EQ(longer.error().what, "has 2 entries, but the header requires 1");
     const auto missing = with_content([&](VoxmapContent& c) { (c.*part).directory = {}; });
     ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error().what, "0 entries, but the header requires 1");
+    EXPECT_EQ(missing.error().what, "has 0 entries, but the header requires 1");
   }
 }
 
@@ -312,10 +312,10 @@ TEST(VoxmapSections, Names) {
   const struct {
     std::string_view names;
     const char* what;
-  } cases[] = {{"left\0right"sv, "the last name does not end"},
-               {""sv, "0 names, but the header requires 2"},
-               {"left\0"sv, "1 names, but the header requires 2"},
-               {"left\0right\0\0"sv, "3 names, but the header requires 2"}};
+  } cases[] = {{"left\0right"sv, "the last name has no end mark"},
+               {""sv, "has 0 names, but the header requires 2"},
+               {"left\0"sv, "has 1 names, but the header requires 2"},
+               {"left\0right\0\0"sv, "has 3 names, but the header requires 2"}};
   for (const auto& c : cases) {
     const auto map = open(c.names);
     ASSERT_FALSE(map) << c.what;
@@ -328,7 +328,7 @@ TEST(VoxmapSections, Names) {
     c.objects = {};
   });
   ASSERT_FALSE(unannounced);
-  EXPECT_EQ(unannounced.error().what, "2 names, but the header requires 0");
+  EXPECT_EQ(unannounced.error().what, "has 2 names, but the header requires 0");
 }
 
 TEST(VoxmapEntries, Compliance) {

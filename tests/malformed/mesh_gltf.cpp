@@ -71,7 +71,7 @@ TEST(DamagedGltf, IsRefusedAtItsJson) {
 
 TEST(DamagedGltf, NamesTheElementThatIsMissing) {
   expect_error(read_changed(R"({"mesh":0})", R"({"mesh":1})"), kUnreadable, "meshes[1]",
-               "does not exist (there are 1)");
+               "does not exist (their number is 1)");
   expect_error(read_changed(R"("POSITION":0)", R"("POSITION":2)"), kUnreadable, "accessors[2]",
                "does not exist");
   expect_error(read_changed(R"("POSITION":0)", R"("NORMAL":0)"), kUnreadable,
@@ -123,7 +123,7 @@ TEST(DamagedGltf, NamesTheVertexAndTheIndex) {
   mesh = cube();
   mesh.triangles[1][2] = 8;
   expect_error(read_bytes(as_glb(mesh), ".glb"), kUnreadable, "meshes[0].primitives[0]",
-               "index 5 names vertex 8 of 8");
+               "index 5 names vertex 8, but there are only 8 vertices");
 }
 
 TEST(DamagedGltf, RefusesTreesThatAreNone) {
@@ -157,7 +157,7 @@ TEST(DamagedGltf, SaysWhichNodesThereAre) {
   const std::string nodes = R"([{"name":"root","children":[1,2]},{"name":"a","mesh":0},
                                 {"name":"b","children":[3]},{"name":"a","mesh":0}])";
   expect_error(read_nodes(nodes, "c"), ErrorCode::kSceneInvalid, "#c",
-               "no node has this name; the nearest are: root/a, root/b, root/b/a, root");
+               "no node has this name; the nearest names are: root/a, root/b, root/b/a, root");
   expect_error(read_nodes(nodes, "a"), ErrorCode::kSceneInvalid, "#a",
                "several nodes have this name; use one of: root/a, root/b/a");
 }
@@ -176,7 +176,7 @@ TEST(DamagedGltf, IsRefusedWhereItsPathsGrowBeyondIt) {
   const auto assembly = read_nodes(nodes + "]");
   ASSERT_FALSE(assembly);
   EXPECT_EQ(assembly.error().code, kUnsupported);
-  EXPECT_NE(assembly.error().what.find("the size of the file"), std::string::npos);
+  EXPECT_NE(assembly.error().what.find("a file of this size"), std::string::npos);
 }
 
 // 600,000 elements of one array, to whose parent a parser must not go back for each of them: with

@@ -157,7 +157,7 @@ TEST(SmallFiles, ManifestsWithAKeyTwiceAreRefused) {
   const auto manifest = mesh::read_manifest((folder / "scene.json").string());
   ASSERT_FALSE(manifest);
   EXPECT_EQ(manifest.error().where, "parts");
-  EXPECT_EQ(manifest.error().what, "is repeated in one object");
+  EXPECT_EQ(manifest.error().what, "is given twice in the same JSON object");
 }
 
 // A floor that is a point is passed everywhere.
@@ -173,7 +173,7 @@ TEST(SmallFiles, ManifestsWithAFlatObjectAreRefused) {
       const auto flat = read(rotation + R"("scale": )" + scale);
       ASSERT_FALSE(flat) << scale;
       EXPECT_EQ(flat.error().where, "parts[0].scale");
-      EXPECT_EQ(flat.error().what, "makes the object flat, or a line or a point");
+      EXPECT_EQ(flat.error().what, "makes the object flat, a line or a point");
     }
   }
   // The third column is the sum of the others, but for rounding.

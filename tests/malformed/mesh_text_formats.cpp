@@ -36,9 +36,12 @@ TEST(DamagedObj, NamesTheVertexThatIsNotFinite) {
 }
 
 TEST(DamagedObj, NamesTheLineOfABadFace) {
-  expect_error(kVertices + "f 1 2 4\n", ".obj", kIncomplete, "line 4", "uses vertex 4 of 3");
-  expect_error(kVertices + "f 1 2 -4\n", ".obj", kUnreadable, "line 4", "before the first vertex");
-  expect_error(kVertices + "f 0 1 2\n", ".obj", kUnreadable, "line 4", "before the first vertex");
+  expect_error(kVertices + "f 1 2 4\n", ".obj", kIncomplete, "line 4",
+               "uses vertex 4, but there are only 3 vertices");
+  expect_error(kVertices + "f 1 2 -4\n", ".obj", kUnreadable, "line 4",
+               "the vertex number of a corner of a face is out of range");
+  expect_error(kVertices + "f 0 1 2\n", ".obj", kUnreadable, "line 4",
+               "the vertex number of a corner of a face is out of range");
   expect_error(kVertices + "\nf 1 2\n", ".obj", kUnreadable, "line 5",
                "2 corners do not make a face");
   expect_error(kVertices + "f\n", ".obj", kUnreadable, "line 4", "0 corners do not make a face");
@@ -72,7 +75,7 @@ TEST(DamagedOff, NamesTheLine) {
   expect_error("OFF\n", ".off", kIncomplete, "line 2", "ends before the vertex count");
   expect_error("OFF\n3 1 0\n0 0 0 1 1 1\n", ".off", kUnreadable, "line 3", "more than three");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "3 0 1 3\n", ".off", kUnreadable, "line 6",
-               "uses vertex 3 of 3");
+               "uses vertex 3, but there are only 3 vertices");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "2 0 1\n", ".off", kUnreadable, "line 6",
                "2 corners do not make a face");
   expect_error("OFF\n3 1 0\n" + kOffVertices + "99999999 0 1 2\n", ".off", kUnreadable, "line 6",
@@ -134,15 +137,15 @@ TEST(DamagedPly, NamesTheHeadersLine) {
   expect_error("ply\nformat ascii 1.0\nelement vertex 3\n", ".ply", kIncomplete, "line 4",
                "before 'end_header'");
   expect_error(ply("element vertex 3\nproperty float x\nproperty float y\n", "0 0\n0 0\n0 0\n"),
-               ".ply", kUnreadable, "line 3", "lacks x, y or z");
+               ".ply", kUnreadable, "line 3", "lacks the property x, y or z");
   expect_error(ply(kPlyVertices + "element face 1\nproperty list uchar int corners\n",
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-               ".ply", kUnreadable, "line 7", "has no vertex_indices");
+               ".ply", kUnreadable, "line 7", "has no property vertex_indices");
   expect_error(ply(kPlyVertices + "element face 1\nproperty list uchar float vertex_indices\n",
                    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
                ".ply", kUnreadable, "line 7", "not a list of integers");
   expect_error(ply("element nothing 5\n" + kPlyVertices, "0 0 0\n1 0 0\n0 1 0\n"), ".ply",
-               kUnreadable, "line 3", "has none among its properties");
+               kUnreadable, "line 3", "has no properties");
 }
 
 TEST(DamagedPly, NamesTheDatasLine) {
@@ -150,7 +153,8 @@ TEST(DamagedPly, NamesTheDatasLine) {
   const auto faces = [&](const std::string& face) {
     return ply(header, "0 0 0\n1 0 0\n0 1 0\n" + face);
   };
-  expect_error(faces("3 0 1 3\n"), ".ply", kUnreadable, "face 0", "uses vertex 3 of 3");
+  expect_error(faces("3 0 1 3\n"), ".ply", kUnreadable, "face 0",
+               "uses vertex 3, but there are only 3 vertices");
   expect_error(faces("3 0 1 -1\n"), ".ply", kUnreadable, "line 13", "uses vertex -1");
   expect_error(faces("2 0 1\n"), ".ply", kUnreadable, "line 13", "has 2 corners");
   expect_error(faces("-1 0 1\n"), ".ply", kUnreadable, "line 13", "negative length");

@@ -104,7 +104,7 @@ TEST(HidReportDescriptor, RefusesWhatWouldNotFit) {
   } cases[] = {
       {{0xa1}, "ends within"},
       {{0xa1, 0x01}, "does not end"},
-      {{0xc0}, "did not begin"},
+      {{0xc0}, "ends without a beginning"},
       {{0xb4}, "Pop"},
       {{0x85, 0x00}, "report id"},
       {{0x27, 0xff}, "ends within"},

@@ -269,7 +269,7 @@ std::vector<std::string> warnings_of(const mesh::Mesh& outline) {
 TEST(PolygonSplitter, WarnsOfAPolygonThatIsNotPlanar) {
   const auto warnings = warnings_of({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}, {}, false});
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("1 polygon not planar"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("1 polygon is not planar"), std::string::npos) << warnings[0];
 }
 
 TEST(PolygonSplitter, WarnsOfAnOutlineThatCrossesItself) {

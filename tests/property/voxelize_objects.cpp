@@ -373,7 +373,7 @@ TEST(ObjectBake, OfTooManyObjectsTellsNoneApart) {
     const auto warnings = voxelize::all_warnings(scene, outlines, object_options());
     ASSERT_EQ(warnings.size(), too_many ? 1u : 0u);
     for (const std::string& warning : warnings) {
-      EXPECT_NE(warning.find("at most 65535, but the scene has 65536"), std::string::npos)
+      EXPECT_NE(warning.find("at most 65535 objects, but the scene has 65536"), std::string::npos)
           << warning;
     }
     voxelize::BakeOptions lean = object_options();

@@ -283,7 +283,7 @@ TEST(Spelling, OrdersByLettersChanged) {
   for (const char* const path : {"Lid/Cover", "Lid/Bolt", "Pin", "Lid", "Housing", "Clip"}) {
     nearest.add(path);
   }
-  EXPECT_TRUE(nearest.text().starts_with("the nearest are: Lid/Bolt, ")) << nearest.text();
+  EXPECT_TRUE(nearest.text().starts_with("the nearest names are: Lid/Bolt, ")) << nearest.text();
   EXPECT_EQ(nearest.text().find("Housing"), std::string::npos) << "more than five";
 }
 

@@ -43,10 +43,10 @@ TEST(Values, HoldCommasThatAreWrittenTwice) {
 TEST(Values, WrongNamesHaveTheNearest) {
   EXPECT_EQ(read("libary=x"),
             "--device: 'libary' is not a known name; the nearest known name is library; --help "
-            "lists all");
+            "lists all names");
   EXPECT_EQ(read("trust,,args=x"),
             "--device: 'trust,args' is not a known name; the nearest known name is trust; --help "
-            "lists all");
+            "lists all names");
   EXPECT_EQ(read(",trust").find("--device: '' is not a known name"), 0u);
   EXPECT_EQ(to_line(read_values("--device", "id=x", {}).error()),
             "--device: 'id' is not a known name; leave it out");
@@ -118,7 +118,7 @@ TEST(Reports, AreKindsWithTheirFiles) {
   EXPECT_EQ(reports("csv:a\ncsv:a"),
             "--report: 'csv' is given more than once; write csv:FILE once");
   EXPECT_EQ(reports("github:a"),
-            "--report: 'github' takes no file: it is printed; write github alone");
+            "--report: 'github' takes no file, because this report is printed; write github alone");
 }
 
 // A new spelling that is an option itself would be refused.
@@ -145,7 +145,7 @@ TEST(OldOptions, AreErrorsThatNameTheNewSpelling) {
     testing::internal::CaptureStderr();
     EXPECT_FALSE(parse_arguments(*app, 4, argv, status));
     EXPECT_EQ(testing::internal::GetCapturedStderr(),
-              "voxrun: --mass: is an old spelling; write --set mass_kg=VALUE\n");
+              "voxrun: --mass: is an option of an earlier version; write --set mass_kg=VALUE\n");
     EXPECT_EQ(status, 2);
   }
 }

@@ -184,7 +184,7 @@ TEST(AtomicFile, ReportsAFullDisk) {
   const Status written = full->write(bytes_of("x"));
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::kWriteFailed);
-  EXPECT_EQ(written.error().mend, "free space or write elsewhere");
+  EXPECT_EQ(written.error().mend, "free some space, or write elsewhere");
 }
 
 }  // namespace

@@ -53,11 +53,12 @@ TEST(DracoReader, DeclaresWhatQuantizationCost) {
     ASSERT_EQ(assembly->warnings.size(), 1u);
     int said_bits = 0;
     double step = 0, bound = 0;
-    ASSERT_EQ(std::sscanf(assembly->warnings[0].c_str(),
-                          "Draco rounded the positions to %d bits, steps of %lf file units: every "
-                          "vertex may be off by %lf",
-                          &said_bits, &step, &bound),
-              3)
+    ASSERT_EQ(
+        std::sscanf(assembly->warnings[0].c_str(),
+                    "Draco rounded the positions to %d bits, in steps of %lf file units: every "
+                    "vertex may be off by %lf",
+                    &said_bits, &step, &bound),
+        3)
         << assembly->warnings[0];
     EXPECT_EQ(said_bits, bits);
     double largest = 0;

@@ -194,13 +194,13 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   const std::string doubt = ": several siblings have this name: ";
   EXPECT_EQ(read_of_train({"Carriage"}, {}),
             "#Carriage" + doubt +
-                "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, " +
-                "Carriage* for all whose names begin like this");
+                "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, or " +
+                "Carriage* for all nodes whose names begin with this name");
   EXPECT_EQ(
       read_of_train({}, {"Carriage"}),
       "--without Carriage" + doubt +
-          "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, Carriage* for all " +
-          "whose names begin like this");
+          "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, or Carriage* for " +
+          "all nodes whose names begin with this name");
   EXPECT_EQ(read_of_train({"Rail"}, {"Carriage"}), "Rail") << "the other one is not read anyway";
   EXPECT_EQ(read_of_train({"{Carriage,Carriage[2]}"}, {"Wheel*"}), "Carriage Carriage[2]");
   EXPECT_EQ(read_of_train({"Carriage", "Carriage[2]"}, {"Wheel*"}), "Carriage Carriage[2]");
@@ -219,33 +219,34 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
             "--without Wheel[1]: several nodes have this name; use one of: "
             "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]");
   // A name may go through one of several.
-  EXPECT_EQ(
-      read_of_train({"Carriage/Wheel[2]"}, {}),
-      "#Carriage/Wheel[2]" + doubt + "Carriage[1]/Wheel[2], Carriage[2]/Wheel[2]; write " +
-          "Carriage[1]/Wheel[2] for the first one only, Carriage*/Wheel[2] for all whose names " +
-          "begin like this");
-  EXPECT_EQ(
-      read_of_train({"Carriage/Wheel"}, {}),
-      "#Carriage/Wheel" + doubt +
-          "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2], Carriage[2]/Wheel[1], "
-          "Carriage[2]/Wheel[2]; " +
-          "write Carriage[1]/Wheel[1] for the first one only, Carriage*/Wheel* for all whose " +
-          "names begin like this");
-  EXPECT_EQ(
-      read_of_train({"Carriage[2]/Wheel"}, {}),
-      "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel[1], Carriage[2]/Wheel[2]; write " +
-          "Carriage[2]/Wheel[1] for the first one only, Carriage[2]/Wheel* for all whose names " +
-          "begin like this");
+  EXPECT_EQ(read_of_train({"Carriage/Wheel[2]"}, {}),
+            "#Carriage/Wheel[2]" + doubt + "Carriage[1]/Wheel[2], Carriage[2]/Wheel[2]; write " +
+                "Carriage[1]/Wheel[2] for the first one only, or Carriage*/Wheel[2] for all nodes "
+                "whose names " +
+                "begin with this name");
+  EXPECT_EQ(read_of_train({"Carriage/Wheel"}, {}),
+            "#Carriage/Wheel" + doubt +
+                "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2], Carriage[2]/Wheel[1], "
+                "Carriage[2]/Wheel[2]; " +
+                "write Carriage[1]/Wheel[1] for the first one only, or Carriage*/Wheel* for all "
+                "nodes whose " +
+                "names begin with this name");
+  EXPECT_EQ(read_of_train({"Carriage[2]/Wheel"}, {}),
+            "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel[1], Carriage[2]/Wheel[2]; write " +
+                "Carriage[2]/Wheel[1] for the first one only, or Carriage[2]/Wheel* for all nodes "
+                "whose names " +
+                "begin with this name");
   // A wildcard stands for siblings where it is written, and nowhere else.
-  EXPECT_EQ(read_of_train({}, {"*/Wheel"}),
-            "--without */Wheel" + doubt +
-                "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2]; write */Wheel[1] " +
-                "for the first one only, */Wheel* for all whose names begin like this");
+  EXPECT_EQ(
+      read_of_train({}, {"*/Wheel"}),
+      "--without */Wheel" + doubt +
+          "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2]; write */Wheel[1] " +
+          "for the first one only, or */Wheel* for all nodes whose names begin with this name");
   EXPECT_EQ(read_of_train({"Carriage/Wh*"}, {}),
             "#Carriage/Wh*" + doubt +
                 "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]; write Carriage[1]/Wh* for the first "
-                "one only, " +
-                "Carriage*/Wh* for all whose names begin like this");
+                "one only, or " +
+                "Carriage*/Wh* for all nodes whose names begin with this name");
   EXPECT_EQ(read_of_train({"*/Wheel[1]"}, {}), "Carriage/Wheel Carriage[2]/Wheel");
   EXPECT_EQ(read_of_train({"{*/Wheel,*/Wheel[2]}"}, {}),
             "Carriage/Wheel Carriage/Wheel[2] Carriage[2]/Wheel Carriage[2]/Wheel[2]");
@@ -277,7 +278,8 @@ TEST(NodeNames, OfTwoNodesWithOnePathAreRefused) {
   const auto chosen = mesh::choose_nodes(names, nodes);
   ASSERT_FALSE(chosen);
   EXPECT_EQ(to_line(chosen.error()),
-            "#a/b: several nodes have this name; all have the path a/b because a name contains a "
+            "#a/b: several nodes have this name; all of them have the path a/b, because a name "
+            "contains a "
             "slash: rename that node");
 }
 
@@ -285,8 +287,8 @@ TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {
   EXPECT_EQ(chosen({"Cover"}),
             "#Cover: several nodes have this name; use one of: Gearbox/Lid/Cover, Gearbox/Cover");
   const std::string missing = chosen({"Bold"});
-  EXPECT_TRUE(
-      missing.starts_with("#Bold: no node has this name; the nearest are: Gearbox/Lid/Bolt, "))
+  EXPECT_TRUE(missing.starts_with(
+      "#Bold: no node has this name; the nearest names are: Gearbox/Lid/Bolt, "))
       << missing;
   EXPECT_TRUE(chosen({"{Clip,Bolt[4]}"}).starts_with("#Bolt[4]: no node has this name"));
   EXPECT_TRUE(chosen({"Screw*"}).starts_with("#Screw*: no node has this name"));

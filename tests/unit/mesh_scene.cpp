@@ -71,12 +71,11 @@ TEST_F(SceneOfNodes, WithoutSomeOfThem) {
   EXPECT_EQ(names({path_}), (Names{"top/c", "top/d"}));
   reading_.without = {"?"};
   EXPECT_EQ(names({path_}),
-            Names{path_ + ": --without leaves no node with a mesh in this file; the scene would "
-                          "be empty: leave out less, or add a file"});
+            Names{path_ + ": --without removes every node with a mesh from this file; leave out "
+                          "fewer nodes, or add a file, because the scene would be empty"});
   reading_.without = {"e"};
-  EXPECT_TRUE(
-      names({path_})[0].starts_with("--without: no file has a node called 'e'; the "
-                                    "nearest are: top/a, "));
+  EXPECT_TRUE(names({path_})[0].starts_with(
+      "--without: no file has a node called 'e'; the nearest names are: top/a, "));
 }
 
 // A file of the whole name comes first; else the first part that is the name of a file.

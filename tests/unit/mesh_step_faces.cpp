@@ -397,7 +397,7 @@ TEST_F(StepFaces, GoThroughTheSceneToTheWorld) {
   EXPECT_EQ(misspelled.error().code, ErrorCode::kSceneInvalid);
   const std::string line = to_line(misspelled.error());
   EXPECT_TRUE(contains(line, "no file has a node called 'sem'")) << line;
-  EXPECT_TRUE(contains(line, "the nearest are: tray/seam")) << line;
+  EXPECT_TRUE(contains(line, "the nearest names are: tray/seam")) << line;
 }
 
 #endif
@@ -439,7 +439,8 @@ TEST(Without, SaysThatNothingIsLeft) {
   const auto nothing = read_glb({"top"});
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, ErrorCode::kMeshEmpty);
-  EXPECT_NE(nothing.error().what.find("--without leaves no node"), std::string::npos);
+  EXPECT_NE(nothing.error().what.find("--without removes every node with a mesh"),
+            std::string::npos);
 }
 
 TEST(Without, TakesNamesOfOtherFilesForUnknown) {

@@ -176,7 +176,7 @@ TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
   EXPECT_TRUE(warnings_of(box, ".igs").empty());
   const auto named = warnings_of(replaced(box, "1\\.,2,2HMM,", "1.,2,2HIN,"), ".igs");
   ASSERT_EQ(named.size(), 1u);
-  expect_in("the file calls its unit 'IN', but its unit number 2 means another unit", named[0]);
+  expect_in("the file names the unit 'IN', but states the unit number 2 of another unit", named[0]);
   const auto scaled = warnings_of(replaced(box, "1\\.,2,2HMM,", "2.,2,2HMM,"), ".igs");
   ASSERT_EQ(scaled.size(), 1u);
   expect_in("drawn to a scale of 2", scaled[0]);
@@ -414,9 +414,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
-      "6 loose faces joined where edges are within 0.05 mm of each other; the joined edges are up "
-      "to 0.473 mm away from their faces, and the guaranteed distance is smaller by this length; 3 "
-      "edges of them not joined; check whether an edge is damaged",
+      "6 loose faces are joined at edges that lie within 0.05 mm of each other; the joined edges "
+      "lie up to 0.473 mm from their faces, so the guaranteed distance is smaller by this length; "
+      "3 other edges are not joined; check whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -424,7 +424,7 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
 // A plane in the group, in place of the face that it carries.
 TEST(IgesLosses, AFaceWithoutEdgesIsSomewhereInItsNode) {
   const std::string text = with_parameters(iges_box(false), 1, "402,6,5,19,35,51,67,83;");
-  expect_in("a face without edges, somewhere in its node, at (5, 10, 15) mm, 37.4 mm across",
+  expect_in("a face without edges, somewhere in the region at (5, 10, 15) mm, 37.4 mm across",
             iges_error(text));
 }
 
@@ -464,10 +464,10 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   EXPECT_TRUE(facts.closed);
   EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
   ASSERT_EQ(rod->warnings.size(), 1u);
-  EXPECT_NE(rod->warnings[0].find(
-                "3 loose faces joined where edges are within 0.1 mm of each other; the joined "
-                "edges are up to 0.001 mm away from their faces"),
-            std::string::npos)
+  EXPECT_NE(
+      rod->warnings[0].find("3 loose faces are joined at edges that lie within 0.1 mm of each "
+                            "other; the joined edges lie up to 0.001 mm from their faces"),
+      std::string::npos)
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
@@ -561,7 +561,7 @@ TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
       folder / "a.step", replaced(clamp, R"((#1750 = EDGE_LOOP\('',\()#1751)", "$1#81")));
   ASSERT_TRUE(bracket) << to_line(bracket.error());
   ASSERT_EQ(bracket->warnings.size(), 2u);
-  expect_in("#822 MANIFOLD_SOLID_BREP is not closed: 2 edges with one face only",
+  expect_in("#822 MANIFOLD_SOLID_BREP is not closed: 2 edges belong to only one face",
             bracket->warnings[0]);
   expect_in("bracket_1: an edge lies up to 5 mm from its faces", bracket->warnings[1]);
   EXPECT_GE(bracket->deviation_units, 5);
@@ -609,7 +609,7 @@ TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   EXPECT_EQ(box->triangle_count(), 12u);
   ASSERT_EQ(box->warnings.size(), 1u);
-  expect_in("D1 (type 186) is not closed: 1 edge with one face only", box->warnings[0]);
+  expect_in("D1 (type 186) is not closed: 1 edge belongs to only one face", box->warnings[0]);
 }
 
 TEST(StepLosses, AFileThatCannotBeParsedSaysWhy) {

@@ -112,10 +112,9 @@ TEST(StepOddities, ASolidOfNoProductIsNamedAsOne) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kMeshIncomplete);
   const std::string line = to_line(refused.error());
-  EXPECT_NE(
-      line.find("could not read 1 solid: #15 MANIFOLD_SOLID_BREP; export the file again, with "
-                "all solids as boundary representations of products"),
-      std::string::npos)
+  EXPECT_NE(line.find("could not read 1 solid: #15 MANIFOLD_SOLID_BREP; export the file again with "
+                      "all solids as boundary representations of products"),
+            std::string::npos)
       << line;
 }
 

@@ -69,7 +69,7 @@ TEST(ObjReader, WarnsOfLinesAndPoints) {
   const auto assembly = read_bytes(kObjVertices + "f 1 2 3\nl 1 2\np 4\n", ".obj");
   ASSERT_TRUE(assembly);
   ASSERT_EQ(assembly->warnings.size(), 1u);
-  EXPECT_NE(assembly->warnings[0].find("2 line or point elements left out"), std::string::npos);
+  EXPECT_NE(assembly->warnings[0].find("2 line or point elements are left out"), std::string::npos);
 }
 
 TEST(ObjReader, NamesStatementsThatOBJDoesNotHave) {
@@ -78,8 +78,8 @@ TEST(ObjReader, NamesStatementsThatOBJDoesNotHave) {
   const auto odd = read_bytes(sound + "F 1 2 3\n 3 2 1\n", ".obj");
   ASSERT_TRUE(odd) << to_line(odd.error());
   EXPECT_EQ(odd->warnings,
-            (std::vector<std::string>{
-                "2 statements ignored because OBJ does not define them: 'F' in line 8, ..."}));
+            (std::vector<std::string>{"2 statements are ignored, because OBJ does not define this "
+                                      "keyword: 'F' in line 8, ..."}));
 }
 
 TEST(OffReader, TakesItsHeadersAndComments) {

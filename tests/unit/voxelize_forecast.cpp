@@ -68,8 +68,8 @@ TEST(Forecast, RefusesWhatCannotFitAndNamesTheLikeliestMistake) {
       << fits.error().what;
   EXPECT_TRUE(fits.error().what.ends_with("this process can have 16 GB")) << fits.error().what;
   EXPECT_TRUE(
-      fits.error().mend.starts_with("the scene is 745 m across; if its unit is the millimeter, add "
-                                    "--units mm; otherwise use --voxel-size "))
+      fits.error().mend.starts_with("the scene is 745 m across; if the unit of the files is the "
+                                    "millimeter, add --units mm; otherwise use --voxel-size "))
       << fits.error().mend;
 }
 
@@ -78,7 +78,8 @@ TEST(Forecast, AsksAboutMetersOnlyWhereTheyMayBeMillimeters) {
     const mesh::Box box{{0, 0, 0}, {1, side_m, 1}};
     return voxelize::unit_question("it", box, unit_m);
   };
-  EXPECT_EQ(asks(743, 1), "it is 743 m across; if its unit is the millimeter, add --units mm");
+  EXPECT_EQ(asks(743, 1),
+            "it is 743 m across; if the unit of the files is the millimeter, add --units mm");
   EXPECT_TRUE(asks(50, 0.9));
   EXPECT_FALSE(asks(std::nextafter(50, 0), 1));
   EXPECT_FALSE(asks(743, std::nextafter(0.9, 0)));
@@ -142,9 +143,9 @@ TEST(Warnings, OfCoarseVerticesAreOneForAllFiles) {
   for (auto& outline : cubes.outlines) outline.float_coordinate += 1e4;
   const auto warnings = voxelize::all_warnings(cubes.scene, cubes.outlines, options_for(1e-3));
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_TRUE(warnings[0].starts_with("part5.stl: its 32-bit coordinates are rounded to steps of "))
+  EXPECT_TRUE(warnings[0].starts_with("part5.stl: the 32-bit coordinates are rounded to steps of "))
       << warnings[0];
-  EXPECT_TRUE(warnings[0].ends_with("(this is true of 65 other files, too)")) << warnings[0];
+  EXPECT_TRUE(warnings[0].ends_with("(this also applies to 65 other files)")) << warnings[0];
 }
 
 }  // namespace

@@ -125,7 +125,7 @@ TEST(MemoryLimit, NamesTheObjectAndItsStrayVertex) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().where, "bracket");
   EXPECT_TRUE(
-      refused.error().mend.starts_with("correct its stray vertex at (0.00498047, 0.00498047, "
+      refused.error().mend.starts_with("correct the stray vertex at (0.00498047, 0.00498047, "
                                        "-1e+06) m, which is 1e+06 m from the middle"))
       << refused.error().mend;
 }

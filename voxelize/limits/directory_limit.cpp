@@ -62,7 +62,7 @@ Result<Directory> fit_directory(const masks::VoxelBox& box, double voxel_size_m)
         ErrorCode::kBakeTooLarge, "", "",
         text("the scene needs a directory of %.0f x %.0f x %.0f cells of 512 voxels", dims[0],
              dims[1], dims[2]) +
-            text(" (%.3g entries; at most %.0f, and %.0f on an axis)", entries,
+            text(" (%.3g entries; at most %.0f are allowed, and %.0f on an axis)", entries,
                  static_cast<double>(kMaxDirectoryEntries), kMaxDirectoryDim),
         text("use --voxel-size %.3gm or more", 1.001 * fitting_voxel_size(box, voxel_size_m))};
   }

@@ -76,7 +76,7 @@ double meminfo_bytes(std::string_view key) {
 // A vertex so many times as far away as half of the others is taken for a mistake.
 constexpr double kFarAway = 100;
 
-// "correct its stray vertex at (0, 4.3e+06, 0) m, ..., or ": where one corner of the object's
+// "correct the stray vertex at (0, 4.3e+06, 0) m, ..., or ": where one corner of the object's
 // triangles lies far away from half of them; else what may be wrong.
 std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   const double unit_m = voxel_size_m / static_cast<double>(lattice::kSnapUnits);
@@ -110,12 +110,11 @@ std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   const double max_m = *farthest, half_m = median(distances_m);
   if (!(max_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "correct its stray vertex at (%.6g, %.6g, %.6g) m, which is %.4g m from the middle of the "
-      "others (half of them are within %.4g m), or ",
-      static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
-      static_cast<double>(at[2]) * unit_m, max_m, half_m);
+  std::snprintf(text, sizeof text,
+                "correct the stray vertex at (%.6g, %.6g, %.6g) m, which is %.4g m from the middle "
+                "of the other vertices (half of them are within %.4g m), or ",
+                static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
+                static_cast<double>(at[2]) * unit_m, max_m, half_m);
   return text;
 }
 
@@ -279,8 +278,8 @@ Status fit_nodes(std::span<const NamedObject> objects, int reach, const NodeByte
   if (largest == nullptr) return {};
   char what[200];
   std::snprintf(what, sizeof what,
-                "at %.4g mm the scene takes more than the %.3g GB of memory that this process can "
-                "have, most of it for this object",
+                "at %.4g mm the scene needs more than the %.3g GB of memory that this process can "
+                "have, and this object needs most of it",
                 voxel_size_m * 1e3, available * 1e-9);
   return Error{ErrorCode::kBakeTooLarge, "", largest->name, what,
                culprit_of(*largest->object, voxel_size_m) + "use larger voxels"};

@@ -149,7 +149,7 @@ int main(int argc, char** argv) {
       {{"View",
         {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
          "--cut"}},
-       {"A run and its moment", {"--trace", "--at", "--listen", "--path", "--part-pose"}},
+       {"A run and the moment to show", {"--trace", "--at", "--listen", "--path", "--part-pose"}},
        {"The eye", {"--view-from", "--focus"}},
        {"Output", {"--screenshot", "--size"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"

@@ -124,10 +124,10 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
   if (!goal.is_known()) {
-    return Error{
-        ErrorCode::kUsage, "", "--goal",
-        "is missing, and all sides of the scene are cropped, so nothing is known outside of it",
-        "add --goal, or bake the scene without --roi"};
+    return Error{ErrorCode::kUsage, "", "--goal",
+                 "is missing, and all sides of the scene are cropped, so nothing is known outside "
+                 "of the scene",
+                 "add --goal, or bake the scene without --roi"};
   }
   std::unique_ptr<exact::SeatMeshes> seat;
   if (meshes != nullptr) {

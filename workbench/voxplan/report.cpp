@@ -60,7 +60,7 @@ command::Verdict not_found_verdict(const Report& report) {
       (result.out_m < 1e-6 ? "less than 0.001 mm" : text("at most %.3g mm", 1e3 * result.out_m)) +
       " from its start";
   if (result.refused > 0) {
-    verdict.finding += text(", and %llu paths that it found could not be proven",
+    verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
   for (const std::uint32_t object : result.blocked_by) {

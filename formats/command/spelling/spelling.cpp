@@ -75,7 +75,7 @@ void NearestNames::add(const std::string& path) {
 std::string NearestNames::text(const std::string& more) const {
   std::string text;
   for (const auto& [distance, path] : nearest_) {
-    text += (text.empty() ? "the nearest are: " : ", ") + path;
+    text += (text.empty() ? "the nearest names are: " : ", ") + path;
   }
   return text + (text.empty() || more.empty() ? "" : "; ") + more;
 }

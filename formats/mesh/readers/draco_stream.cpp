@@ -89,9 +89,9 @@ class CountReader {
       fail_end();
     }
     if (number / kMaxPerByte <= stream_.bytes.size()) return number;
-    stream_.fail(ErrorCode::kMeshIncomplete, "the Draco stream announces " +
-                                                 std::to_string(number) + " " + what + " in " +
-                                                 std::to_string(stream_.bytes.size()) + " bytes");
+    stream_.fail(ErrorCode::kMeshIncomplete,
+                 "the Draco stream announces " + std::to_string(number) + " " + what +
+                     ", but has only " + std::to_string(stream_.bytes.size()) + " bytes");
   }
 
   [[noreturn]] void fail_end() const {
@@ -217,7 +217,7 @@ DracoSurface decode_draco(const SourceFile& file, std::string_view bytes, const 
 
 std::string quantization_warning(const DracoQuantization& quantization) {
   std::ostringstream text;
-  text << "Draco rounded the positions to " << quantization.bits << " bits, steps of "
+  text << "Draco rounded the positions to " << quantization.bits << " bits, in steps of "
        << quantization.step << " file units: every vertex may be off by "
        << std::sqrt(0.75) * quantization.step << " (see --mesh-deviation)";
   return text.str();

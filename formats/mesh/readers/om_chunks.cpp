@@ -125,7 +125,8 @@ class ChunkWalker {
   void skip_topology(ChunkHeader header) {
     // OpenMesh knows no other, and would take their bytes for the next chunk.
     if (header.entity() != kVertex && header.entity() != kFace && header.entity() != kHalfedge) {
-      fail(ErrorCode::kMeshUnsupported, "the topology is not of vertices, faces and halfedges");
+      fail(ErrorCode::kMeshUnsupported,
+           "the topology does not consist of vertices, faces and halfedges");
     }
     const std::uint64_t faces = content_.faces;
     if (header.entity() == kFace && version_ < version(2, 0)) {

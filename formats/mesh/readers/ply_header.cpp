@@ -99,7 +99,7 @@ class HeaderReader {
 
   void end_line() {
     cursor_.skip_blanks();
-    if (!cursor_.at_line_end()) fail("more words than a header line has");
+    if (!cursor_.at_line_end()) fail("this header line has too many words");
     cr_only_ = cursor_.peek() == '\r' && file_.bytes.substr(cursor_.offset(), 2) != "\r\n";
     cursor_.skip_line_end();
   }
@@ -110,7 +110,7 @@ class HeaderReader {
       cursor_.advance(1);
     } else {
       cursor_.skip_blanks();
-      if (!cursor_.at_line_end()) fail("more words than a header line has");
+      if (!cursor_.at_line_end()) fail("this header line has too many words");
       cursor_.skip_line_end();
     }
   }

@@ -200,13 +200,14 @@ void PolygonSplitter::clip_ears(std::span<const std::uint32_t> corners, Mesh& me
 void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
   if (not_planar_ > 0) {
     std::ostringstream text;
-    text << counted(not_planar_, "polygon") << " not planar, by up to " << largest_deviation_units_
+    text << counted(not_planar_, "polygon") << (not_planar_ == 1 ? " is" : " are")
+         << " not planar, by up to " << largest_deviation_units_
          << " file units; each was split into triangles in one of several possible ways";
     warnings.push_back(text.str());
   }
   if (crossing_ > 0) {
-    warnings.push_back(counted(crossing_, "polygon") +
-                       " with an outline that crosses itself; their triangles overlap");
+    warnings.push_back(counted(crossing_, "polygon") + (crossing_ == 1 ? " has" : " have") +
+                       " an outline that crosses itself, so that triangles overlap");
   }
 }
 

@@ -139,7 +139,8 @@ class MeshReader {
       if (corners[i] < vertex_count) continue;
       document_.fail(ErrorCode::kMeshUnreadable, primitive_where_,
                      "index " + std::to_string(i) + " names vertex " + std::to_string(corners[i]) +
-                         " of " + std::to_string(vertex_count) + " (counted from 0)");
+                         ", but there are only " + std::to_string(vertex_count) +
+                         " vertices, counted from 0");
     }
     return corners;
   }
@@ -229,10 +230,11 @@ class GltfReader {
       document_.fail(
           ErrorCode::kMeshEmpty, "",
           lines_and_points_ > 0        ? "no triangles in this file, only points or lines"
-          : !nodes_.left_out().empty() ? "--without leaves no node with a mesh in this file"
+          : !nodes_.left_out().empty() ? "--without removes every node with a mesh from this file"
                                        : "no node with a mesh in this file",
-          nodes_.left_out().empty() ? "export a surface mesh"
-                                    : "the scene would be empty: leave out less, or add a file");
+          nodes_.left_out().empty()
+              ? "export a surface mesh"
+              : "leave out fewer nodes, or add a file, because the scene would be empty");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();
@@ -270,8 +272,9 @@ class GltfReader {
     std::vector<std::string>& warnings = assembly_.warnings;
     nodes_.add_warnings(warnings);
     if (lines_and_points_ > 0) {
-      warnings.push_back(counted(lines_and_points_, "primitive") +
-                         " of points or lines left out: points and lines have no surface");
+      warnings.push_back(counted(lines_and_points_, "primitive") + " of points or lines " +
+                         (lines_and_points_ == 1 ? "is" : "are") +
+                         " left out, because points and lines have no surface");
     }
     for (std::string& line : morph_warnings_.lines()) warnings.push_back(std::move(line));
     if (has_integer_positions_) {

@@ -44,13 +44,15 @@ class ObjReader {
     splitter_.add_warnings(assembly.warnings);
     if (unknown_ > 0) {
       assembly.warnings.push_back(
-          counted(unknown_, "statement") +
-          " ignored because OBJ does not define them: " + in_quotes(first_unknown_) + " in line " +
-          std::to_string(cursor_.line_of(unknown_place_)) + (unknown_ > 1 ? ", ..." : ""));
+          counted(unknown_, "statement") + (unknown_ == 1 ? " is" : " are") +
+          " ignored, because OBJ does not define this keyword: " + in_quotes(first_unknown_) +
+          " in line " + std::to_string(cursor_.line_of(unknown_place_)) +
+          (unknown_ > 1 ? ", ..." : ""));
     }
     if (lines_and_points_ > 0) {
       assembly.warnings.push_back(counted(lines_and_points_, "line or point element") +
-                                  " left out: they have no surface");
+                                  (lines_and_points_ == 1 ? " is" : " are") +
+                                  " left out, because lines and points have no surface");
     }
     return assembly;
   }
@@ -120,7 +122,7 @@ class ObjReader {
     if (index < 0) index += known + 1;  // -1 is the newest vertex
     if (index < 1 || index > std::numeric_limits<std::uint32_t>::max()) {
       cursor_.fail_at(place, ErrorCode::kMeshUnreadable,
-                      "a corner of a face has a vertex number before the first vertex",
+                      "the vertex number of a corner of a face is out of range",
                       "export the mesh again");
     }
     if (index > highest_index_) {
@@ -139,8 +141,9 @@ class ObjReader {
     check_count(file_, mesh_.vertices.size(), "vertices");
     if (highest_index_ <= static_cast<std::int64_t>(mesh_.vertices.size())) return;
     cursor_.fail_at(highest_index_place_, ErrorCode::kMeshIncomplete,
-                    "a face uses vertex " + std::to_string(highest_index_) + " of " +
-                        std::to_string(mesh_.vertices.size()),
+                    "a face uses vertex " + std::to_string(highest_index_) +
+                        ", but there are only " + std::to_string(mesh_.vertices.size()) +
+                        " vertices",
                     "copy or export the file again");
   }
 

@@ -36,7 +36,7 @@ class OffReader {
     }
     if (starts_with("4") || starts_with("n")) {
       cursor_.fail(ErrorCode::kMeshUnsupported,
-                   "OFF files that do not have three dimensions are not supported",
+                   "only OFF files with three dimensions are supported",
                    "export the mesh as plain OFF");
     }
     if (!starts_with("OFF")) {
@@ -127,7 +127,8 @@ class OffReader {
       if (index >= vertex_count_) {
         cursor_.fail_at(index_place, ErrorCode::kMeshUnreadable,
                         "face " + std::to_string(face) + " uses vertex " + std::to_string(index) +
-                            " of " + std::to_string(vertex_count_) + " (counted from 0)",
+                            ", but there are only " + std::to_string(vertex_count_) +
+                            " vertices, counted from 0",
                         "export the mesh again");
       }
       corners_.push_back(static_cast<std::uint32_t>(index));
@@ -149,7 +150,8 @@ class OffReader {
     cursor_.skip_space('#');
     if (cursor_.at_end()) return;
     cursor_.fail(ErrorCode::kMeshIncomplete,
-                 "more data follow after the " + counted(face_count_, "face") + " of the header",
+                 "the file has more data than the " + counted(face_count_, "face") +
+                     " that the header announces",
                  "export the mesh again; the count may be wrong");
   }
 

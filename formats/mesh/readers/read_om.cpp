@@ -139,7 +139,7 @@ void collect_rings(const SourceFile& file, Collector& collector) {
           halfedges[static_cast<std::size_t>(halfedge)].face == static_cast<int>(face);
       if (!in_face || polygon.size() == halfedges.size()) {
         fail_read(file, ErrorCode::kMeshUnreadable, "face " + std::to_string(face),
-                  "its halfedges do not form a ring", "write the mesh again");
+                  "the halfedges of this face do not form a ring", "write the mesh again");
       }
       polygon.push_back(halfedges[static_cast<std::size_t>(halfedge)].to_vertex);
       halfedge = halfedges[static_cast<std::size_t>(halfedge)].next;
@@ -155,8 +155,8 @@ void split_polygons(const SourceFile& file, const Collector& collector, Mesh& me
     for (const int corner : collector.polygons[face]) {
       if (corner < 0 || static_cast<std::size_t>(corner) >= mesh.vertices.size()) {
         fail_read(file, ErrorCode::kMeshUnreadable, "face " + std::to_string(face),
-                  "uses vertex " + std::to_string(corner) + " of " +
-                      std::to_string(mesh.vertices.size()) + " (counted from 0)",
+                  "uses vertex " + std::to_string(corner) + ", but there are only " +
+                      std::to_string(mesh.vertices.size()) + " vertices, counted from 0",
                   "write the mesh again");
       }
       corners.push_back(static_cast<std::uint32_t>(corner));

@@ -63,7 +63,8 @@ class BinaryValues {
     const std::string_view rest = file_.bytes.substr(at_);
     if (rest.find_first_not_of(std::string_view("\r\n \0", 4)) == std::string_view::npos) return;
     fail_read(file_, ErrorCode::kMeshIncomplete, place(),
-              counted(rest.size(), "byte") + " after the last element that the header announces",
+              "the file has " + counted(rest.size(), "byte") +
+                  " after the last element that the header announces",
               "export the mesh again; a count may be wrong");
   }
 
@@ -166,7 +167,8 @@ class PlyReader {
 
  private:
   void read_element(const PlyElement& element) {
-    if (element.properties.empty() && element.count > 0) fail_properties(element, "has none");
+    if (element.properties.empty() && element.count > 0)
+      fail_properties(element, "has no properties");
     if (element.count > 0 &&
         element.count - 1 > values_.bytes_left() / element.min_bytes(header_.encoding)) {
       fail_read(file_, ErrorCode::kMeshIncomplete, "line " + std::to_string(element.line),
@@ -186,7 +188,7 @@ class PlyReader {
 
   void read_vertices(const PlyElement& element) {
     const int x = element.find({"x"}), y = element.find({"y"}), z = element.find({"z"});
-    if (x < 0 || y < 0 || z < 0) fail_properties(element, "lacks x, y or z");
+    if (x < 0 || y < 0 || z < 0) fail_properties(element, "lacks the property x, y or z");
     check_count(file_, mesh_.vertices.size() + element.count, "vertices");
     for (const int axis : {x, y, z}) {
       const PlyProperty& property = element.properties[static_cast<std::size_t>(axis)];
@@ -214,7 +216,7 @@ class PlyReader {
   void read_lists(const PlyElement& element, void (PlyReader::*add)(const PlyElement&)) {
     if (element.count == 0) return;
     const int indices = element.find({"vertex_indices", "vertex_index"});
-    if (indices < 0) fail_properties(element, "has no vertex_indices");
+    if (indices < 0) fail_properties(element, "has no property vertex_indices");
     const PlyProperty& list = element.properties[static_cast<std::size_t>(indices)];
     if (!list.is_list || !is_integer(list.type)) {
       fail_properties(element, "has vertex_indices that are not a list of integers");
@@ -293,8 +295,8 @@ class PlyReader {
   void check_indices() const {
     if (highest_index_ < static_cast<std::int64_t>(mesh_.vertices.size())) return;
     fail_read(file_, ErrorCode::kMeshUnreadable, highest_index_element_,
-              "uses vertex " + std::to_string(highest_index_) + " of " +
-                  std::to_string(mesh_.vertices.size()) + " (counted from 0)",
+              "uses vertex " + std::to_string(highest_index_) + ", but there are only " +
+                  std::to_string(mesh_.vertices.size()) + " vertices, counted from 0",
               "export the mesh again");
   }
 
@@ -305,8 +307,7 @@ class PlyReader {
 
   [[noreturn]] void fail_properties(const PlyElement& element, const char* what) const {
     fail_read(file_, ErrorCode::kMeshUnreadable, "line " + std::to_string(element.line),
-              "element '" + element.name + "' " + what + " among its properties",
-              "export the mesh again");
+              "element '" + element.name + "' " + what, "export the mesh again");
   }
 
   struct Polygon {

@@ -83,8 +83,7 @@ void limit(__rlimit_resource_t resource, std::uint64_t amount) {
 
 Error no_child(const std::string& path, int number) {
   return {ErrorCode::kInternal, path, "",
-          "the sandbox that should read it cannot be started: " +
-              std::generic_category().message(number),
+          "the sandbox for this file cannot be started: " + std::generic_category().message(number),
           ""};
 }
 
@@ -96,20 +95,22 @@ std::string in_gib(std::uint64_t bytes) {
 
 Error too_much_memory(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
-          "reading it takes more than the sandbox's limit of " + in_gib(limits.memory_bytes),
+          "reading this file takes more memory than the sandbox's limit of " +
+              in_gib(limits.memory_bytes),
           "raise --sandbox=memory= if you trust the file"};
 }
 
 Error too_late(const std::string& path, const SandboxLimits& limits) {
   return {ErrorCode::kMeshUnreadable, path, "",
-          "reading it takes longer than the sandbox's limit of " + exact_text(limits.time_s) + " s",
+          "reading this file takes longer than the sandbox's limit of " +
+              exact_text(limits.time_s) + " s",
           "raise --sandbox=time= if you trust the file"};
 }
 
 std::string deflection_text(const std::string& path, const ReadOptions& options) {
   if (!may_crash_its_reader(path) || !(options.deflection_m > 0)) return "";
-  return ": its surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
-         " mm (in a bake: a hundredth of a voxel); a coarser tessellation is faster";
+  return ": the surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
+         " mm (in a bake, to a hundredth of a voxel); a coarser tessellation is faster";
 }
 
 constexpr double kMinuteS = 60, kGigabyte = 1e9;
@@ -183,14 +184,14 @@ void follow_progress(int result, int progress, const std::string& path, const Re
 
 // The error for a child that ended with this status and sent no mesh.
 Error no_mesh(const std::string& path, int status) {
-  std::string what = "its reader sent a damaged mesh";
+  std::string what = "the reader of this file sent a damaged mesh";
   if (WIFSIGNALED(status)) {
-    what = std::string("its reader crashed (") + ::strsignal(WTERMSIG(status)) + ")";
+    what = std::string("the reader of this file crashed (") + ::strsignal(WTERMSIG(status)) + ")";
   } else if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted) {
-    return {ErrorCode::kInternal, path, "", "its sandbox did not start",
+    return {ErrorCode::kInternal, path, "", "the sandbox for this file did not start",
             "raise the limit --sandbox=memory="};
   } else if (WIFEXITED(status) && WEXITSTATUS(status) != 0) {
-    what = "its reader ended with status " + std::to_string(WEXITSTATUS(status));
+    what = "the reader of this file ended with status " + std::to_string(WEXITSTATUS(status));
   }
   return {ErrorCode::kMeshUnreadable, path, "", what,
           "export the mesh again, or use another format"};

@@ -36,9 +36,9 @@ Status read_limits(const std::string& text, SandboxLimits& limits) {
 
 void TrustOptions::declare(CLI::App& app) {
   command::add_flag(app, "--sandbox", sandbox,
-                    "read each mesh file in a separate process: a crash, a hang or too much memory "
-                    "becomes an error about that file; --sandbox=memory=2GiB,time=30s sets the "
-                    "limits for a file (default 8GiB and 5min)");
+                    "read each mesh file in a separate process. A crash, a hang or too much memory "
+                    "then becomes an error about that file. --sandbox=memory=2GiB,time=30s sets "
+                    "the limits for each file (default 8GiB and 5min)");
   command::add_flag(app, "--allow-outside", allow_outside,
                     "let a manifest, a glTF or a STEP file name files outside its own folder");
 }

@@ -19,15 +19,15 @@ std::string length_text(double length_mm) {
 
 std::string place_text(const MissingPiece& piece) {
   const MissingFace& face = piece.face;
-  const std::string node = face.node.empty() ? "of an unknown node" : face.node;
-  if (face.size == 0) return node + " at an unknown place";
+  const std::string node = face.node.empty() ? "an unknown node" : face.node;
+  if (face.size == 0) return node + " at an unknown position";
   char place[160];
   std::snprintf(place, sizeof place, " at (%.6g, %.6g, %.6g) mm, ", face.center[0], face.center[1],
                 face.center[2]);
   return node +
          (piece.has_edges      ? ""
-          : piece.name.empty() ? ", a face without edges, somewhere in its node,"
-                               : ", somewhere in its node,") +
+          : piece.name.empty() ? ", a face without edges, somewhere in the region"
+                               : ", somewhere in the region") +
          place + length_text(face.size) + " across";
 }
 
@@ -50,7 +50,7 @@ std::string places_text(std::span<const MissingPiece> missing) {
 std::string remedy(std::string mend, std::span<const MissingPiece> missing,
                    const std::vector<std::string>& unknown_nodes, std::size_t nodes) {
   if (nodes == 0) return mend + "; the file has no other face";
-  if (nodes > 1) mend += ", leave out their node with --without";
+  if (nodes > 1) mend += ", leave out the node of these faces with --without";
   mend += ", or accept the holes with --missing-faces " + std::to_string(missing.size());
   for (const std::string& name : unknown_nodes) {
     mend += "; no node of this file is called " + in_quotes(name);
@@ -70,34 +70,36 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
         length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }
   if (tessellation.sewn > 0) {
-    warnings.push_back(
-        path + ": " + counted(tessellation.sewn, "loose face") + " joined where edges are within " +
-        length_text(tessellation.sewing_tolerance_mm) +
-        " of each other; the joined edges are up to " +
-        length_text(std::max(tessellation.sewn_gap_mm, kFinestMm)) +
-        " away from their faces, and the guaranteed distance is smaller by this length" +
-        (tessellation.open_edges > 0
-             ? "; " + counted(tessellation.open_edges, "edge") + " of them not joined"
-             : "") +
-        (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
-             ? "; check whether an edge is damaged"
-             : ""));
+    warnings.push_back(path + ": " + counted(tessellation.sewn, "loose face") +
+                       (tessellation.sewn == 1 ? " is" : " are") +
+                       " joined at edges that lie within " +
+                       length_text(tessellation.sewing_tolerance_mm) +
+                       " of each other; the joined edges lie up to " +
+                       length_text(std::max(tessellation.sewn_gap_mm, kFinestMm)) +
+                       " from their faces, so the guaranteed distance is smaller by this length" +
+                       (tessellation.open_edges > 0
+                            ? "; " + counted(tessellation.open_edges, "other edge") +
+                                  (tessellation.open_edges == 1 ? " is" : " are") + " not joined"
+                            : "") +
+                       (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
+                            ? "; check whether an edge is damaged"
+                            : ""));
   }
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": an edge lies up to " + length_text(tessellation.edge_gap_mm) +
-                       " from its faces: the guaranteed distance is smaller by this length; check "
-                       "whether the edge is damaged");
+                       " from its faces, so the guaranteed distance is smaller by this length; "
+                       "check whether the edge is damaged");
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
-    warnings.push_back(
-        path + ": the triangles of a surface lie up to " +
-        length_text(tessellation.surface_gap_mm) + " from this surface, although " +
-        length_text(tessellation.wanted_deflection_mm) +
-        " were required of OpenCASCADE: the guaranteed distance is smaller by this length");
+    warnings.push_back(path + ": the triangles of a surface lie up to " +
+                       length_text(tessellation.surface_gap_mm) + " from this surface, although " +
+                       length_text(tessellation.wanted_deflection_mm) +
+                       " is allowed, so the guaranteed distance is smaller by this length");
   }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": surfaces are tessellated to " +
-                       length_text(tessellation.deflection_mm) + " because some faces fail at " +
+                       length_text(tessellation.deflection_mm) +
+                       ", because some faces cannot be tessellated to " +
                        length_text(tessellation.wanted_deflection_mm));
   }
 }

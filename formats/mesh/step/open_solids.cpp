@@ -55,7 +55,8 @@ std::vector<OpenSolid> open_solids(const Handle(XSControl_WorkSession) & session
     const std::uint64_t open = shape.IsNull() ? 0 : count_open_edges(shape, tolerance_mm);
     if (open == 0) continue;
     found.push_back({entity_name(model, entity) + " is not closed: " + counted(open, "edge") +
-                         " with one face only; check whether faces are damaged; no guarantee "
+                         (open == 1 ? " belongs" : " belong") +
+                         " to only one face; check whether faces are damaged, because no guarantee "
                          "covers missing faces",
                      shape});
   }

@@ -118,13 +118,14 @@ class StepReader {
     check_missing_faces(flawed_ != nullptr ? flawed_->source : file_, losses_, to_read.unknown,
                         missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
-      fail_read(file_, ErrorCode::kMeshEmpty, "",
-                !missing_.empty()          ? "no face of this file can be read"
-                : to_read.left_out.empty() ? "no faces in this file"
-                                           : "--without leaves no faces in this file",
-                to_read.left_out.empty() || !missing_.empty()
-                    ? "export the file again"
-                    : "a scene needs at least one other part: leave out less, or add a file");
+      fail_read(
+          file_, ErrorCode::kMeshEmpty, "",
+          !missing_.empty()          ? "no face of this file can be read"
+          : to_read.left_out.empty() ? "no faces in this file"
+                                     : "--without removes all faces of this file",
+          to_read.left_out.empty() || !missing_.empty()
+              ? "export the file again"
+              : "a scene needs at least one other part: leave out fewer nodes, or add a file");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
@@ -368,19 +369,19 @@ class StepReader {
     });
     if (chosen == references.end()) {
       fail_read(from.source, ErrorCode::kMeshUnsupported, node,
-                "its shape is in the file " + in_quotes(references.front().front()) +
+                "the shape of this node is in the file " + in_quotes(references.front().front()) +
                     ", which is neither STEP nor IGES",
                 "export the assembly into one STEP file");
     }
     const auto [path, is_elsewhere] = find_reference(from.source, file_, *chosen, node);
     if (is_elsewhere && warned_of_.insert(path.string()).second) {
       assembly_.warnings.push_back(node + ": the file " + in_quotes(chosen->front()) +
-                                   " that it names was read from " + path.string());
+                                   ", which this node names, was read from " + path.string());
     }
     const OpenFile& other = open({path.string(), {}, file_.options}, node);
     if (std::find(chain_.begin(), chain_.end(), &other) != chain_.end()) {
       fail_read(from.source, ErrorCode::kMeshUnreadable, node,
-                "its shape is in the file " + in_quotes(chosen->front()) +
+                "the shape of this node is in the file " + in_quotes(chosen->front()) +
                     ", which contains this node itself",
                 "export the assembly into one file");
     }
@@ -452,8 +453,8 @@ class StepReader {
                       const std::string& node) {
     for (const auto& names : references) {
       if (!std::any_of(names.begin(), names.end(), is_step_name)) continue;
-      assembly_.warnings.push_back(node + " has its own shape, so the file that it names, " +
-                                   in_quotes(names.front()) + ", was not read");
+      assembly_.warnings.push_back(node + " has a shape of its own, so the file " +
+                                   in_quotes(names.front()) + " that it names was not read");
     }
   }
 

@@ -115,7 +115,7 @@ FoundFile find_reference(const SourceFile& file, const SourceFile& top,
                          const std::vector<std::string>& names, const std::string& where) {
   const fs::path own_folder = fs::path(file.path).parent_path();
   const fs::path top_folder = fs::path(top.path).parent_path();
-  const std::string what = "its shape is in the file " + in_quotes(names.front());
+  const std::string what = "the shape of this node is in the file " + in_quotes(names.front());
   for (const fs::path& path : paths_of(names)) {
     for (const fs::path& folder : {own_folder, top_folder}) {
       const fs::path candidate = folder / path;
@@ -129,7 +129,7 @@ FoundFile find_reference(const SourceFile& file, const SourceFile& top,
     }
   }
   fail_read(file, ErrorCode::kFileNotFound, where, what + ", which is missing",
-            "put that file beside the one that names it, or leave out the node with --without");
+            "put that file beside the file that names it, or leave out the node with --without");
 }
 
 }  // namespace forcelayer::mesh

@@ -34,7 +34,7 @@ Error refused(const HidDeviceInfo& info, std::string_view what, std::string_view
 // One application collection of ours, one input and one output report of 64 bytes, no numbers.
 Status check_descriptor(HidPort& port, const HidDeviceInfo& info) {
   const char* const mend =
-      "check that it is the right device; its firmware must send reports as in "
+      "check that this is the right device; the firmware must send reports as in "
       "hid_haptic_report.md";
   const auto parsed = parse_hid_report_descriptor(port.report_descriptor());
   if (!parsed) {
@@ -49,7 +49,7 @@ Status check_descriptor(HidPort& port, const HidDeviceInfo& info) {
   if (parsed->applications.size() != 1 || parsed->applications.front() != kHapticUsage ||
       parsed->numbered() || bits(HidReportKind::kInput) != 8 * kHapticReportBytes ||
       bits(HidReportKind::kOutput) != 8 * kHapticReportBytes) {
-    return refused(info, "its report descriptor does not describe a haptic device", mend);
+    return refused(info, "the report descriptor does not describe a haptic device", mend);
   }
   return {};
 }
@@ -152,20 +152,22 @@ Status HidDevice::greet(HidPort& port, const HidDeviceInfo& info) {
   return Error{ErrorCode::kDeviceFailed, to_text(info), "",
                defect == HapticDefect::kNone
                    ? "does not send its capabilities"
-                   : std::string("its reports are damaged: ") + to_text(defect),
-               "plug it in again; its firmware must use version 1 of hid_haptic_report.md"};
+                   : std::string("the reports are damaged: ") + to_text(defect),
+               "plug the device in again; the firmware must use version 1 of hid_haptic_report.md"};
 }
 
 Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDeviceInfo& info) const {
-  const char* const mend = "correct the ratings in its firmware";
+  const char* const mend = "correct the ratings in the firmware";
   if (!(device.watchdog_s > 0 && device.watchdog_s <= kMaxWatchdogS)) {
-    return refused(info, "it has no watchdog, or the watchdog waits longer than 100 ms", mend);
+    return refused(info, "the device has no watchdog, or the watchdog waits longer than 100 ms",
+                   mend);
   }
-  if (device.sensed_axes != kAllAxes) return refused(info, "it does not sense all six axes", mend);
+  if (device.sensed_axes != kAllAxes)
+    return refused(info, "the device does not sense all six axes", mend);
   if (!(device.max_force_n > 0 && device.max_force_n <= kMaxForceN &&
         device.max_torque_nm <= kMaxTorqueNm && forcelayer::check_ratings(device) &&
         (device.rate_hz == 0 || device.rate_hz >= kMinMotorsHz))) {
-    return refused(info, "its ratings are impossible for a hand-held device", mend);
+    return refused(info, "the ratings are impossible for a hand-held device", mend);
   }
   const bool same = device.max_force_n == capabilities_.max_force_n &&
                     device.max_torque_nm == capabilities_.max_torque_nm &&
@@ -176,7 +178,7 @@ Status HidDevice::check_ratings(const DeviceCapabilities& device, const HidDevic
                     device.actuated_axes == capabilities_.actuated_axes &&
                     device.senses_velocity == capabilities_.senses_velocity;
   if (known_ && !same) {
-    return refused(info, "its ratings are not the same as before it was unplugged",
+    return refused(info, "the ratings have changed since the device was unplugged",
                    "start voxrun again");
   }
   return {};
@@ -210,11 +212,11 @@ Status HidDevice::await_state(HidPort& port, const HidDeviceInfo& info) {
   }
   std::string what = "does not send poses";
   if (defect != HapticDefect::kNone) {
-    what = std::string("its reports are damaged: ") + to_text(defect);
+    what = std::string("the reports are damaged: ") + to_text(defect);
   } else if ((status & kHapticFault) != 0) {
     what = "reports a fault";
   } else if ((status & kHapticWatchdog) != 0) {
-    what = "its watchdog stays on after a zero wrench";
+    what = "the watchdog stays on after a zero wrench";
   }
   return Error{ErrorCode::kDeviceFailed, to_text(info), "", what, "plug it in again"};
 }
@@ -271,9 +273,9 @@ HidLoss HidDevice::look(long long now_ns) noexcept {
   }
   if (now_ns - watch_.newest_ns <= kSilentNs) return {};
   if (watch_.malformed > 0) {
-    return {"the device's reports are damaged", "check its cable and its firmware"};
+    return {"the device's reports are damaged", "check the cable and the firmware"};
   }
-  const char* const mend = "switch it off and on, and check its firmware";
+  const char* const mend = "switch the device off and on, and check the firmware";
   if (watch_.repeated > 0) return {"the device is frozen: it repeats its reports", mend};
   return {"the device is frozen: it sends no reports", mend};
 }

@@ -107,7 +107,7 @@ const char* to_text(HapticDefect defect) {
     case HapticDefect::kChecksum:
       return "wrong checksum";
     case HapticDefect::kVersion:
-      return "they have another version of the layout";
+      return "the layout has another version";
     case HapticDefect::kKind:
       return "unknown kind";
     case HapticDefect::kReserved:

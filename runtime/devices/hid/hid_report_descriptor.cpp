@@ -67,7 +67,7 @@ class Parser {
     const std::uint8_t prefix = bytes_[at_++];
     if (prefix == kLongItem) return skip_long_item();
     const std::size_t size = (prefix & 3) == 3 ? 4 : prefix & 3;
-    if (bytes_.size() - at_ < size) return "ends within an item";
+    if (bytes_.size() - at_ < size) return "the descriptor ends within an item";
     std::uint32_t data = 0;
     for (std::size_t i = 0; i < size; ++i) data |= std::uint32_t{bytes_[at_ + i]} << (8 * i);
     at_ += size;
@@ -75,10 +75,10 @@ class Parser {
   }
 
   const char* skip_long_item() {
-    if (bytes_.size() - at_ < 2) return "ends within an item";
+    if (bytes_.size() - at_ < 2) return "the descriptor ends within an item";
     const std::size_t size = bytes_[at_];
     at_ += 2;
-    if (bytes_.size() - at_ < size) return "ends within an item";
+    if (bytes_.size() - at_ < size) return "the descriptor ends within an item";
     at_ += size;
     return nullptr;
   }
@@ -145,7 +145,7 @@ class Parser {
       case kCollection:
         return open_collection(data);
       case kEndCollection:
-        if (collections_.empty()) return "a collection ends that did not begin";
+        if (collections_.empty()) return "a collection ends without a beginning";
         collections_.pop_back();
         locals_ = {};
         return nullptr;

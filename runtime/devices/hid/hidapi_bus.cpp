@@ -81,7 +81,7 @@ class HidapiBus final : public HidBus {
     }
     hid_device* const device = hid_open_path(info.path.c_str());
     if (device == nullptr) {
-      return Error{ErrorCode::kDeviceFailed, info.path, "", "hidapi cannot open it",
+      return Error{ErrorCode::kDeviceFailed, info.path, "", "hidapi cannot open this device",
                    "plug it in again"};
     }
     return std::unique_ptr<HidPort>(std::make_unique<HidapiPort>(device, info.path));

@@ -35,10 +35,10 @@ Error failed(const PluginOptions& options, std::string_view what) {
 
 std::string end_text(int status) {
   if (WIFSIGNALED(status)) {
-    return std::string("its process was ended by signal ") + std::to_string(WTERMSIG(status)) +
+    return std::string("the process was ended by signal ") + std::to_string(WTERMSIG(status)) +
            " (" + strsignal(WTERMSIG(status)) + ")";
   }
-  return "its process ended with status " + std::to_string(WEXITSTATUS(status));
+  return "the process ended with status " + std::to_string(WEXITSTATUS(status));
 }
 
 // Whether a plugin's process could have said this in order.
@@ -98,7 +98,7 @@ const char* flaw(const forcelayer_plugin_info& info) {
   // A slower one would hold a force for longer than the longest stale limit.
   const double min_hz = info.actuated_axes == 0 ? 1 : kMinMotorsHz;
   if (!(info.rate_hz >= min_hz && info.rate_hz <= 100'000)) {
-    return "must declare a rate of 1 to 100000 Hz, with motors at least 50 Hz";
+    return "must declare a rate of 1 to 100000 Hz, and at least 50 Hz with motors";
   }
   if ((info.actuated_axes & 7u) != 0 && info.max_force_n == 0) return "declares no maximum force";
   if ((info.actuated_axes & 56u) != 0 && info.max_torque_nm == 0)
@@ -145,13 +145,13 @@ Status PluginDevice::launch() {
   if (memory < 0 || ftruncate(memory, sizeof(PluginLink)) != 0 ||
       fcntl(memory, F_ADD_SEALS, kSeals) != 0) {
     if (memory >= 0) close(memory);
-    return failed(options_, "no memory could be shared with its process");
+    return failed(options_, "no memory could be shared with the plugin's process");
   }
   void* const mapped =
       mmap(nullptr, sizeof(PluginLink), PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
   if (mapped == MAP_FAILED) {
     close(memory);
-    return failed(options_, "no memory could be shared with its process");
+    return failed(options_, "no memory could be shared with the plugin's process");
   }
   link_ = new (mapped) PluginLink;
   link_->stale_s = options_.stale_s;
@@ -177,7 +177,7 @@ Status PluginDevice::launch() {
   if (failure != 0) {
     process_ = -1;
     return failed(options_,
-                  "its process cannot be started: " + std::string(std::strerror(failure)));
+                  "the plugin's process cannot be started: " + std::string(std::strerror(failure)));
   }
   try {
     waiter_ = std::thread([this] { wait_for_end(); });
@@ -185,7 +185,7 @@ Status PluginDevice::launch() {
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
     process_ = -1;
-    return failed(options_, "the thread that waits for its process cannot be started: " +
+    return failed(options_, "the thread that waits for the plugin's process cannot be started: " +
                                 none.code().message());
   }
   return {};
@@ -210,7 +210,7 @@ Status PluginDevice::shake_hands() {
       return failed(options_, "had not yet opened its device when the run was stopped");
     }
     if (machine::monotonic_ns() > until_ns)
-      return failed(options_, "does not open its device in time");
+      return failed(options_, "did not open its device in time");
     machine::sleep_until_ns(machine::monotonic_ns() + kPollNs);
   }
   if (link_->state.load(std::memory_order_acquire) == PluginState::kFailed) {
@@ -310,11 +310,11 @@ DeviceTrouble PluginDevice::trouble() const {
   if (link_ == nullptr) return {};
   if (overwritten_) {
     return {"the plugin damaged the memory that it shares with the loop",
-            "check the plugin and its SDK: it writes outside its own memory"};
+            "check the plugin and its SDK, because one of them writes outside its own memory"};
   }
   if (killed_) {
     return {"the plugin hung and was killed",
-            "check the plugin and its SDK: one of their functions does not return"};
+            "check the plugin and its SDK, because one of their functions does not return"};
   }
   if (link_->state.load() == PluginState::kLost) {
     return {"the plugin lost its device", "check plug and power"};

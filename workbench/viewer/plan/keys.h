@@ -15,11 +15,12 @@ inline constexpr std::array<std::string_view, 9> kKeyLines = {
     "by ten",
     "m: first point of a measurement   m again: second point   shift-m: stop",
     "o: show or hide the tree of objects   up down: choose   return: open or close   v: hide or "
-    "show   i: show only this object, or all   a: show all   (without the tree: the object at "
-    "the pointer)",
+    "show   i: show only this object, or all   a: show all   (if the tree is hidden: for the "
+    "object at the pointer)",
     "space: play or pause   - +: slower, faster   (or the buttons in the strip)   click or drag in "
     "the strip: go there",
-    "left right: a frame back or on, with shift ten   home end: first, last   n: next contact",
+    "left right: one frame back or forward, with shift ten   home end: first, last   n: next "
+    "contact",
     "g: next guard cut   shift-n, shift-g: previous contact, previous guard cut   h: these keys   "
     "q: end"};
 

@@ -65,7 +65,7 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "an earlier .vox: show where the force layer has grown or shrunk since then");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if their format defines none, "
+                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
                  "otherwise it replaces the unit of the format");
   app.add_option("--part-units", texts_.part_units,
                  "unit of the mesh of --part, if it differs from --units");
@@ -101,7 +101,7 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "center of the picture: part or scene; auto is the part if there is one")
       ->check(CLI::IsMember({"auto", "part", "scene"}))
       ->capture_default_str();
-  app.add_option("--cut", texts_.cut, "show only one side, such as z<300mm or x>0m");
+  app.add_option("--cut", texts_.cut, "show only one side of a plane, such as z<300mm or x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; "
                  "the default depends on the files");
@@ -123,10 +123,11 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
   app.add_option("--duration", texts_.duration,
                  "close the window, or take the picture, after this time. By default a window "
                  "stays open, and a picture of a stream is taken after 3s");
-  app.add_option("--frame-times", options_.frame_times,
-                 "turn the scene once in the window, write the frame times (JSON) and end");
+  app.add_option(
+      "--frame-times", options_.frame_times,
+      "turn the scene once in the window, write the frame times to this file (JSON), and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; by default the focus fills it")
+                 "scale of the picture; by default the focus fills the picture")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
                  "x0,y0,z0 (part), x1,y1,z1 (scene): draw the distance between these points");

@@ -117,7 +117,8 @@ std::vector<std::string> describe(const Moment& moment) {
                     (view.clearance_m ? "" : ": no clearance is proven in the seat"));
   }
   if (moment.other_files) {
-    lines.push_back("at this moment the run has other counts: it used other files, or --seat");
+    lines.push_back(
+        "the run has other counts at this moment, because it used other files or --seat");
   }
   return lines;
 }

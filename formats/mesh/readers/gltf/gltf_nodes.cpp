@@ -141,7 +141,7 @@ std::vector<std::uint64_t> GltfNodes::roots() const {
   for (const std::uint64_t root : found) {
     if (is_child[root] || distinct.size() != found.size()) {
       document_.fail(ErrorCode::kMeshUnreadable, "scenes[" + std::to_string(scene) + "]",
-                     "names a node twice, or a node that has a parent");
+                     "names a node twice, or names a node that has a parent");
     }
   }
   return found;
@@ -360,14 +360,13 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
     if (!json.contains("mesh")) continue;
     if (json.contains("skin")) {
       odd.add(nodes_[n].name.path,
-              "its skin places the mesh, in the bind pose; the node's own transform is ignored");
+              "the skin places the mesh in the bind pose, and the node's own transform is ignored");
     }
     const std::vector<Affine> instances = instancing_of(json);
     if (is_flat(nodes_[n].assembly_from_node) ||
         std::any_of(instances.begin(), instances.end(), is_flat)) {
       odd.add(nodes_[n].name.path,
-              "a scale of 0 makes the mesh flat, or a point; if it is meant to be hidden, leave it "
-              "out with --without");
+              "a scale of 0 makes the mesh flat or a point; to leave the mesh out, use --without");
     }
     placed.insert(document_.index(json, "mesh"));
   }
@@ -380,7 +379,7 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
     warnings.push_back(std::to_string(left_out) + " of " +
                        std::to_string(document_.count("meshes")) +
-                       " meshes are left out: no node of the default scene places them");
+                       " meshes are left out: no node of the default scene uses them");
   }
   std::uint64_t elsewhere = 0;
   for (std::uint64_t i = 0; i < document_.count("nodes"); ++i) {
