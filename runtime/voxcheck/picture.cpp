@@ -106,7 +106,7 @@ Status draw_picture(const Report& report, const command::Verdict& verdict) {
   if (!end) return end.error();
   if (end->status == 0) return {};
   return Error{ErrorCode::kInternal, options.picture, "--report picture",
-               "voxview ended with status " + std::to_string(end->status), "see its error above"};
+               "voxview ended with status " + std::to_string(end->status), "see the error above"};
 }
 
 }  // namespace forcelayer::voxcheck

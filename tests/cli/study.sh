@@ -72,7 +72,7 @@ assert mm(verdict["min_clearance"]["exact_m"]) + " measured" in said
 [seated] = verdict["seated"]
 width = float(re.search(r'x="64.0" y="16" width="([0-9.]+)" [^>]*class="seat"', page)[1]) / (900 - 64 - 16)
 assert "position along the path, mm" in said and abs(width - seated["to_m"] / verdict["travel_m"]) < 1e-3, width
-assert "smallest distance outside of contact" in said and "Comes out, straight along +z" in said
+assert "smallest distance while not in contact" in said and "Comes out, straight along +z" in said
 assert f"0.0 mm to {1e3 * seated['to_m']:.1f} mm of a path of {1e3 * verdict['travel_m']:.1f} mm; {mm(seated['exact_m'])} measured to " in said
 assert re.match("Comes out, straight along [+]z: passes .* with a gap of ", verdict["sentence"]), verdict["sentence"]
 assert f" for the first {round(1e3 * seated['to_m'], 1):g} mm" in verdict["sentence"], verdict["sentence"]
@@ -321,7 +321,7 @@ done
 [ "$(grep -c 'oes not come out' out.txt)" = 1 ] || fail "more than one answer: $(cat out.txt)"
 # Where smaller voxels give no answer, that of larger ones stays, with the reason. An answer is open without the meshes.
 study 6 'sunk.json#sunk' --pull 0,0,100mm --no-pictures -o sunk --files-alone
-grep -q '^  voxels of 1 mm, the smallest with an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
+grep -q '^  voxels of 1 mm, which are the smallest with an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
   fail "an answer is lost: $(cat out.txt err.txt)"
 # Nor was a clearance given: then it is 1 mm, as of voxcheck.
 python3 -c 'import json; assert json.load(open("sunk/verdict.json"))["required_clearance_m"] == 0.001' ||
@@ -370,7 +370,7 @@ study 2 'gearbox.glb#Pin' --voxel-size 1 --pull 0,0,60mm -o none
 study 1 'none.glb#Pin' --voxel-size 1mm --pull 0,0,60mm -o none
 [ ! -e none ] || fail "a study of nothing leaves $(find none)"
 study 3 'gearbox.glb#Nobody' --voxel-size 1mm --pull 0,0,60mm -o none
-grep -q '^forcelayer: voxelize: ended with status 3, so the study is not finished; see its error above$' err.txt ||
+grep -q '^forcelayer: voxelize: ended with status 3, so the study is not finished; see the error above$' err.txt ||
   fail "a name that is wrong stays wrong: $(cat err.txt)"
 study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o nowhere
 [ ! -s out.txt ] && [ ! -e nowhere ] || fail "something was baked for a path that is not there: $(cat out.txt)"

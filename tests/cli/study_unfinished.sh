@@ -132,14 +132,14 @@ stopped() {
 cover=('gearbox.glb#Cover' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm)
 for program in voxelize pointshell voxrun voxcheck; do
   stopped 143 TERM $program "${cover[@]}"
-  says stoppedTERM$program undecided "^Undecided: the study is not finished: it was stopped by SIGTERM in the step $program " 143
+  says stoppedTERM$program undecided "^Undecided: the study is not finished: SIGTERM stopped the step $program " 143
 done
 stopped 130 INT voxelize "${cover[@]}"
-says stoppedINTvoxelize undecided 'it was stopped by SIGINT in the step voxelize ' 130
+says stoppedINTvoxelize undecided 'SIGINT stopped the step voxelize ' 130
 grep -q 'contains the finished steps; the same command continues from there$' err.txt || fail "nobody is told how to go on: $(cat err.txt)"
 if [ -x "$bin/voxplan" ]; then
   stopped 129 HUP voxplan 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm
-  says stoppedHUPvoxplan undecided 'it was stopped by SIGHUP in the step voxplan ' 129
+  says stoppedHUPvoxplan undecided 'SIGHUP stopped the step voxplan ' 129
 fi
 stopped 137 KILL voxrun "${cover[@]}"
 says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped '

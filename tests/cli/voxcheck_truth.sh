@@ -148,7 +148,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
     errs "room\.vox: --exact: was not baked from these meshes: '${wrong#*:}' has another shape, size or position; "
   done
   check 4 "${exact[@]}" --clearance 2mm --exact reordered.json --part part.obj
-  errs "its object 1 is 'floor', not 'wall'"
+  errs "object 1 of the file is 'floor', not 'wall'"
   for wrong in deeper older cut_part; do
     check 4 "${exact[@]}" --clearance 2mm --exact room.json --part $wrong.obj
     errs 'part\.pshell: --exact: was not baked from these meshes: the part has another shape, size or position; '

@@ -88,7 +88,7 @@ Status check_names(const std::string& file, const mesh::Scene& scene, const Voxm
   for (std::uint32_t n = 1; n <= count; ++n) {
     const std::string& name = scene.objects[n - 1].name;
     if (voxmap.object_name(n) != name) {
-      return other_meshes(file, "its object " + std::to_string(n) + " is '" +
+      return other_meshes(file, "object " + std::to_string(n) + " of the file is '" +
                                     std::string(voxmap.object_name(n)) + "', not '" + name + "'");
     }
   }

@@ -33,7 +33,7 @@ Result<std::vector<Step>> read_curve(const std::string& path) {
       steps.push_back(s);
     }
   }
-  if (steps.empty()) return Error{ErrorCode::kReadFailed, path, "", "holds no curve", ""};
+  if (steps.empty()) return Error{ErrorCode::kReadFailed, path, "", "contains no curve", ""};
   return steps;
 }
 

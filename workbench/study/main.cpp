@@ -39,8 +39,8 @@ std::string command_lines() {
     lines += line;
   }
   return lines +
-         "  forcelayer study: calls these commands, from an assembly to a page with a verdict\n" +
-         "Each has --help.";
+         "  forcelayer study runs these commands, from an assembly to a page with a verdict\n" +
+         "Each command has --help.";
 }
 
 forcelayer::Status list_commands(std::string json, bool quiet) {

@@ -59,11 +59,10 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("ASSEMBLY#PART", input_, "an assembly, and the part to take out of it")
       ->required();
   study.add_option("-o,--output", options_.folder, "folder for the study; --plan needs none");
-  study.add_option(
-      "--voxel-size", options_.voxel_size,
-      "edge of a voxel, such as 1mm. Default: auto. Then the study chooses the size from "
-      "the part's size, the smallest gap beside the installed part, and --time, and "
-      "takes smaller voxels if the answer is undecided");
+  study.add_option("--voxel-size", options_.voxel_size,
+                   "edge of a voxel, such as 1mm. Default: auto. With auto, the study chooses the "
+                   "size from the part's size, the smallest gap beside the installed part, and "
+                   "--time. It takes smaller voxels if the answer is undecided");
   study.add_option("--range", options_.range,
                    "depth to which distances are stored, as in voxelize. Increase it for a part "
                    "that lies deeper in its seat; default 4 voxels");
@@ -76,8 +75,8 @@ OptionParser::OptionParser(CLI::App& study) {
                    "x,y,z: displacement by which a simulated hand pulls the part, instead of a "
                    "path, such as 0,0,60mm");
   study.add_option("--time", options_.time,
-                   "how long voxplan searches for a path, without --path and --pull, and about "
-                   "how long the bakes of --voxel-size auto may take; default 60s. If you give "
+                   "time limit of the search for a path (without --path and --pull), and roughly "
+                   "of the bakes with --voxel-size auto; default 60s. If you give "
                    "--time, each check between the meshes also ends after this time");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
@@ -97,8 +96,8 @@ OptionParser::OptionParser(CLI::App& study) {
                      "accept up to this many lost faces of a STEP or IGES file, as voxelize does",
                      0, 1'000'000);
   study.add_option("--units", options_.units,
-                   "unit of the meshes (mm, cm, m, in, ...): required if their format defines "
-                   "none, otherwise it replaces the unit of the format");
+                   "unit of the meshes (mm, cm, m, in, ...): required if the format defines no "
+                   "unit; otherwise it replaces the unit of the format");
   study
       .add_option("--up", options_.up,
                   "y keeps the axes of glTF files, which are y-up, as voxelize does (default z)")
@@ -109,8 +108,9 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_flag("--no-pictures", options_.no_pictures, "leave the pictures out of the page");
   study.add_flag("--sandbox", options_.sandbox,
                  "read each mesh file in a separate process, as voxelize does");
-  study.add_flag("--plan", options_.plan,
-                 "only measure the play as installed, and list voxel sizes with their cost");
+  study.add_flag(
+      "--plan", options_.plan,
+      "only measure the play of the installed part, and list voxel sizes with their cost");
   study.add_option("--json", options_.json, "write a report to this file");
   study.add_flag("--quiet", options_.quiet, "print nothing but errors");
 }
@@ -121,7 +121,7 @@ Result<Options> OptionParser::finish() const {
   const NamedFile named = named_file(input_);
   if (named.path.empty() || named.nodes.empty() || named.nodes.front().empty()) {
     return usage("ASSEMBLY#PART", "'" + input_ + "' does not name a part",
-                 "write its name behind a #, as voxelize --list prints it");
+                 "write the part's name after a #, as voxelize --list prints it");
   }
   if (options.folder.empty() && !options.plan) {
     return usage("--output", "is required; see forcelayer study --help", "");
@@ -129,7 +129,7 @@ Result<Options> OptionParser::finish() const {
   options.assembly = named.path;
   options.node = named.nodes.front();
   if (!options.path.empty() && !options.pull.empty()) {
-    return usage("--path", "and --pull exclude each other",
+    return usage("--path", "cannot be combined with --pull",
                  "give either the path to check, or the displacement by which the part is pulled");
   }
   if (options.searches() && options.seat == "none") {

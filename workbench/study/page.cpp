@@ -98,7 +98,7 @@ std::string facts_table(const Page& page) {
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
-  table += row(is_seated ? "smallest distance outside of contact" : "least distance",
+  table += row(is_seated ? "smallest distance while not in contact" : "least distance",
                at_least ? "at least " + mm(smallest["clearance_m"])
                         : clearance(smallest) + " to " + name_of(smallest["object"]));
   if (!at_least) {
@@ -110,9 +110,9 @@ std::string facts_table(const Page& page) {
   if (!seat.empty()) table += row("installed on", seat);
   for (const Json& s : v.value("seat_depths", Json::array())) {
     table += row("depth in " + s["object"].get<std::string>(),
-                 mm(s["deepest_m"]) + "; where it is installed " +
-                     (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away, " : mm(s["installed_m"]) + ", ") +
-                     mm(s["allowed_m"]) + " allowed");
+                 mm(s["deepest_m"]) + "; as installed: " +
+                     (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away" : mm(s["installed_m"])) +
+                     "; allowed: " + mm(s["allowed_m"]));
   }
   for (const Json& s : v["seated"]) {
     table += row("in contact", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
@@ -121,7 +121,7 @@ std::string facts_table(const Page& page) {
   }
   if (v.contains("hidden_within_m")) {
     table += row("not checked", "objects less than " + mm(v["hidden_within_m"]) +
-                                    " behind the objects that the part is installed on");
+                                    " behind the objects on which the part is installed");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",

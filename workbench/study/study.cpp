@@ -152,10 +152,10 @@ std::string end_text(int status) {
 }
 
 Error stopped_error(const std::string& program) {
-  return {ErrorCode::kInternal, "", "",
-          std::string("it was stopped by SIG") + sigabbrev_np(command::stop_signal()) +
-              " in the step " + program,
-          ""};
+  return {
+      ErrorCode::kInternal, "", "",
+      std::string("SIG") + sigabbrev_np(command::stop_signal()) + " stopped the step " + program,
+      ""};
 }
 
 // voxplan refuses a seat beside objects from which the files prove too little.
@@ -182,7 +182,7 @@ Result<StepEnd> Study::run(const Step& step, bool or_no) {
   // The system's refusals and signals pass; a wrong command line or file stays wrong.
   const bool may_pass = end->status == exit_status(ErrorCode::kInternal) || end->status >= 128;
   return Error{code, "", step.program, end_text(end->status) + ", so the study is not finished",
-               std::string("see its error above") +
+               std::string("see the error above") +
                    (may_pass ? "; the same command continues from there" : "")};
 }
 
@@ -438,7 +438,7 @@ Status Study::check() {
   text_ = checked->output;
   if (!held_.empty()) {
     text_ += "  a simulated hand, which feels only the voxels, moved the part " + held_ +
-             "; the answer is that of the path\n";
+             "; the answer is about this path\n";
   }
   return command::write_text(in("verdict.txt"), text_);
 }
@@ -587,7 +587,7 @@ Result<double> Study::look_size() const {
   }
   if (scene_m == 0) {
     return Error{ErrorCode::kUsage, options_.assembly, "--voxel-size",
-                 "auto needs the size of the assembly, but its files state no unit",
+                 "auto needs the size of the assembly, but the files state no unit",
                  "add --units, for example --units mm"};
   }
   const auto required_m = command::parse_length(options_.clearance);
@@ -763,7 +763,7 @@ void Study::note_voxel_size() {
   const double size_m = *command::parse_length(voxel_size_);
   std::string line = "voxels of " + command::length_text(size_m) + ", ";
   if (!no_finer_.empty()) {
-    line += "the smallest with an answer; " + no_finer_;
+    line += "which are the smallest with an answer; " + no_finer_;
   } else if (tried_.empty()) {
     line += "chosen: " + choice_.why_first;
   } else {
@@ -782,7 +782,7 @@ Status Study::plan() const {
   if (!options_.is_auto()) {
     choice.first_m = look_->voxel_size_m;
     choice.last_m = std::min(choice.last_m, choice.first_m);
-    choice.why_first = "by --voxel-size";
+    choice.why_first = "given with --voxel-size";
   }
   const auto sizes = sizes_of(choice, *look_);
   const std::string words = play_text(play_) + "\nvoxels of " +

@@ -95,8 +95,8 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
   const Bound clearance{
       question.required_m / kClearanceVoxels,
       "with smaller voxels the check does not reach as far as the required clearance"};
-  const Bound fits{play.play_m * s / look.fits_m, "the part then fits into its smallest play"};
-  const Bound part{question.part_m / kPartVoxels, "a hundredth of the part"};
+  const Bound fits{play.play_m * s / look.fits_m, "the part then fits into the smallest play"};
+  const Bound part{question.part_m / kPartVoxels, "a hundredth of the part's size"};
   const Bound wish = fits.size_m < part.size_m ? fits : part;
   const Bound lowest = larger_of(
       {{size_for_m(s, look.thread_s, kFirstFraction * question.time_s),
@@ -121,7 +121,7 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
 }
 
 std::string play_text(const Play& play) {
-  if (!play.is_measured) return "play not measured: the meshes were not used";
+  if (!play.is_measured) return "the play was not measured, because the meshes were not used";
   std::string line = play.object.empty() ? "no play is smaller than the required clearance"
                                          : "smallest play measured: " + length_text(play.play_m) +
                                                ", to " + escaped(play.object);
