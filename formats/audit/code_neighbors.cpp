@@ -198,12 +198,12 @@ class NeighborAudit {
         if (rules_.may_lead_to_mesh(cube_.at(x, y, z), cube_.at(to[0], to[1], to[2]))) return;
       }
     }
-    refuse(low, x, y, z, " does not fit: no voxel beside it is near enough to the mesh");
+    refuse(low, x, y, z, " does not fit: no neighboring voxel is near enough to the mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {
     bad_ = untrue(name_, voxel_text({low[0] + x, low[1] + y, low[2] + z}),
-                  "its code " + code_text(cube_.at(x, y, z)) + why);
+                  "the code " + code_text(cube_.at(x, y, z)) + why);
   }
 
   std::string code_text(std::uint32_t code) const {
