@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <random>
 #include <set>
 
+#include "tests/support/ring_surface.h"
 #include "workbench/exact/exact_walk.h"
 #include "workbench/exact/triangle_distance.h"
 
@@ -206,20 +206,7 @@ TEST(ExactWalk, HoldsBetweenPosesAsAtThem) {
 
 // A ring of slivers and a ball of random triangles: trees of some levels.
 Surface ring(int sides, double radius_m, double half_m) {
-  Surface surface;
-  for (int n = 0; n < sides; ++n) {
-    const double turn = 2 * std::numbers::pi * n / sides;
-    for (const double z : {-half_m, half_m}) {
-      surface.vertices_m.push_back({radius_m * std::cos(turn), radius_m * std::sin(turn), z});
-    }
-  }
-  const auto count = static_cast<std::uint32_t>(2 * sides);
-  for (std::uint32_t a = 0; a < count; a += 2) {
-    const std::uint32_t b = (a + 2) % count;
-    surface.triangles.push_back({a, b, a + 1});
-    surface.triangles.push_back({b, b + 1, a + 1});
-  }
-  surface.object.assign(surface.triangles.size(), 1);
+  Surface surface = test::ring_surface(sides, radius_m, half_m);
   surface.largest_m = 3 * radius_m;
   return surface;
 }

@@ -13,6 +13,7 @@
 
 #include "pointshell/certificate/ray_winding.h"
 #include "pointshell/certificate/winding_number.h"
+#include "tests/support/ring_surface.h"
 #include "workbench/exact/motion_proof.h"
 #include "workbench/exact/push_out.h"
 #include "workbench/exact/seat_walk.h"
@@ -40,21 +41,10 @@ Surface box(const glm::dvec3& half_m) {
 
 // A prism of some sides along z.
 Surface prism(int sides, double radius_m, double half_m) {
-  Surface surface;
-  for (int n = 0; n < sides; ++n) {
-    const double turn = 2 * std::numbers::pi * n / sides;
-    for (const double z : {-half_m, half_m}) {
-      surface.vertices_m.push_back({radius_m * std::cos(turn), radius_m * std::sin(turn), z});
-    }
-  }
-  const auto count = static_cast<std::uint32_t>(2 * sides);
-  for (std::uint32_t a = 0; a < count; a += 2) {
-    const std::uint32_t b = (a + 2) % count;
-    surface.triangles.push_back({a, b, a + 1});
-    surface.triangles.push_back({b, b + 1, a + 1});
-    if (a == 0 || b == 0) continue;
-    surface.triangles.push_back({0, b, a});
-    surface.triangles.push_back({1, a + 1, b + 1});
+  Surface surface = test::ring_surface(sides, radius_m, half_m);
+  for (std::uint32_t a = 2; a + 2 < surface.vertices_m.size(); a += 2) {
+    surface.triangles.push_back({0, a + 2, a});
+    surface.triangles.push_back({1, a + 1, a + 3});
   }
   surface.object.assign(surface.triangles.size(), 1);
   return surface;
