@@ -118,7 +118,7 @@ struct pybind11::detail::type_caster<forcelayer::python::Doubles> {
     if (!any) return false;
     if (any.dtype().kind() == 'c') throw type_error("complex numbers are not valid coordinates");
     if (isinstance<pybind11::array>(source) && hasattr(source, "mask")) {
-      throw type_error("the array is masked: give its .data, or fill it first");
+      throw type_error("the array is masked: give the .data of the array, or fill the array first");
     }
     array = Array::ensure(any);
     return static_cast<bool>(*array);
