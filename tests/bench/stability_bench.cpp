@@ -174,10 +174,12 @@ Json seat_table(std::uint64_t pairs) {
   for (std::uint64_t seed = 0; seed < pairs; ++seed) {
     const InstalledPair pair = installed_pair(seed);
     const SeatOutcome o = try_seat(pair, seed, kPushSeconds, 0);
-    std::printf("  %3llu %-20s drift %.3f, depth %.3f, edges %.3f, touching %.2f%s%s %s\n",
-                count(seed), pair.kind, o.drift, o.depth, o.edge_depth, o.touching,
-                o.came_out ? "" : ", STAYED", o.tried_back && !o.went_back ? ", NOT BACK" : "",
-                o.refused.c_str());
+    std::printf(
+        "  %3llu %-20s drift %.3f, depth %.3f, edges %.3f, pushed %.3f, deep %.3f, touching "
+        "%.2f%s%s %s\n",
+        count(seed), pair.kind, o.drift, o.depth, o.edge_depth, o.pushed_depth, o.deep, o.touching,
+        o.came_out ? "" : ", STAYED", o.tried_back && !o.went_back ? ", NOT BACK" : "",
+        o.refused.c_str());
     std::fflush(stdout);
     rows.push_back({{"seed", seed},
                     {"covering_voxels", std::sqrt(0.75)},
@@ -190,6 +192,8 @@ Json seat_table(std::uint64_t pairs) {
                     {"still_force_n", o.still_force_n},
                     {"depth_voxels", o.depth},
                     {"edge_depth_voxels", o.edge_depth},
+                    {"pushed_depth_voxels", o.pushed_depth},
+                    {"deep", o.deep},
                     {"touching", o.touching},
                     {"came_out", o.came_out ? 1 : 0},
                     {"tried_back", o.tried_back ? 1 : 0},

@@ -199,18 +199,19 @@ class SeatTrial {
   }
 
   // Keeps the most of how deep the part's surface lies in the scene, beyond the start, and the
-  // scene's sharp edges in the part; voxels.
-  void see_depth(SeatOutcome& out) const {
+  // scene's sharp edges in the part; voxels. Returns the deeper one, or 0.
+  double see_depth(SeatOutcome& out) const {
     const double s = pair_.voxel_size_m;
     const Pose there = pair_from_part();
-    out.depth =
-        part_samples_.deepest_m(pair_.depth_in_scene_m, there, (out.start_depth + out.depth) * s) /
-            s -
+    const double depth =
+        part_samples_.deepest_m(pair_.depth_in_scene_m, there, out.start_depth * s) / s -
         out.start_depth;
-    out.edge_depth = scene_samples_.deepest_m(pair_.depth_in_part_m, inverse(there),
-                                              (out.start_depth + out.edge_depth) * s) /
-                         s -
-                     out.start_depth;
+    const double edge_depth =
+        scene_samples_.deepest_m(pair_.depth_in_part_m, inverse(there), out.start_depth * s) / s -
+        out.start_depth;
+    out.depth = std::max(out.depth, depth);
+    out.edge_depth = std::max(out.edge_depth, edge_depth);
+    return std::max(depth, edge_depth);
   }
 
   // The farthest that a shell point can be from where it is installed, voxels.
@@ -239,7 +240,7 @@ class SeatTrial {
     constexpr int kHandFrames = 2000;
     std::mt19937_64 engine(seed + 1000);
     const int frames = static_cast<int>(seconds / kDt);
-    int looked = 0, touching = 0, hand = 0;
+    int seen = 0, deep = 0, looked = 0, touching = 0, hand = 0;
     std::array<glm::dvec3, 4> phases;
     for (int i = 0; i < frames; ++i, ++hand) {
       if (i == 0 || hand == kHandFrames || state_.seat == kSeatClosed) {
@@ -252,11 +253,16 @@ class SeatTrial {
         }
       }
       step_to(wandering(start_, hand * kDt, phases));
-      if (i % kDepthEvery == 0) see_depth(out);
+      if (i % kDepthEvery != 0) continue;
+      const double depth = see_depth(out);
+      out.pushed_depth = std::max(out.pushed_depth, depth);
+      ++seen;
+      deep += depth > kDeepVoxels;
       if (i % kTouchEvery != 0) continue;
       ++looked;
       touching += exact_.at(pair_from_part(), pair_.voxel_size_m) == 0;
     }
+    out.deep = deep / static_cast<double>(std::max(1, seen));
     out.touching = touching / static_cast<double>(std::max(1, looked));
   }
 

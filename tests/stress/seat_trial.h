@@ -10,6 +10,8 @@
 
 namespace forcelayer::stress {
 
+inline constexpr double kDeepVoxels = 0.1;
+
 // Lengths in voxels.
 struct SeatOutcome {
   std::string refused;  // why the start is, if so; then nothing else is known
@@ -19,7 +21,10 @@ struct SeatOutcome {
   double still_force_n = 0;
   double depth = 0;       // the most that the part's surface was in the scene, beyond the start
   double edge_depth = 0;  // the same of the scene's sharp edges in the part
-  double touching = 0;    // fraction of the poses under random hands in which the meshes meet (FCL)
+  // Under random hands: the deepest of both, and the fraction of the poses in which one of them is
+  // deeper than kDeepVoxels.
+  double pushed_depth = 0, deep = 0;
+  double touching = 0;  // fraction of the poses under random hands in which the meshes meet (FCL)
   bool came_out = false;
   bool tried_back = false;  // the seat was open still
   bool went_back = false;
