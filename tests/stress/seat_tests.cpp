@@ -8,7 +8,9 @@ namespace forcelayer::stress {
 namespace {
 
 TEST(Seat, InstalledPartsRestAreHeldAndComeOut) {
-  for (std::uint64_t seed = 0; seed < 2 * kInstalledKinds; ++seed) {
+  constexpr std::uint64_t kPairs = 2 * kInstalledKinds;
+  double deep = 0;
+  for (std::uint64_t seed = 0; seed < kPairs; ++seed) {
     const InstalledPair pair = installed_pair(seed);
     SCOPED_TRACE(::testing::Message()
                  << "seed " << seed << ", " << pair.kind << ", voxels of "
@@ -18,9 +20,14 @@ TEST(Seat, InstalledPartsRestAreHeldAndComeOut) {
     EXPECT_LT(outcome.drift, 0.2);
     EXPECT_LT(outcome.depth, 0.6);
     EXPECT_LT(outcome.edge_depth, 0.6);
+    EXPECT_LT(outcome.pushed_depth, 0.4);
+    deep += outcome.deep;
     EXPECT_TRUE(outcome.came_out);
     EXPECT_TRUE(outcome.went_back || !outcome.tried_back) << outcome.held;
   }
+  // Today 0.18, most of it beside edges of the scene and on sheets. A force that begins a tenth of a
+  // voxel later makes it 0.71.
+  EXPECT_LT(deep / kPairs, 0.2);
 }
 
 }  // namespace
