@@ -25,8 +25,8 @@ TEST(Seat, InstalledPartsRestAreHeldAndComeOut) {
     EXPECT_TRUE(outcome.came_out);
     EXPECT_TRUE(outcome.went_back || !outcome.tried_back) << outcome.held;
   }
-  // Today 0.18, most of it beside edges of the scene and on sheets. A force that begins a tenth of a
-  // voxel later makes it 0.71.
+  // Today 0.18, most of it beside edges of the scene and on sheets. A force that begins a tenth of
+  // a voxel later makes it 0.71.
   EXPECT_LT(deep / kPairs, 0.2);
 }
 
