@@ -104,9 +104,9 @@ std::string sheet_warning(const BakedShell& shell) {
   }
   if (sheets.size() > kListed) text += "; ...";
   return text +
-         ". The points of open sheets act on both sides, so the scene must have stored distances "
-         "(no --kind), "
-         "and voxrun must use --model default; the mass is taken from the area";
+         ". Points of open sheets act on both sides: bake the scene with distances (without "
+         "--kind), "
+         "and run voxrun with --model default. The mass is taken from the area";
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {

@@ -55,11 +55,12 @@ Status check_standoff(const BakeOptions& options) {
     return {};
   }
   char why[200];
-  std::snprintf(why, sizeof why,
-                "is %.4g mm, but must be %.4g to %.4g mm: at least the %.4g voxels of the force "
-                "layer plus 888/1024 voxel, and at most %.4g voxels",
-                options.standoff_m * 1e3, min_m * 1e3, kMaxStandoffVoxels * s * 1e3, layer,
-                kMaxStandoffVoxels);
+  std::snprintf(
+      why, sizeof why,
+      "is %.4g mm, but must be %.4g mm (the force layer of %.4g voxels, and 888/1024 voxel) "
+      "to %.4g mm (%.4g voxels)",
+      options.standoff_m * 1e3, min_m * 1e3, layer, kMaxStandoffVoxels * s * 1e3,
+      kMaxStandoffVoxels);
   return wrong("standoff", why,
                options.standoff_m < min_m ? "use a larger standoff, or smaller voxels"
                                           : "use a smaller standoff, or larger voxels");

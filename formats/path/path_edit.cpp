@@ -117,7 +117,7 @@ Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
       const double time_s = from.time_s + n / steps * (to.time_s - from.time_s);
       if (!(time_s > all.back().time_s && time_s < to.time_s)) {
         return Error{ErrorCode::kUsage, "", "",
-                     "two rows are too near in time to add the poses of a turn between them",
+                     "two rows are too near in time: no room for the poses of a turn",
                      "let the times begin at 0"};
       }
       all.push_back(pose_at(rows.subspan(i, 2), time_s, pivot_m));

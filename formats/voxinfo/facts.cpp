@@ -221,9 +221,10 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     add_line(text, "  force             begins %.4g mm off the mesh, in a layer %.4g mm deep",
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
-  add_line(text,
-           "  passes            gaps %.4g mm wider than the part, if it is at least 2 voxels thick",
-           1e3 * passed_gap_m(h));
+  add_line(
+      text,
+      "  passes            a part of 2 voxels or more, through gaps %.4g mm wider than the part",
+      1e3 * passed_gap_m(h));
   const double separation_m = usual_separation_m(h);
   add_line(text,
            "  proven distance   %s in a gap that the part just passes, for the usual covering "

@@ -234,7 +234,7 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
     return Error{
         ErrorCode::kUsage, "", "path",
         "goes so far away that double precision cannot resolve its positions to 1e-4 voxel",
-        "check the units of the path, or divide it into shorter paths nearer to the scene"};
+        "check the units of the path, or leave out its poses far from the scene"};
   }
   if (request.world_from_seat && voxmap.objects() == nullptr) {
     return Error{

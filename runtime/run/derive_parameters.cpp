@@ -368,7 +368,7 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency
                  ? borne_reason("stiffness", device, bound_rot)
-                 : "k_T I / m with the mean moment I: the same frequency as the translation");
+                 : "k_T I / m (I: the mean moment): a rotation has the frequency of a translation");
   const model::PrincipalInertia inertia = model::principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choose_damping(

@@ -31,7 +31,7 @@ Result<Pose> checked_pose(Pose pose, const char* name) {
     return pose;
   }
   return Error{ErrorCode::kUsage, "", name, "is not a pose",
-               "give meters, at most 1e9, and a quaternion that is not zero"};
+               "give a position of at most 1e9 m, and a quaternion that is not zero"};
 }
 
 Result<PartStart> checked_start(PartStart start) {

@@ -26,9 +26,10 @@ void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::s
   command::add_flag(app, "--sandbox", options.sandbox,
                     "read each mesh file in a separate process, as voxelize does; "
                     "--sandbox=memory=2GiB,time=30s sets the limits for a file");
-  app.add_option("--seat-depth", seat_depth_,
-                 "with --exact: how much deeper than installed the part may go into the objects of "
-                 "its seat, in addition to the deviations of the meshes; default: 0");
+  app.add_option(
+      "--seat-depth", seat_depth_,
+      "with --exact: extra depth that the part may go into the objects of its seat, beyond "
+      "its installed depth and the deviations of the meshes; default: 0");
 }
 
 Status MeshOptionParser::finish(MeshOptions& options) const {

@@ -39,8 +39,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
                "accept a seat that the meshes do not prove, if the shell points find nothing "
                "wrong. Shell points miss thin walls and rods; the report says how thin");
   app.add_option("--allow", options_.allow,
-                 "name of an object that may be near, or the end of its name, also with the "
-                 "wildcards * and ?; repeatable")
+                 "object that the part may come near: its name, or the end of its name; * and ? "
+                 "are wildcards; repeatable")
       ->allow_extra_args(false);
   command::add_choice(
       app, "--fail-on", options_.fail_on, {"far", "nothing"},

@@ -178,7 +178,7 @@ Status OptionParser::read_fail_on(Options& options) const {
     }
     if (bit == 0) {
       return usage("--fail-on", "'" + std::string(word) + "' is not a condition",
-                   "give penetration, contact, outside, seat or held");
+                   "give one of: penetration, contact, outside, seat, held");
     }
     options.fail_on |= bit;
     rest.remove_prefix(std::min(rest.size(), word.size() + 1));
@@ -246,7 +246,7 @@ Status OptionParser::check(const Options& options) const {
     return usage("--motion", "is only for the sim device", "leave out --device");
   }
   if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
-    return usage("--pull", "is only for the sim device, without --motion",
+    return usage("--pull", "needs the sim device and no --motion",
                  "leave out --device and --motion");
   }
   if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m && options.motion.empty()) {

@@ -82,7 +82,7 @@ refuses() {  # refuses TEXT ARGUMENTS...
   [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"
 }
 refuses "--pull: length '5' has no unit" --pull 0,0,5
-refuses "--pull: is only for the sim device, without --motion" --pull 0,0,5mm --motion sample_data/lift.csv
+refuses "--pull: needs the sim device and no --motion" --pull 0,0,5mm --motion sample_data/lift.csv
 refuses "--pull: must be longer than zero" --pull 0,0,0m  # from which nothing could come out
 refuses "--pull: must be longer than zero" --pull 0,0,1e9m
 finish

@@ -84,8 +84,8 @@ OptionParser::OptionParser(CLI::App& study) {
       "--seat", options_.seat,
       "pose world_from_part in which the part is installed, or the word none; default 0,0,0m");
   study.add_option("--seat-depth", options_.seat_depth,
-                   "how much deeper than installed the part may go into the objects of its seat, "
-                   "in addition to the deviations of the meshes; default: 0");
+                   "extra depth that the part may go into the objects of its seat, beyond its "
+                   "installed depth and the deviations of the meshes; default: 0");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study

@@ -40,8 +40,8 @@ OptionParser::OptionParser(CLI::App& app)
       "--clearance", clearance_,
       "required distance between the exact surfaces, proven along the path; default 1mm");
   app.add_option("--allow", options_.allow,
-                 "name of an object that may be near, or the end of its name, also with the "
-                 "wildcards * and ?; repeatable")
+                 "object that the part may come near: its name, or the end of its name; * and ? "
+                 "are wildcards; repeatable")
       ->allow_extra_args(false);
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. A path is written only if the meshes "

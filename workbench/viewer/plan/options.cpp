@@ -110,9 +110,9 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
       ->allow_extra_args(false);
   app.add_option("--only", options_.only, "show only this object; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--color", texts_.color,
-                 "color of the scene's meshes: one color, or the word object for a different color "
-                 "for each object")
+  app.add_option(
+         "--color", texts_.color,
+         "color of the scene's meshes: one, or object, which gives each object its own color")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");

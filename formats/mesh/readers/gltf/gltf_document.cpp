@@ -176,7 +176,7 @@ void GltfDocument::check_version_and_extensions() const {
 void GltfDocument::fail_meshopt(std::string where) const {
   fail(ErrorCode::kMeshUnsupported, std::move(where),
        std::string("this build does not support ") + kMeshopt,
-       "build with libmeshoptimizer-dev, or export the mesh without it");
+       "build with libmeshoptimizer-dev, or export without compression");
 }
 
 const nlohmann::json& GltfDocument::element(const char* list, std::uint64_t index) const {
