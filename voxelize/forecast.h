@@ -26,9 +26,9 @@ struct Forecast {
   double largest_unit_m = 0;    // of the files
 };
 
-// "the scene is 745 m across; if the unit of the files is the millimeter, add --units mm": the likeliest mistake
-// is meters that are millimeters. Nothing where `what` is no larger than made things are, or the
-// unit is not about a meter.
+// "the scene is 745 m across; if the unit of the files is the millimeter, add --units mm": the
+// likeliest mistake is meters that are millimeters. Nothing where `what` is no larger than made
+// things are, or the unit is not about a meter.
 std::optional<std::string> unit_question(const char* what, const mesh::Box& box_m,
                                          double largest_unit_m);
 

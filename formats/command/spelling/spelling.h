@@ -24,8 +24,8 @@ std::string unescaped(std::string_view text);
 // siblings, and both of the name that escaped() shows so. Each once.
 std::vector<std::string> meanings_of(const std::string& typed);
 
-// "the nearest names are: a/b, a/c": the paths that are spelled most like `name`, whole or by what stands
-// behind their last "/".
+// "the nearest names are: a/b, a/c": the paths that are spelled most like `name`, whole or by what
+// stands behind their last "/".
 class NearestNames {
  public:
   explicit NearestNames(std::string name) : name_(std::move(name)) {}

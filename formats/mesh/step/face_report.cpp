@@ -92,7 +92,8 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": the triangles of a surface lie up to " +
-                       length_text(tessellation.surface_gap_mm) + " from this surface, although only " +
+                       length_text(tessellation.surface_gap_mm) +
+                       " from this surface, although only " +
                        length_text(tessellation.wanted_deflection_mm) +
                        " is allowed, so the guaranteed distance is smaller by this length");
   }
