@@ -138,9 +138,13 @@ Status AtomicFile::open_temporary() {
     return Error{ErrorCode::kInternal, shown_.string(), "",
                  "too many files are being written at once", ""};
   }
-  descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  int number = 0;
+  {
+    const TemporaryFileCreation creation;
+    descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    number = errno;
+  }
   if (descriptor_ < 0) {
-    const int number = errno;
     unregister_temporary_file(slot_);
     return write_error(number);
   }

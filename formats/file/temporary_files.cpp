@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 
 namespace forcelayer {
 namespace {
@@ -15,6 +16,11 @@ namespace {
 constexpr std::size_t kSlots = 256;
 std::array<std::atomic<char*>, kSlots> slots{};
 static_assert(std::atomic<char*>::is_always_lock_free, "needed in a signal handler");
+
+std::atomic<int> creating{0};
+std::atomic<bool> is_ending{false};
+constexpr int kWaits = 100;
+constexpr timespec kWait{0, 1'000'000};
 
 }  // namespace
 
@@ -33,7 +39,19 @@ void unregister_temporary_file(std::size_t slot) noexcept {
   if (slot < kSlots) std::free(slots[slot].exchange(nullptr));
 }
 
+// Either this sees that the process ends, or remove_temporary_files() sees that a file is created.
+TemporaryFileCreation::TemporaryFileCreation() noexcept {
+  creating.fetch_add(1);
+  if (!is_ending.load()) return;
+  creating.fetch_sub(1);
+  while (true) ::pause();
+}
+
+TemporaryFileCreation::~TemporaryFileCreation() { creating.fetch_sub(1); }
+
 bool remove_temporary_files() noexcept {
+  is_ending.store(true);
+  for (int n = 0; n < kWaits && creating.load() > 0; ++n) ::nanosleep(&kWait, nullptr);
   bool removed = false;
   for (auto& slot : slots) {
     const char* path = slot.exchange(nullptr);  // not freed: free() is not async-signal-safe

@@ -7,10 +7,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string_view>
+#include <thread>
 
+#include "formats/file/temporary_files.h"
 #include "tests/support/scratch_folder.h"
 
 namespace forcelayer::testing {
@@ -176,6 +180,37 @@ TEST(AtomicFile, WritesThroughDevicesAndDescriptors) {
   std::fputs(" after", redirected);
   std::fclose(redirected);
   EXPECT_EQ(content_of(path), "before report after");
+}
+
+// Three threads begin files all the time while the process ends as on a signal. A file that was
+// registered, and created only after the others had been removed, was left behind.
+TEST(AtomicFile, NoneIsBegunOnceTheProcessEnds) {
+  const ScratchFolder folder;
+  constexpr int kEnds = 300;
+  for (int n = 0; n < kEnds; ++n) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      std::atomic<int> begun{0};
+      for (int thread = 0; thread < 3; ++thread) {
+        std::thread([&, thread] {
+          while (true) {
+            const auto file = AtomicFile::create(folder / std::to_string(thread));
+            ++begun;
+          }
+        }).detach();
+      }
+      while (begun < 10 + n % 7) std::this_thread::yield();
+      remove_temporary_files();
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+    for (const auto& left : std::filesystem::directory_iterator(folder / "")) {
+      FAIL() << left.path() << " is left after " << n << " ends";
+    }
+  }
 }
 
 TEST(AtomicFile, ReportsAFullDisk) {

@@ -145,8 +145,11 @@ void CacheFolder::keep(const char* kind, const Digest& key,
   // Not flushed to the disk: an entry that a power cut damages is found by its checksum.
   const std::size_t slot = register_temporary_file(full_path.c_str());
   const Descriptor folder(open_folder(folder_, kTemporaryFolder));
-  const Descriptor file(::openat(folder.number(), temporary.c_str(),
-                                 O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  const Descriptor file = [&] {
+    const TemporaryFileCreation creation;
+    return Descriptor(::openat(folder.number(), temporary.c_str(),
+                               O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  }();
   const EntryHeader header = header_of(kind, key, content);
   bool done = file.valid() && write_all(file.number(), std::as_bytes(std::span(&header, 1))) == 0 &&
               write_all(file.number(), content) == 0;
