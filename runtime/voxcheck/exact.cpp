@@ -9,6 +9,9 @@
 namespace forcelayer::voxcheck {
 namespace {
 
+// Distances that differ by no more are the same: as closely as least distances are printed.
+constexpr double kSameM = 1e-7;
+
 using clearance::CheckedMoment;
 using clearance::CheckResult;
 using clearance::Violation;
@@ -203,13 +206,16 @@ void take(const ExactAnswer& answer, const clearance::CenterPath& path, bool som
 }
 
 // Adds those objects of the seat that are as far away as required where the part is installed, by
-// the meshes. Whether there are any: the path has to be checked again.
+// the meshes: they may not come nearer along the path. Whether there are any: the path has to be
+// checked again. One whose distance is exactly what is required is as far away; one that touches
+// never is.
 bool leave_out_far(const ExactAnswer& answer, double required_m, clearance::LeftOut& far_in_seat) {
   std::vector<std::uint32_t> far;
   for (const ExactSeat& seat : answer.seat) {
     // One that the scene does not name cannot be left out, and would be asked for without end.
     const bool is_named = seat.object != 0;
-    if (is_named && seat.gap_m >= required_m + answer.margin_m) far.push_back(seat.object);
+    const bool is_far = seat.gap_m >= required_m + answer.margin_m - kSameM && seat.gap_m > kSameM;
+    if (is_named && is_far) far.push_back(seat.object);
   }
   far_in_seat = clearance::with_objects(std::move(far_in_seat), far);
   return !far.empty();
