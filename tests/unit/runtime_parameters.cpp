@@ -173,7 +173,7 @@ TEST_F(ParametersTest, WarnOfAnArmThatThePapersCouplingIsTooStiffFor) {
     const auto warning = arm_warning(request, p, 0.095);
     ASSERT_EQ(warning.has_value(), model == Model::kPaper);
     if (!warning) continue;
-    EXPECT_NE(warning->find("above the 10 N m/rad that test device"), std::string::npos)
+    EXPECT_NE(warning->find("more than the 10 N m/rad that test device"), std::string::npos)
         << *warning;
     EXPECT_NE(warning->find("0.095 m"), std::string::npos) << *warning;
   }
