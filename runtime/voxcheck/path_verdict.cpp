@@ -236,6 +236,8 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
       const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
       (is_passed ? slide.passed : slide.objects).push_back(object_name(checked.scene, object));
       if (is_passed) slide.gap_m = std::min(slide.gap_m, exact->nearest_m + kDecimalM);
+      const bool overlaps = exact != nullptr && exact->installed_m > checked.exact->margin_m;
+      if (overlaps) slide.overlap_m = std::max(slide.overlap_m, exact->installed_m);
     }
     slides.push_back(std::move(slide));
   }

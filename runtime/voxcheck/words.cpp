@@ -51,8 +51,9 @@ double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result
 }
 
 std::string hidden_text(double within_m) {
-  return text("objects less than %.4g mm behind an ignored object were not checked",
-              1e3 * within_m);
+  return text(
+      "objects less than %.4g mm behind an object of the seat or of --allow were not checked",
+      1e3 * within_m);
 }
 
 }  // namespace forcelayer::voxcheck

@@ -355,7 +355,7 @@ assert seat["deepest_m"] <= seat["allowed_m"] < 1e-7, seat
 PYTHON
   # Pushed into its seat: as deep as it goes.
   check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json deep.json
-  says '^Does not come out, .*: goes [0-9.]+ mm deep into Gearbox/Housing, which it does not overlap as installed \(too deep from '
+  says '^Does not come out, .*: goes [0-9.]+ mm deep into Gearbox/Housing, which it does not overlap as installed \(too deep at once, worst after '
 
   # Bolt heads of 3 mm: the cover goes through them. The files notice it, and the meshes tell how deep.
   if [ -z "${FORCELAYER_SANITIZED:-}" ]; then  # the same code as above, for minutes

@@ -298,7 +298,7 @@ Step Study::check_step() const {
             {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance,
              "--fail-on", "nothing"},  // a "no" is said once, by the study
             {in("scene.vox"), in("part.pshell"), path_},
-            {in("verdict.json"), in("curve.csv"), in("verdict.xml")},
+            {in("check.json"), in("curve.csv"), in("verdict.xml")},
             "forcelayer-runtime",
             false};
   const auto add = [&](const std::vector<std::string>& more) {
@@ -308,7 +308,7 @@ Step Study::check_step() const {
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
   add_check_meshes(step);
-  add({"--json", in("verdict.json"), "--report", "csv:" + in("curve.csv"), "--report",
+  add({"--json", in("check.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
   if (draws_) {
     add({"--report", "picture:" + in("worst.png")});
@@ -408,8 +408,16 @@ Status Study::write_path(const char* name, std::initializer_list<double> fractio
 Result<StepEnd> Study::check_path(const std::string& path) {
   path_ = path;
   auto checked = run(check_step());
-  if (checked) checked_ = read_json(in("verdict.json"));
   is_checked_ = true;
+  if (!checked) return checked;
+  // The report of voxcheck, which ended with status 0 for any answer, with the status of this one.
+  std::ifstream file(in("check.json"));
+  auto report = nlohmann::ordered_json::parse(file, nullptr, false);
+  if (!report.is_object()) report = nlohmann::ordered_json::object();
+  const bool is_yes = command::is_yes(command::verdict_kind(report.value("kind", "")));
+  report["exit_status"] = is_yes ? 0 : kAnswerIsNo;
+  checked_ = report;
+  if (Status s = command::write_report(in("verdict.json"), report); !s) return s.error();
   return checked;
 }
 
@@ -486,7 +494,8 @@ Status Study::write_farthest(const json& plan) {
 Status Study::write_verdict(const std::string& junit, const json& exit_status) {
   sentence_ = command::sentence(verdict_);
   text_ = command::terminal_text(verdict_);
-  for (const char* name : {"curve.csv", "curve.svg", "worst.png"}) std::remove(in(name).c_str());
+  for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png"})
+    std::remove(in(name).c_str());
   // It begins as the report of voxcheck, which replaces nothing else.
   nlohmann::ordered_json verdict{{"schema_version", command::kReportSchema},
                                  {"tool", "forcelayer"},

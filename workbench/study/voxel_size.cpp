@@ -122,13 +122,18 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
 
 std::string play_text(const Play& play) {
   if (!play.is_measured) return "the play was not measured, because the meshes were not used";
-  std::string line = play.object.empty() ? "no play is smaller than the required clearance"
+  std::string line = play.object.empty() ? "no other neighbor is nearer than the required clearance"
                                          : "smallest play measured: " + length_text(play.play_m) +
                                                ", to " + escaped(play.object);
-  for (std::size_t n = 0; n < play.touched.size(); ++n) {
-    if (n == kListed) return line + text(" and %zu more", play.touched.size() - n);
-    line += (n == 0 ? "; in contact with " : ", ") + escaped(play.touched[n]);
+  std::string touched;
+  for (std::size_t n = 0; n < play.touched.size() && n <= kListed; ++n) {
+    touched += n == kListed ? text(" and %zu more", play.touched.size() - n)
+                            : (n == 0 ? "in contact with " : ", ") + escaped(play.touched[n]);
   }
+  if (play.object.empty() && touched.empty())
+    return "no neighbor is nearer than the required clearance";
+  if (play.object.empty()) return touched + "; " + line;
+  if (!touched.empty()) line += "; " + touched;
   return line;
 }
 

@@ -71,7 +71,9 @@ std::string position_text(const Verdict& v, double along_m) {
 std::string finding_position_text(const Verdict& v) {
   const std::string worst = position_text(v, v.nearest.along_m);
   if (!v.begin || short_mm(v.begin->along_m) == short_mm(v.nearest.along_m)) return worst;
-  return v.begin->as + (" from " + short_mm(v.begin->along_m) + " mm on, worst ") + worst;
+  const std::string begin = short_mm(v.begin->along_m);
+  return v.begin->as + (begin == "0" ? " at once, worst " : " from " + begin + " mm on, worst ") +
+         worst;
 }
 
 // "slides along A and B for the first 51.6 mm", or how near it passes them. Where the answer is no,
@@ -88,6 +90,9 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   }
   std::string line;
   if (!slide.objects.empty()) line = "slides along " + listed(slide.objects);
+  if (slide.overlap_m > 0) {
+    line += ", overlapping by " + length_text(slide.overlap_m) + " as installed,";
+  }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +
             " with a gap of " + length_text(slide.gap_m);

@@ -67,6 +67,7 @@ struct VerdictSlide {
   std::vector<std::string> objects;  // that it touches, or may touch
   std::vector<std::string> passed;   // that it does not touch,
   double gap_m = 0;                  // and how near it comes to them
+  double overlap_m = 0;              // of the part and what it touches, as installed
 };
 
 // Where along the path a collision begins, and how: "too near" or, in a seat, "too deep".
