@@ -89,8 +89,10 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            ", which it does not overlap as installed";
   }
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
-  return "goes " + depth + " deep into " + object + " (" + length_text(seat->installed_m) +
-         " as installed, " + allowed + " allowed)";
+  const std::string deep = "goes " + depth + " deep into " + object;
+  return seat->installed_m > kRoundingM
+             ? deep + ", which it overlaps by " + length_text(seat->installed_m) + " as installed"
+             : deep + ", where " + allowed + " is allowed";
 }
 
 // "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"

@@ -166,7 +166,7 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.nearest.proven_m = 0.0014;
   EXPECT_EQ(sentence(v),
             "Comes out, straight along +z: slides along A and passes B with a gap of 0.096 mm for "
-            "the first 51.6 mm, otherwise stays 1.4 mm away or more (1.523 mm measured to "
+            "the first 51.6 mm, otherwise stays 1.4 mm away or more (proven to "
             "Clip/Half, after 51.6 of 60 mm; 1 mm "
             "required).");
   v.slides.clear();
@@ -185,7 +185,7 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.begin = {0.022, "too near"};
   EXPECT_EQ(sentence(v),
             "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (too near from "
-            "22 mm on, worst after 51.6 of 60 mm; 1 mm required).");
+            "22 mm on, worst after 51.6 of 60 mm).");
   v.begin.reset();
   v.slides[0].to_m = 0.06;
   v.kind = VerdictKind::kStaysInstalled;

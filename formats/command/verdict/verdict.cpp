@@ -134,9 +134,8 @@ std::string distance_text(const Verdict& v, const char* before, const char* behi
   if (v.nearest.known == Known::kAtLeast) {
     line += "nothing is nearer";
   } else {
-    if (is_less) line += length_text(nearest.distance_m) + " ";
-    line += std::string(how_known(v.nearest.known)) + " to " + printed(v.nearest.object) + ", " +
-            position_text(v, v.nearest.along_m);
+    line += std::string(how_known(is_less ? Known::kProven : nearest.known)) + " to " +
+            printed(v.nearest.object) + ", " + position_text(v, v.nearest.along_m);
   }
   return line + "; " + required + " required)";
 }
@@ -148,7 +147,9 @@ std::string finding_text(const Verdict& v) {
   line += " (";
   if (v.nearest.known == Known::kNot)
     return line + length_text(v.required_m) + " of clearance required)";
-  return line + finding_position_text(v) + "; " + length_text(v.required_m) + " required)";
+  // A collision is one whatever distance was required.
+  line += finding_position_text(v);
+  return v.begin ? line + ")" : line + "; " + length_text(v.required_m) + " required)";
 }
 
 // The reason: a distance, or the finding.
