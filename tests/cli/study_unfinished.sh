@@ -136,7 +136,7 @@ for program in voxelize pointshell voxrun voxcheck; do
 done
 stopped 130 INT voxelize "${cover[@]}"
 says stoppedINTvoxelize undecided 'SIGINT stopped the step voxelize ' 130
-grep -q 'contains the finished steps; the same command continues from there$' err.txt || fail "nobody is told how to go on: $(cat err.txt)"
+grep -q 'contains the finished steps; the same command continues from there$' err.txt || fail "no line says how to go on: $(cat err.txt)"
 if [ -x "$bin/voxplan" ]; then
   stopped 129 HUP voxplan 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm
   says stoppedHUPvoxplan undecided 'SIGHUP stopped the step voxplan ' 129

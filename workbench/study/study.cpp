@@ -424,6 +424,7 @@ Result<StepEnd> Study::check_path(const std::string& path) {
 Status Study::check() {
   checked_ = nullptr;
   verdict_ = {};
+  std::remove(in("farthest.csv").c_str());  // of an earlier search
   if (path_.empty()) return say_that_no_path_was_found();
   auto checked = check_path(path_);
   if (!checked) return checked.error();
@@ -481,10 +482,7 @@ Status Study::write_farthest(const json& plan) {
     }
     rows += "\n";
   }
-  if (rows.empty()) {
-    std::remove(in("farthest.csv").c_str());
-    return {};
-  }
+  if (rows.empty()) return {};
   verdict_.notes.push_back("voxview --trace " + in("farthest.csv") +
                            " shows how far the search moved the part");
   return command::write_text(in("farthest.csv"), std::string(kPathHeader) + rows);
