@@ -212,8 +212,9 @@ Status check(const Options& options) {
   if (exact) {
     for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
   }
+  const clearance::PathLength length(path, *part);
   const CheckedPath checked{
-      *scene, *part, *rows, path, *result, exact ? &*exact : nullptr, options.clearance_m};
+      *scene, *part, *rows, path, length, *result, exact ? &*exact : nullptr, options.clearance_m};
   return write_reports({options, checked, exact, read_s - begin_s, now_s() - read_s});
 }
 

@@ -137,7 +137,7 @@ std::string out_of_time_text(const CheckedPath& checked, const ExactStop& stop) 
   if (settled_m == 0) return ended + "before " + what + " was checked";
   return ended + "when " + what +
          text(" was checked along %.1f of %.1f mm", 1e3 * settled_m,
-              1e3 * along_m(checked, checked.rows.back().time_s));
+              1e3 * checked.length.whole_m());
 }
 
 // The finding of a violation, without its position.
@@ -283,7 +283,7 @@ std::string bounds_text(const CheckedMoment& moment, const ExactMoment* exact, d
 }  // namespace
 
 double along_m(const CheckedPath& checked, double time_s) {
-  return checked.path.travel_m(checked.path.at(time_s));
+  return checked.length.at_m(checked.path.at(time_s));
 }
 
 const ExactViolation* exact_of(const CheckedPath& checked, const Violation& v) {
@@ -358,7 +358,7 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   command::Verdict verdict;
   verdict.required_m = checked.required_m;
   verdict.motion = motion_text(checked.rows, checked.part);
-  verdict.path_m = along_m(checked, checked.rows.back().time_s);
+  verdict.path_m = checked.length.whole_m();
   verdict.slides = slides_of(checked);
   verdict.nearest = smallest_of(checked);
   verdict.kind = yes_of(checked);

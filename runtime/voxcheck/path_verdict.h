@@ -11,6 +11,7 @@
 #include "formats/pshell.h"
 #include "formats/voxmap.h"
 #include "runtime/clearance/path_check.h"
+#include "runtime/clearance/path_length.h"
 #include "runtime/voxcheck/exact_exchange.h"
 
 namespace forcelayer::voxcheck {
@@ -21,6 +22,7 @@ struct CheckedPath {
   const Pshell& part;
   std::span<const PathRow> rows;
   const clearance::CenterPath& path;
+  const clearance::PathLength& length;
   const clearance::CheckResult& result;
   const ExactAnswer* exact;  // of --exact: its violations are those of `result`; else null
   double required_m;

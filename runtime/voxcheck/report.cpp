@@ -256,6 +256,7 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
   }
   json["missing_faces"] = missing_faces(report.checked.scene, report.checked.part);
   json["poses"] = r.poses;
+  json["path_m"] = report.checked.length.whole_m();
   json["travel_m"] = r.travel_m;
   json["moments_tested"] = r.moments_tested;
   json["motions_subdivided"] = r.motions_subdivided;

@@ -116,7 +116,7 @@ std::string facts_table(const Page& page) {
   }
   for (const Json& s : v["seated"]) {
     table += row("in contact", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
-                                   along(v["travel_m"]) + "; " + clearance(s) + " to " +
+                                   along(v["path_m"]) + "; " + clearance(s) + " to " +
                                    name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {

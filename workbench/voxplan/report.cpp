@@ -25,10 +25,8 @@ std::optional<clearance::CenterPath> path_of(const Problem& problem, const Plan&
 }
 
 voxcheck::CheckedPath checked_of(const Report& report) {
-  return {report.problem.scene,      report.problem.part,
-          report.plan.rows,          *report.path,
-          report.plan.checked,       nullptr,
-          report.options.clearance_m};
+  return {report.problem.scene, report.problem.part, report.plan.rows, *report.path,
+          *report.length,       report.plan.checked, nullptr,          report.options.clearance_m};
 }
 
 command::Verdict found_verdict(const Report& report) {
@@ -79,6 +77,7 @@ Report::Report(const Options& of_options, const Problem& of_problem, const Plan&
       problem(of_problem),
       plan(of_plan),
       path(path_of(of_problem, of_plan)),
+      length(path ? std::optional(clearance::PathLength(*path, of_problem.part)) : std::nullopt),
       verdict(of_plan.search.found ? found_verdict(*this) : not_found_verdict(*this)) {}
 
 Json report_json(const Report& report) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "formats/command/verdict/verdict.h"
+#include "runtime/clearance/path_length.h"
 #include "workbench/voxplan/check/problem.h"
 #include "workbench/voxplan/options.h"
 #include "workbench/voxplan/plan.h"
@@ -17,8 +18,10 @@ struct Report {
   const Options& options;
   const Problem& problem;
   const Plan& plan;
-  const std::optional<clearance::CenterPath> path;  // none where none was found
-  const command::Verdict verdict;                   // all answers are written from it
+  // None where none was found.
+  const std::optional<clearance::CenterPath> path;
+  const std::optional<clearance::PathLength> length;
+  const command::Verdict verdict;  // all answers are written from it
 };
 
 nlohmann::ordered_json report_json(const Report& report);

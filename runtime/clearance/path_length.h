@@ -1,0 +1,30 @@
+// Positions along a path, in the way that people measure a motion: by how far the part's fastest
+// point has travelled.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "formats/path/path_file.h"
+#include "formats/pshell.h"
+#include "runtime/clearance/center_path.h"
+
+namespace forcelayer::clearance {
+
+class PathLength {
+ public:
+  // The lengths of a shift are those of its centroid, and those of a turn about an axis are those
+  // of the shell point that is farthest from it. The point is sought among those that lie farthest
+  // out in 200 directions: on a long round part, another may be faster by 1%.
+  PathLength(const CenterPath& path, const Pshell& part);
+
+  // m since the first pose.
+  double at_m(const Moment& moment) const;
+  double whole_m() const { return at_pose_m_.back(); }
+
+ private:
+  std::vector<double> at_pose_m_;
+};
+
+}  // namespace forcelayer::clearance
