@@ -175,6 +175,11 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v),
             "Does not keep the clearance, straight along +z: comes as near as 0.9 mm (measured to "
             "Clip/Half, after 51.6 of 60 mm; 1 mm required).");
+  // The way out of the seat is no news behind what was found before its end.
+  v.slides = {{0, 0.0517, {"Floor"}, {}, 0}};
+  EXPECT_EQ(sentence(v),
+            "Does not keep the clearance, straight along +z: comes as near as 0.9 mm (measured to "
+            "Clip/Half, after 51.6 of 60 mm; 1 mm required).");
   v.kind = VerdictKind::kDoesNotComeOut;
   v.slides = {{0, 0.0424, {"Floor"}, {}, 0}};
   v.finding = "meets Wall, at least 0.2 mm deep";

@@ -102,11 +102,13 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   return line + " for " + (begins ? "the first " : ends ? "the last " : "") + length;
 }
 
-// A slide that ends after a collision has begun is left out.
+// A slide that ends after the reason for a no has begun is left out.
 std::string slides_text(const Verdict& v) {
+  const bool is_somewhere = !is_yes(v.kind) && v.nearest.known != Known::kNot;
+  const double reason_m = v.begin ? v.begin->along_m : is_somewhere ? v.nearest.along_m : INFINITY;
   std::string line;
   for (const VerdictSlide& slide : v.slides) {
-    if (v.begin && slide.to_m > v.begin->along_m) break;
+    if (slide.to_m > reason_m) break;
     line += (line.empty() ? "" : " and ") + slide_text(v, slide);
   }
   return line;
