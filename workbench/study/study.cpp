@@ -125,10 +125,10 @@ class Study {
   std::string path_;  // that is checked; empty where the search found none
   json checked_;      // report of voxcheck; null where there is no path
   command::Verdict verdict_;
-  std::string held_;       // how far the pulled part went; empty: to the end, or its path was given
-  std::string sentence_;   // the first one
-  std::string text_;       // that and the lines that follow it
-  bool is_known_ = false;  // the page is there, of the same question
+  bool is_held_ = false;     // the simulated hand did not reach the end of its pull
+  std::string sentence_;     // the first one
+  std::string text_;         // that and the lines that follow it
+  bool is_known_ = false;    // the page is there, of the same question
   bool is_checked_ = false;  // the verdict in the folder is that of these voxels
   std::string failure_;      // why a step failed, in its own words
 };
@@ -378,11 +378,7 @@ Status Study::pull() {
   if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
-  held_.clear();
-  if (ended.is_object() && ended.value("held", false)) {
-    held_ = command::text("%.3g of %.4g mm", 1e3 * std::max(0.0, ended.value("went_m", 0.0)),
-                          1e3 * ended.value("led_m", 0.0));
-  }
+  is_held_ = ended.is_object() && ended.value("held", false);
   path_ = in("straight.csv");
   return write_path("straight.csv", {0, 1});
 }
@@ -431,7 +427,7 @@ Status Study::check() {
   const auto is_clear = [](const json& report) {
     return command::is_yes(command::verdict_kind(report.value("kind", "")));
   };
-  if (!options_.pull.empty() && held_.empty() && !is_clear(checked_)) {
+  if (!options_.pull.empty() && !is_held_ && !is_clear(checked_)) {
     // The hand went to the end of its pull. Where its own path is clear, that is the answer.
     if (const auto hand = run(hand_step()); !hand) return hand.error();
     if (is_clear(read_json(in("hand.json")))) checked = check_path(in("path.csv"));
@@ -445,10 +441,6 @@ Status Study::check() {
   verdict_.blocked_by = checked_.value("blocked_by", std::vector<std::string>());
   sentence_ = checked_.value("sentence", "");
   text_ = checked->output;
-  if (!held_.empty()) {
-    text_ += "  a simulated hand, which feels only the voxels, moved the part " + held_ +
-             "; the answer is about this path\n";
-  }
   return command::write_text(in("verdict.txt"), text_);
 }
 
@@ -722,7 +714,6 @@ Status Study::answer() {
 // Why smaller voxels may give another answer; empty where they cannot.
 std::string Study::open_answer() const {
   using command::VerdictKind;
-  const double voxel_m = *command::parse_length(voxel_size_);
   const json violations =
       checked_.is_object() ? checked_.value("violations", json::array()) : json::array();
   switch (verdict_.kind) {
@@ -743,14 +734,14 @@ std::string Study::open_answer() const {
       }
       return "";
     case VerdictKind::kDoesNotComeOut: {
-      if (held_.empty()) return "";  // no pull, or the hand went to its end
+      if (!options_.files_alone) return "";  // the meshes have settled it
+      // So deep the stored distances of a part that slides along its seat may err.
       double depth_m = 0;
       for (const json& violation : violations) {
         depth_m = std::max(depth_m, violation.value("depth_m", 0.0));
       }
-      // The files alone give no depth of a collision.
-      const bool helps = depth_m > 0 && depth_m < voxel_m;
-      return helps ? "the straight path is blocked by less than a voxel" : "";
+      const bool helps = depth_m > 0 && depth_m < *command::parse_length(voxel_size_);
+      return helps ? "the path is blocked by less than a voxel" : "";
     }
     default:
       return "";
