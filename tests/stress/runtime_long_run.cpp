@@ -31,8 +31,8 @@ constexpr double kHomeM = 1e-8, kHomeRad = 1e-7;
 
 // A page or two of the heap's own: a leak of 100 bytes shows. A sanitizer's memory grows by what it
 // remembers of each allocation.
-constexpr int kOpenings = kSanitized ? 300 : 10'000;
-constexpr double kFlatBytes = kSanitized ? 400e6 : 1e6;
+constexpr int kOpenings = kSanitized ? 300 : 3000;
+constexpr double kFlatBytes = kSanitized ? 400e6 : 300e3;
 constexpr std::ptrdiff_t kMoreMappings = kSanitized ? 20 : 2;  // the heap may take another piece
 
 std::uint64_t frames_to_run() {
