@@ -152,12 +152,14 @@ std::string seat_depth_text(const Report& report) {
   // The deepest position of some moments is known. That none is deeper than allowed is proven.
   const std::string found = length_text(std::max(0.0, deeper(*deepest)));
   if (deeper(*deepest) <= allowed_m) {
+    const std::string depth = "; the largest depth that was found is " + found + ", into " + object;
+    if (!report.options.seat_depth_m) {
+      return "in its seat, the part goes no deeper than installed, as far as the two meshes tell: "
+             "their deviations and cracks leave " +
+             length_text(allowed_m) + " open" + depth;
+    }
     return "in its seat, the part goes at most " + length_text(allowed_m) +
-           " deeper than installed, as " +
-           (report.options.seat_depth_m ? "--seat-depth and the deviations"
-                                        : "deviations and cracks") +
-           " of the meshes allow; the largest depth that was found is " + found + ", into " +
-           object;
+           " deeper than installed, as --seat-depth and the deviations of the meshes allow" + depth;
   }
   return "in its seat, the part goes at least " + found + " deeper than installed, into " + object +
          "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
