@@ -183,9 +183,8 @@ Status check_losses(std::span<const DistanceLoss> losses, std::string_view name)
   for (std::size_t i = 0; i < losses.size(); ++i) {
     const DistanceLoss& own = losses[i];
     if (!(std::isfinite(own.distance_m) && own.loss_m >= 0 && own.loss_m <= own.distance_m)) {
-      return entry_error(
-          name, "losses", i,
-          "the loss is not between zero and its distance, or the distance is not finite");
+      return entry_error(name, "losses", i,
+                         "the distance must be finite, and the loss from zero to this distance");
     }
     if (i > 0 &&
         !(own.distance_m > losses[i - 1].distance_m && own.loss_m <= losses[i - 1].loss_m)) {

@@ -197,9 +197,9 @@ Status check_identity(const PlacedEntry& placed, std::span<const SectionEntry> t
   }
   const std::uint32_t wanted = placed.rule ? placed.rule->element_bytes : entry.element_bytes;
   if (entry.element_bytes != wanted || wanted == 0 || entry.bytes % wanted != 0) {
-    return placed.error(name, "has " + std::to_string(entry.bytes) + " bytes in elements of " +
-                                  std::to_string(entry.element_bytes) +
-                                  " bytes, instead of whole elements of " + std::to_string(wanted) +
+    return placed.error(name, "must have whole elements of " + std::to_string(wanted) +
+                                  " bytes, but has " + std::to_string(entry.bytes) +
+                                  " bytes in elements of " + std::to_string(entry.element_bytes) +
                                   " bytes");
   }
   return {};

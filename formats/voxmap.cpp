@@ -234,7 +234,7 @@ Status check_absent(const TreeSections& sections, const char* field, std::string
   for (const std::span<const std::byte> bytes : sections.bytes) {
     if (bytes.empty()) continue;
     return Error{ErrorCode::kSectionInvalid, name, sections.directory,
-                 std::string("the file must not have this tree because ") + field + " is zero",
+                 std::string(field) + " is zero, so the file must not have this tree",
                  "bake or copy it again"};
   }
   return {};

@@ -201,8 +201,8 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times as many points as the "
-      "planar bound\n",
+      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times as many points as a "
+      "plane of this area needs\n",
       escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,

@@ -29,7 +29,7 @@ Status check_compliance_depth(const BakeOptions& options) {
                  "use larger voxels");
   }
   if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
-    return wrong("range", "ends less than a voxel below the depth of the compliance",
+    return wrong("range", "must be at least a voxel more than the depth of the compliance",
                  "leave out --range");
   }
   return {};
@@ -57,8 +57,8 @@ Status check_standoff(const BakeOptions& options) {
   char why[200];
   std::snprintf(
       why, sizeof why,
-      "is %.4g mm, but must be %.4g mm (the force layer of %.4g voxels, and 888/1024 voxel) "
-      "to %.4g mm (%.4g voxels)",
+      "is %.4g mm, but must be at least %.4g mm (force layer of %.4g voxels + 888/1024 voxel) "
+      "and at most %.4g mm (%.4g voxels)",
       options.standoff_m * 1e3, min_m * 1e3, layer, kMaxStandoffVoxels * s * 1e3,
       kMaxStandoffVoxels);
   return wrong("standoff", why,

@@ -78,9 +78,9 @@ void declare(CLI::App& app, Arguments& arguments) {
       "distance of the force layer from the surface, in layers of voxels, 0 to 30 (default 2)");
   app.add_option(
       "--standoff", arguments.standoff,
-      "distance from the meshes at which the force begins, such as 11mm, instead of --layers. With "
-      "a standoff, parts pass narrower gaps. The standoff is from 0.97 to 30 voxels; with "
-      "--compliance, at least the depth of the compliance plus 0.87 voxels. A standoff needs "
+      "distance from the meshes at which the force begins, such as 11mm. It replaces --layers: "
+      "parts pass narrower gaps than with --layers. It must be 0.97 to 30 voxels. With "
+      "--compliance, it must be at least the depth of the compliance plus 0.87 voxels. It needs "
       "stored distances");
   app.add_option(
          "--kind", arguments.kind,
@@ -89,8 +89,8 @@ void declare(CLI::App& app, Arguments& arguments) {
          "the 1999 paper, without distances")
       ->check(CLI::IsMember({"full", "lean", "paper"}));
   app.add_option("--range", arguments.range,
-                 "how deep distances are stored below the point where the force begins, 2 to 32 "
-                 "voxels (default 4 voxels)");
+                 "depth to which distances are stored below the point where the force begins, 2 to "
+                 "32 voxels (default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
                  "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
                  "(default: the model's own stiffness)");
@@ -345,7 +345,7 @@ void print_narrow_passages(const Bake& bake) {
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
           "%s: a cavity of %.3g cm3 is closed only because a passage is narrower than %g mm; "
-          "--free-seed %.9gm,%.9gm,%.9gm or half the voxel size opens it\n",
+          "to open the cavity, give --free-seed %.9gm,%.9gm,%.9gm or half the voxel size\n",
           escaped(object.name).c_str(),
           static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
           center_m(j), center_m(k));

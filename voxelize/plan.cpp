@@ -178,12 +178,12 @@ std::string table_of(const Plan& plan) {
                 plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
   if (!plan.too_large.empty()) table += "too large: " + plan.too_large + "\n";
   return table +
-         "standoff: distance at which a contact rests, on each side\n"
-         "gap: room that a thin part needs in addition to its thickness to pass without contact\n"
-         "passed: room that a part 2 voxels thick or more needs in addition to its thickness to "
-         "pass in contact\n"
-         "proven: distance that a part keeps in such a gap, with the default covering radius, "
-         "minus the deviations of the meshes\n" +
+         "standoff: distance from the mesh at which a part rests in contact, on each side\n"
+         "gap: room beyond its thickness that a thin part needs to pass without contact\n"
+         "passed: room beyond its thickness that a part 2 voxels thick or more needs to pass in "
+         "contact\n"
+         "proven: guaranteed distance in a gap with the room of \"passed\", for the default "
+         "covering radius, minus the deviations of the meshes\n" +
          line;
 }
 

@@ -171,7 +171,7 @@ class NeighborAudit {
         continue;
       }
       return refuse(low, x, y, z,
-                    " does not fit between the codes " + code_text(a) + " and " + code_text(b) +
+                    " contradicts the codes " + code_text(a) + " and " + code_text(b) +
                         " of the voxels on both sides: these two voxels are too far from the mesh");
     }
   }
@@ -198,7 +198,8 @@ class NeighborAudit {
         if (rules_.may_lead_to_mesh(cube_.at(x, y, z), cube_.at(to[0], to[1], to[2]))) return;
       }
     }
-    refuse(low, x, y, z, " does not fit: no neighboring voxel is near enough to the mesh");
+    refuse(low, x, y, z,
+           " contradicts the neighboring voxels: all of them are too far from the mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {

@@ -126,8 +126,8 @@ class LayerCountAudit {
   Status status() const {
     if (bad_) {
       return untrue(name_, voxel_text(*bad_),
-                    "is interior, but the interior there is too narrow for " +
-                        std::to_string(header_.offset_layers) + " layers around a surface");
+                    "is interior, but the interior around this voxel is too narrow for " +
+                        std::to_string(header_.offset_layers) + " offset layers");
     }
     return effort_.is_spent() ? Status(strewn(name_)) : Status();
   }
@@ -211,7 +211,7 @@ Status audit_layer_count(const Voxmap& map, const Contents& contents, Effort& ef
     return untrue(name, "header (offset_layers)",
                   "is " + std::to_string(h.offset_layers) +
                       ", but without stored distances at most " + std::to_string(kMaxLayers) +
-                      " can be proven");
+                      " layers can be checked");
   }
   LayerCountAudit audit(map, contents, effort, name);
   NeighborhoodWalk walk(map.view(), audit, effort);

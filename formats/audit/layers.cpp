@@ -107,17 +107,17 @@ class LayerAudit {
       const NodeRows::Rows& near = rows_.grown(NodeRows::kInterior, steps_);
       expect_within(
           low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToSurface),
-          "is within the force layers of an interior voxel, but is neither interior nor surface");
+          "is near enough to an interior voxel for the force layer, but is proximity or free");
       if (all_layers_) {
         expect_within(low, far_from_crop(low, steps_), row(NodeRows::kUpToSurface), rows_of(near),
-                      "is surface, but has no interior voxel within the force layers");
+                      "is in the force layer, but no interior voxel is near enough");
       }
     }
     const NodeRows::Rows& near = rows_.grown(NodeRows::kUpToSurface, 1);
     expect_within(low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToProximity),
-                  "is free, but a voxel beside it is interior or surface");
+                  "is free, but lies beside an interior or force layer voxel");
     expect_within(low, far_from_crop(low, 1), row(NodeRows::kUpToProximity), rows_of(near),
-                  "is proximity, but no voxel beside it is interior or surface");
+                  "is proximity, but lies beside no interior or force layer voxel");
   }
 
   // Every bit of the rows one(x) in `part` of the node at `low` must be one of other(x).

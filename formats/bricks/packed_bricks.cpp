@@ -7,8 +7,7 @@
 namespace forcelayer {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "the first byte of a word must be its lowest");
+static_assert(std::endian::native == std::endian::little, "the machine must be little-endian");
 
 // A packed brick of distances: base, slopes along x, y and z; the widths of 64 rows, four bits
 // each; the rows, as many bytes each as its width.

@@ -178,7 +178,7 @@ Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view>
     const auto number = split_number(parts[i]);
     if (!number) return number.error();
     if (!number->rest.empty()) {
-      return usage("the quaternion of pose " + quoted(pose) + " has a unit",
+      return usage("pose " + quoted(pose) + " has a unit in its quaternion",
                    "write x,y,z,qw,qx,qy,qz, and units only for x, y and z");
     }
     wxyz[i] = number->number;

@@ -110,15 +110,15 @@ Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
     const double radius_m = radius_of_turn_m(from, to, arm_m);
     const double steps = std::max(1.0, std::ceil(turn_rad * std::sqrt(radius_m / (8 * within_m))));
     if (!(static_cast<double>(all.size()) + steps <= double{kMaxPathRows})) {
-      return Error{ErrorCode::kUsage, "", "", "the turns about this point take too many poses",
+      return Error{ErrorCode::kUsage, "", "", "the turns about this point need too many poses",
                    "check the unit of the point"};
     }
     for (double n = 1; n < steps; ++n) {
       const double time_s = from.time_s + n / steps * (to.time_s - from.time_s);
       if (!(time_s > all.back().time_s && time_s < to.time_s)) {
         return Error{ErrorCode::kUsage, "", "",
-                     "two rows are too near in time: no room for the poses of a turn",
-                     "let the times begin at 0"};
+                     "two rows are too near in time to add poses between them",
+                     "subtract the first time from all times"};
       }
       all.push_back(pose_at(rows.subspan(i, 2), time_s, pivot_m));
     }

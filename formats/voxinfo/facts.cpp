@@ -221,14 +221,12 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     add_line(text, "  force             begins %.4g mm off the mesh, in a layer %.4g mm deep",
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
-  add_line(
-      text,
-      "  passes            a part of 2 voxels or more, through gaps %.4g mm wider than the part",
-      1e3 * passed_gap_m(h));
+  add_line(text, "  passable gap      %.4g mm wider than the part, for a part of 2 voxels or more",
+           1e3 * passed_gap_m(h));
   const double separation_m = usual_separation_m(h);
   add_line(text,
-           "  proven distance   %s in a gap that the part just passes, for the usual covering "
-           "radius of %.4g mm",
+           "  proven distance   %s in the narrowest passable gap, for the usual covering radius of "
+           "%.4g mm",
            millimeters(separation_m).c_str(), 1e3 * std::sqrt(3.0) / 2 * s);
   if (has_distances(h)) {
     add_line(text,
@@ -272,18 +270,17 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  points            %" PRIu64 ", %s, in %" PRIu64 " blocks of %u", h.point_count,
            kMethodNames[h.method], h.block_count, h.block_points);
   if (const std::uint64_t sheets = two_sided_points(shell); sheets > 0) {
-    add_line(text,
-             "  open sheets       %" PRIu64 " of the points are on surfaces without an inside",
+    add_line(text, "  open sheets       %" PRIu64 " of the points have the outside on both sides",
              sheets);
   }
   add_line(text, "  covering radius   %.9g m", h.covering_radius_m);
   add_line(text, "  convex radius     %.9g m, with a gap of %.9g m", h.convex_radius_m,
            h.convex_gap_m);
   const double two_voxels_m = 2 * h.voxel_size_m;
-  add_line(
-      text,
-      "  proven distance   %.6g m from the scene to the surface, if all points are %.6g m away",
-      surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
+  add_line(text,
+           "  proven distance   %.6g m from the scene to the part, if all points are %.6g m from "
+           "the scene",
+           surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
   add_line(text, "  made for voxels   of %.9g m", h.voxel_size_m);
   add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
   add_missing_faces(text, shell.provenance());

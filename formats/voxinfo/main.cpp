@@ -132,8 +132,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("sample",
                          "read lines `x y z` in meters. Print for each point the value of its "
                          "voxel (0 to 3) and, if the scene stores them, the smallest and largest "
-                         "distance from the mesh in meters and the nearest object. The word hint "
-                         "at the end of a line means that the distance was not measured");
+                         "distance from the mesh in meters and the nearest object. If a line ends "
+                         "with `hint`, its distance was not measured");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
@@ -156,7 +156,7 @@ int run(int argc, char** argv) {
                          "reverse the path: from the last pose to the first");
   of_path.of = "part";
   path_command
-      ->add_option("--of", of_path.of, "the poses of a trace to use: part or handle, default part")
+      ->add_option("--of", of_path.of, "poses to use from a trace: part or handle, default part")
       ->check(CLI::IsMember({"part", "handle"}));
   path_command->add_option("--json", json_path, "write the facts to this file as JSON");
   for (auto* subcommand : {verify, sample, export_to, path_command}) {

@@ -139,7 +139,7 @@ done
 grep -q '"layers": 0' report.json || fail "a standoff has no layers"
 "$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
 "$bin/voxinfo" near.vox --json facts.json >facts
-grep -q "standoff          1.3 mm" facts && grep -q "passes            a part of 2 voxels or more, through gaps 2.6 mm wider than the part" facts && grep -q "in a gap that the part just passes" facts ||
+grep -q "standoff          1.3 mm" facts && grep -q "passable gap      2.6 mm wider than the part, for a part of 2 voxels or more" facts && grep -q "in the narrowest passable gap" facts ||
   fail "voxinfo does not say the standoff: $(cat facts)"
 python3 - <<'EOF' || fail "the facts of a standoff"
 import json
@@ -160,9 +160,9 @@ done
 expect 2 "--lean: is an option of an earlier version; write --kind lean" cube.obj --units cm --voxel-size 1mm --lean -o scene.vox
 expect 2 "--standoff: cannot be combined with --layers, because both set where the force begins" cube.obj --units cm --voxel-size 1mm --standoff 2mm \
   --layers 2 -o scene.vox
-expect 2 "standoff: is 0.5 mm, but must be 0.9672 mm (the force layer of 0.1 voxels, and 888/1024 voxel) to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
+expect 2 "standoff: is 0.5 mm, but must be at least 0.9672 mm (force layer of 0.1 voxels + 888/1024 voxel) and at most 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
 expect 2 "use a smaller standoff, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
-expect 2 "must be 2.867 mm (the force layer of 2 voxels, and 888/1024 voxel) to 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
+expect 2 "must be at least 2.867 mm (force layer of 2 voxels + 888/1024 voxel) and at most 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 0mm -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 2 -o scene.vox
 expect 2 "--voxel-size" cube.obj --units cm -o scene.vox

@@ -539,7 +539,7 @@ TEST(VoxmapAudit, NoticesAHoleThatIsAWholeNode) {
   EXPECT_TRUE(audit_content(two_nodes(sound, 6, 8, uniform_entry(0))));
   const Status status = audit_content(two_nodes(broken, 7, 8, uniform_entry(0)));
   ASSERT_FALSE(status);
-  EXPECT_NE(status.error().what.find("is free, but a voxel beside it"), std::string::npos)
+  EXPECT_NE(status.error().what.find("is free, but lies beside"), std::string::npos)
       << to_line(status.error());
 }
 

@@ -112,7 +112,7 @@ std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   char text[240];
   std::snprintf(text, sizeof text,
                 "correct the stray vertex at (%.6g, %.6g, %.6g) m, which is %.4g m from the middle "
-                "of the other vertices (half of them are within %.4g m), or ",
+                "of the vertices (half of the vertices are within %.4g m of the middle), or ",
                 static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
                 static_cast<double>(at[2]) * unit_m, max_m, half_m);
   return text;

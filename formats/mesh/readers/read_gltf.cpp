@@ -114,7 +114,7 @@ class MeshReader {
       const std::vector<double> added = document_.read_numbers(target.positions, 3);
       if (added.size() != numbers.size()) {
         document_.fail(ErrorCode::kMeshUnreadable, primitive_where_,
-                       "has a morph target with another number of vertices");
+                       "has more or fewer vertices than its morph target");
       }
       for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += target.weight * added[i];
     }
@@ -227,14 +227,14 @@ class GltfReader {
     assembly_.nodes = nodes_.tree();
     set_instances(nodes_of_instances_, assembly_.nodes);
     if (assembly_.instances.empty()) {
-      document_.fail(
-          ErrorCode::kMeshEmpty, "",
-          lines_and_points_ > 0        ? "no triangles in this file, only points or lines"
-          : !nodes_.left_out().empty() ? "--without removes every node with a mesh from this file"
-                                       : "no node with a mesh in this file",
-          nodes_.left_out().empty()
-              ? "export a surface mesh"
-              : "leave out fewer nodes, or add a file, because the scene would be empty");
+      document_.fail(ErrorCode::kMeshEmpty, "",
+                     lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
+                     : !nodes_.left_out().empty()
+                         ? "--without removes every node with a mesh from this file"
+                         : "no node with a mesh in this file",
+                     nodes_.left_out().empty()
+                         ? "export a surface mesh"
+                         : "keep at least one part of this file, or do not give the file");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();

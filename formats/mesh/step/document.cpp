@@ -66,7 +66,7 @@ void keep_references(const SourceFile& file, const std::vector<StepReference>& r
     if (label.IsNull()) {
       fail_read(file, ErrorCode::kMeshIncomplete, product_name(product),
                 "the shape of this product is in the file " + in_quotes(names.front()) +
-                    ", but OpenCASCADE does not find the product",
+                    ", but OpenCASCADE leaves this product out",
                 "export the assembly into one file");
     }
     document.references[entry_of(label)].push_back(names);
@@ -169,9 +169,9 @@ void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument
   const std::string name = global.UnitName().IsNull() ? "" : global.UnitName()->ToCString();
   const int of_name = name.empty() ? 0 : IGESData_BasicEditor::UnitNameFlag(name.c_str());
   if (global.UnitFlag() != kByName && of_name > 0 && of_name != global.UnitFlag()) {
-    document.warnings.push_back(
-        "the file names the unit " + in_quotes(name) + ", but states the unit number " +
-        std::to_string(global.UnitFlag()) + " of another unit, which was used: check the size");
+    document.warnings.push_back("the file's unit name " + in_quotes(name) + " and unit number " +
+                                std::to_string(global.UnitFlag()) +
+                                " contradict each other; the number was used: check the size");
   }
   if (global.Scale() != 1) {
     char scale[40];

@@ -70,13 +70,12 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
         length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }
   if (tessellation.sewn > 0) {
+    const std::string gap = length_text(std::max(tessellation.sewn_gap_mm, kFinestMm));
     warnings.push_back(path + ": " + counted(tessellation.sewn, "loose face") +
-                       (tessellation.sewn == 1 ? " is" : " are") +
-                       " joined at edges that lie within " +
+                       (tessellation.sewn == 1 ? " is" : " are") + " joined at edges within " +
                        length_text(tessellation.sewing_tolerance_mm) +
-                       " of each other; the joined edges lie up to " +
-                       length_text(std::max(tessellation.sewn_gap_mm, kFinestMm)) +
-                       " from their faces, so the guaranteed distance is smaller by this length" +
+                       " of each other. The joined edges lie up to " + gap +
+                       " from their faces, so the guaranteed distance is " + gap + " smaller" +
                        (tessellation.open_edges > 0
                             ? "; " + counted(tessellation.open_edges, "other edge") +
                                   (tessellation.open_edges == 1 ? " is" : " are") + " not joined"
@@ -86,16 +85,17 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
                             : ""));
   }
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
-    warnings.push_back(path + ": an edge lies up to " + length_text(tessellation.edge_gap_mm) +
-                       " from its faces, so the guaranteed distance is smaller by this length; "
-                       "check whether the edge is damaged");
+    const std::string gap = length_text(tessellation.edge_gap_mm);
+    warnings.push_back(path + ": an edge lies up to " + gap +
+                       " from its faces, so the guaranteed distance is " + gap +
+                       " smaller; check whether the edge is damaged");
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
-    warnings.push_back(path + ": the triangles of a surface lie up to " +
-                       length_text(tessellation.surface_gap_mm) +
-                       " from this surface, although only " +
-                       length_text(tessellation.wanted_deflection_mm) +
-                       " is allowed, so the guaranteed distance is smaller by this length");
+    const std::string gap = length_text(tessellation.surface_gap_mm);
+    warnings.push_back(
+        path + ": the triangles of a surface lie up to " + gap +
+        " from this surface (allowed: " + length_text(tessellation.wanted_deflection_mm) +
+        "), so the guaranteed distance is " + gap + " smaller");
   }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": surfaces are tessellated to " +

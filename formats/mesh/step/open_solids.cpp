@@ -56,8 +56,8 @@ std::vector<OpenSolid> open_solids(const Handle(XSControl_WorkSession) & session
     if (open == 0) continue;
     found.push_back({entity_name(model, entity) + " is not closed: " + counted(open, "edge") +
                          (open == 1 ? " belongs" : " belong") +
-                         " to only one face; check whether faces are damaged, because no guarantee "
-                         "covers missing faces",
+                         " to only one face; check for damaged or missing faces, because no "
+                         "guarantee covers missing faces",
                      shape});
   }
   return found;

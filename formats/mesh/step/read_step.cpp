@@ -118,14 +118,13 @@ class StepReader {
     check_missing_faces(flawed_ != nullptr ? flawed_->source : file_, losses_, to_read.unknown,
                         missing_, assembly_.instances.size(), assembly_);
     if (assembly_.instances.empty()) {
-      fail_read(
-          file_, ErrorCode::kMeshEmpty, "",
-          !missing_.empty()          ? "no face of this file can be read"
-          : to_read.left_out.empty() ? "no faces in this file"
-                                     : "--without removes all faces of this file",
-          to_read.left_out.empty() || !missing_.empty()
-              ? "export the file again"
-              : "a scene needs at least one other part: leave out fewer nodes, or add a file");
+      fail_read(file_, ErrorCode::kMeshEmpty, "",
+                !missing_.empty()          ? "no face of this file can be read"
+                : to_read.left_out.empty() ? "no faces in this file"
+                                           : "--without removes all faces of this file",
+                to_read.left_out.empty() || !missing_.empty()
+                    ? "export the file again"
+                    : "keep at least one part of this file, or do not give the file");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));

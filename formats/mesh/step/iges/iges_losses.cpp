@@ -32,7 +32,7 @@ namespace {
 using Entity = Handle(IGESData_IGESEntity);
 
 constexpr const char* kMend =
-    "export the file again, with solids as boundary representations, or as STEP";
+    "export the file as STEP, or as IGES with solids as boundary representations";
 
 bool is_one_of(const Entity& entity, std::initializer_list<int> types) {
   return std::find(types.begin(), types.end(), entity->TypeNumber()) != types.end();
