@@ -245,8 +245,7 @@ std::vector<Finding> hid_devices(const fs::path& root) {
     } else {
       found.push_back(note(
           node.filename().string(),
-          seen +
-              ": you have no permission; if this is the haptic device, see the line udev rules"));
+          seen + ": you have no permission; if this is the haptic device, see \"udev rules\""));
     }
   }
   if (found.empty()) found.push_back(note("HID devices", "no HID device is plugged in"));

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "write a report to this file");
   app.add_flag("--quiet", options.quiet, "no report on the terminal");
   command::add_number(app, "--clock", options.clock_s,
-                      "measure the clock for this many seconds; 0 leaves the measurement out",
+                      "measure the wake-up delay for this many seconds; 0 skips the measurement",
                       {0, 3600});
   command::arrange_help(app, {{"The measurement", {"--clock"}}},
                         "  voxrun doctor --json machine.json");

@@ -7,8 +7,7 @@
 namespace forcelayer::field {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "the first byte of a word must be its lowest");
+static_assert(std::endian::native == std::endian::little, "the machine must be little-endian");
 
 // The voxels of a halo along an axis that lie in the brick before, in its own and in the one
 // behind, counted in the halo, and the first of them in its brick.

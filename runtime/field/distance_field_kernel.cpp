@@ -140,7 +140,8 @@ HWY_INLINE void load_fours(const std::int32_t* fours, VI (&number)[4]) {
 // side to `to`. The two numbers are read as one, because memory accesses are the limit here.
 template <std::size_t kBytes, std::int64_t kStride = 1>
 HWY_INLINE void copy_two(const void* from, const std::int32_t* at, void* to) {
-  static_assert(std::endian::native == std::endian::little, "the first number is the lower half");
+  static_assert(std::endian::native == std::endian::little,
+                "the first of two numbers must be the lower half");
   std::int64_t both;
   hwy::CopyBytes<8>(at, &both);
   const auto* bytes = static_cast<const std::uint8_t*>(from);

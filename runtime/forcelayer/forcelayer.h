@@ -53,7 +53,7 @@ typedef struct forcelayer_options {
                                     * device's never more than 0.05 */
   double max_speed_mps;            /* of the handle at the device: faster trips the output; to 10 */
   double max_turn_radps;           /* the same for its rotation; to 100 */
-  int without_guarantee;           /* 1: open also files that guarantee no separation */
+  int without_guarantee;           /* 1: open also files without a guarantee of separation */
   const char* expected_sha256;     /* SHA-256 of the files that may be opened, 64 hexadecimal digits
                                     * each, with commas between them: scene and part must both be
                                     * among them. NULL: any file */
@@ -123,7 +123,7 @@ void forcelayer_default_options(forcelayer_options* options);
 
 /* Maps both files, checks them, every checksum and all that the step trusts too, and derives the
  * physical parameters. NULL on failure: an unusable file, an option out of its range, or two files
- * that guarantee no separation (unless the options allow that). */
+ * without a guarantee of separation (unless the options allow that). */
 forcelayer_runtime* forcelayer_open(const char* scene, const char* part,
                                     const forcelayer_options* options, char* error,
                                     size_t error_bytes);

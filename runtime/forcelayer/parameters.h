@@ -60,7 +60,7 @@ struct Parameters {
   double contact_damping_ratio = 0;  // of a contact: damping over sqrt(K_ff m)
   double look_ups = 0;               // most motions in a frame, of at most s/2 each
   double recovery_mps = 0;           // at which a part that started inside is led out
-  double allowance_j = 0;       // energy by which the scene may lift a part that the hand moves
+  double allowance_j = 0;  // energy that a part may gain from the scene while the hand moves it
   double allowance_fade_s = 0;  // time constant with which that fades while the hand rests
 
   double passivity_damping_ns_per_m = 0;  // most that the passivity controller injects; 0: none

@@ -74,7 +74,7 @@ struct RunRequest {
                                          // times max_speed_mps; to 100
   unsigned threads = 1;  // of the contact query, to 256; worth more than 1 from 16384 points on
 
-  // Open also files that guarantee no separation.
+  // Open also files without a guarantee of separation.
   bool without_guarantee = false;
 
   // SHA-256 of the files that may be opened, 64 lower-case hexadecimal digits each, as `sha256sum`

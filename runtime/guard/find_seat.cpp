@@ -58,10 +58,11 @@ Status SeatRule::check_depth(const SeatObject& object) const {
                 1000 * std::min(object.overlap_m, told_m));
   std::snprintf(largest, sizeof largest, "; the stored distances allow a seat up to %.3g mm deep",
                 1000 * max_m);
-  return Error{ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
-               "check --start and the units of both files; if voxelize reports a cavity there, "
-               "bake the scene with --free-seed, --narrow-passages or smaller voxels; otherwise "
-               "bake it with a larger --range"};
+  return Error{
+      ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
+      "check --start and the units of both files; if voxelize reports a cavity at the start, "
+      "bake the scene with --free-seed, --narrow-passages or smaller voxels, otherwise "
+      "with a larger --range"};
 }
 
 std::string SeatRule::name_of(std::uint32_t object) const {
@@ -76,8 +77,8 @@ Status SeatRule::check_side(std::uint32_t i) const {
     return {};
   }
   return Error{ErrorCode::kUsage, "", "start",
-               "an open sheet of the part starts within an open sheet of " +
-                   name_of(probe_.object_of(i)) + ", so the side of the part is not known",
+               "at the start, open sheets of the part and of " + name_of(probe_.object_of(i)) +
+                   " meet, so it is not known on which side the part is",
                "give one of the two sheets a thickness, or start elsewhere (--start)"};
 }
 

@@ -52,9 +52,10 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
   seat_open_ = open;
   for (std::uint32_t i = 0; i < there.count; ++i) {
     if (there.is_barred[i] == 0) continue;
+    const std::string object = seat_.name_of(object_of(i));
     return Error{ErrorCode::kUsage, "", "start",
-                 "the part starts away from its seat, and inside " + seat_.name_of(object_of(i)) +
-                     " or nearer to it than the guard allows",
+                 "the part starts away from its seat, but inside " + object + " or nearer to " +
+                     object + " than the guard allows",
                  "start the part clear of the scene (--start), or leave out --seat"};
   }
   return {};

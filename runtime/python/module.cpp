@@ -364,9 +364,9 @@ for each pose:
     clearance_m       a lower bound, meters; NaN where nothing is known
     measured          False: no point is within reach of the stored distances, so the clearance may
                       be much larger
-    nearest_object    number of the object nearest to the nearest point, see `objects`; 0: not known
+    nearest_object    number of the object nearest to `nearest_point_m`, see `objects`; 0: not known
     nearest_point_m   the nearest shell point, world; NaN where not measured
-    interior, surface, proximity, outside_map   as for query(); by distance if the
+    interior, surface, proximity, outside_map   as for query(); counted by distance if the
                       scene has a standoff
 
 `threads`: 0 means all cores. Other Python threads run meanwhile.
@@ -389,12 +389,13 @@ forcelayer.Error: poses: row 0 is not a pose: give finite meters and a quaternio
 orientation turns at constant speed; the answer covers this motion, too. `allow`: names of objects
 that may be near. `world_from_seat`: the pose in which the part is installed. While the part is in
 its seat, the shell points can miss features narrower than twice the covering radius. So the verdict
-about such a path is "not clear", unless `felt_seat` is true. Returns a dict:
+about such a path is "not clear", unless `felt_seat` is true: then the shell points suffice. Returns
+a dict:
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, in meters; objects of the seat do not count while
                       the part is in the seat
-    min_clearance     the moment of this clearance: clearance_m, at_most_m (upper bound of the exact
+    min_clearance     where this clearance occurs: clearance_m, at_most_m (upper bound of the exact
                       clearance; None: not known), t_s, object, point_m; None if nothing is near
     violations        a list of dicts: from_s, to_s, clearance_m (proven between them), worst (as
                       min_clearance), pushed_into_seat, seat_not_settled, object_inside (the part
@@ -451,7 +452,7 @@ True
             const PshellView& v = p.shell.view();
             return columns_of(p, v.x, v.y, v.z);
           },
-          R"(The shell points, shape (n, 3), meters: in the part's axes, from `center_m`.
+          R"(The shell points relative to `center_m`, in the part's axes: shape (n, 3), meters.
 
 A view of the file, no copy; it cannot be written to.
 

@@ -410,8 +410,8 @@ True
 
 `model`: "default", or "paper" for the method of 1999. `force`: "distance", "level" or
 "tangent-plane"; None for the best that the scene's file allows. `settings`: physical parameters by
-the names of `parameters`; the others are derived from voxel size, part and rate. Files that
-guarantee no separation are refused, unless `without_guarantee` is set.
+the names of `parameters`; the others are derived from voxel size, part and rate. Files
+without a guarantee of separation are refused, unless `without_guarantee` is set.
 
 The hand holds a simulated device of 15 N and 0.1 N m, as in the paper.
 
@@ -442,7 +442,7 @@ forcelayer.Error: model: 'fast' is not a model; use 'default' or 'paper'
            R"(Places the part at rest, without force in the hand. Frames are counted from here on.
 
 Poses are x y z (meters) and a quaternion qw qx qy qz. Without `world_from_handle` the hand holds
-the part's own frame. A part that touches objects at `world_from_seat` (without it: where it starts)
+the part's own frame. A part that touches objects at `world_from_seat` (default: `world_from_part`)
 is installed there: it may touch these objects until it has left them.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
@@ -522,7 +522,7 @@ the part's centroid. They differ by the force times the arm between the two.
 [0.2, 0.15, 0.3]
 )")
       .def_property_readonly("parameters", &Stepper::parameters,
-                             R"(The physical parameters in use, by name; the unit ends the name.
+                             R"(The physical parameters in use, by name. A name ends with the unit.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.parameters["rate_hz"]
@@ -530,7 +530,7 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "reasons", [](const Stepper& s) { return s.opened().reasons(); },
-          R"(The rule by which each parameter was chosen, by the name of the parameter.
+          R"(For the name of each parameter, the rule that chose its value.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.Simulation(scene, part, settings={"mass_kg": 0.05}).reasons["mass_kg"]
@@ -545,7 +545,7 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
-          R"(The guaranteed distance between the exact surfaces, meters, if no report says otherwise.
+          R"(The guaranteed distance between the exact surfaces, meters, unless `report` says otherwise.
 
 A dict: "tested_m" holds in every frame, "swept_m" also between two frames. A value is None if nothing
 is guaranteed.

@@ -66,7 +66,7 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::contact_damping_ratio,
      {1e-3, 100}},
     {"look_ups",
-     "largest number of motions of up to half a voxel in a frame",
+     "largest number of motions in a frame, each of up to half a voxel",
      &Parameters::look_ups,
      {1, 10'000}},
     {"recovery_mps",
@@ -74,7 +74,7 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::recovery_mps,
      {1e-6, 10}},
     {"allowance_j",
-     "energy by which the scene may lift a part that the hand moves, J",
+     "energy that a part may gain from the scene while the hand moves the part, J",
      &Parameters::allowance_j,
      {1e-12, 100}},
     {"allowance_fade_s",
@@ -396,11 +396,11 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   choice.set("look_ups",
              std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
-             "enough look-ups to follow a hand at 3 m/s, but at most eight a millisecond");
-  choice.set("recovery_mps", kRecoveryMps, "slow enough for the hand to let go");
+             "enough motions to follow a hand at 3 m/s, but at most eight a millisecond");
+  choice.set("recovery_mps", kRecoveryMps, "so slow that the user can let go of the handle");
   choice.set(
       "allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
-      "the force limit times the voxel size, which exceeds the energy of a step of one voxel");
+      "the force limit times the voxel size: more than a part needs to climb a step of one voxel");
   choice.set("allowance_fade_s", kAllowanceFadeS, "the part comes to rest within a second");
 }
 
@@ -431,7 +431,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   choose_default_coupling(request, derived);
   const double covering = steepest_n_per_m(voxmap);
   if (covering > 0) {
-    choice.set("field_n_per_m", covering, "the steepest slope of the scene's soft covering");
+    choice.set("field_n_per_m", covering, "the steepest slope of the scene's compliance");
     return;
   }
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
@@ -489,7 +489,7 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
       derive_paper(request, shell, derived);
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
-            "the scene has a soft covering, which the paper's model ignores: the scene presses "
+            "the scene has a compliance, which the paper's model ignores: the scene presses "
             "with field_n_per_m at every depth");
       }
       break;

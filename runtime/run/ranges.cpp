@@ -41,7 +41,7 @@ constexpr Rating kRatings[] = {
 Status check_range(std::string_view name, double value, const Range& range) {
   if (value >= range.smallest && value <= range.largest) return {};  // neither for NaN
   char text[100];
-  std::snprintf(text, sizeof text, "%.6g is not from %.6g to %.6g", value, range.smallest,
+  std::snprintf(text, sizeof text, "%.6g is outside the range %.6g to %.6g", value, range.smallest,
                 range.largest);
   return Error{ErrorCode::kUsage, "", name, text, ""};
 }

@@ -51,9 +51,8 @@ void add_device_options(CLI::App& app, std::string& text) {
       app, "Options of --device (a comma in a value is written twice)",
       "sim:hand=WORD\tfirm or loose: a hand that feels the force, and tries to follow --motion; "
       "default: a hand that feels nothing\n"
-      "hid:clutch=N\tbutton, 0 to 31, that holds the part while the hand moves, default 0; also "
-      "for "
-      "spacemouse and plugin\n"
+      "hid:clutch=N\tclutch, a button from 0 to 31: while it is pressed, the hand moves without "
+      "the part. Default 0; also for spacemouse and plugin\n"
       "hid:scene=N\tbutton that changes to the next scene of --scene-next, or reads the last file "
       "again; also for spacemouse and plugin\n"
       "hid:guide=N\tbutton that switches --guide off and on; also for spacemouse and plugin\n"
@@ -64,13 +63,13 @@ void add_device_options(CLI::App& app, std::string& text) {
       "plugin:library=FILE\tthe plugin's shared library\n"
       "plugin:args=TEXT\ttext for the plugin\n"
       "plugin:trust\tlet the plugin write files and start programs\n"
-      "spacemouse:control=WORD\trate (default): the deflection sets the speed; position: it sets "
-      "the position\n"
-      "spacemouse:dead-zone=N\tfraction of the full deflection that counts as rest, default 0.05\n"
-      "spacemouse:speed=N\tspeed at full deflection with rate, m/s, default 0.1; turn-speed=N: in "
-      "rad/s, default 1\n"
-      "spacemouse:reach=N\tdistance at full deflection with position, m, default 0.05; turn=N: "
-      "angle, rad, default 0.8\n");
+      "spacemouse:control=WORD\trate (default): the push or twist of the cap sets the speed; "
+      "position: it sets the position\n"
+      "spacemouse:dead-zone=N\tfraction of a full push or twist that counts as rest, default 0.05\n"
+      "spacemouse:speed=N\twith control=rate: speed at a full push, m/s, default 0.1; "
+      "turn-speed=N: at a full twist, rad/s, default 1\n"
+      "spacemouse:reach=N\twith control=position: distance at a full push, m, default 0.05; "
+      "turn=N: angle at a full twist, rad, default 0.8\n");
 }
 
 Status read_device(const std::string& text, Options& options) {

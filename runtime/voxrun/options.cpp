@@ -72,9 +72,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       app, "--seat", texts_.seat,
       "pose world_from_part in which the part is installed. The part may touch the objects that it "
       "touches in this pose, until it has left these objects. Default: the start pose");
-  command::add_text(app, "--grip", texts_.grip,
-                    "pose handle_from_part. The hand holds the part at the origin of the handle. "
-                    "Default: the origin of the part's frame");
+  command::add_text(
+      app, "--grip", texts_.grip,
+      "pose handle_from_part: the part's pose relative to the handle. Default: with --start, this "
+      "pose at the start; otherwise 0,0,0m");
   command::add_text(app, "--world-from-device", texts_.world_from_device,
                     "pose of the device in the scene; default 0,0,0m");
   command::add_texts(
@@ -86,8 +87,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
       "FILE or FILE@TIME: a .vox file that replaces the scene during the run, at this time "
-      "(such as 2.5s), at the button, or at the signal SIGUSR1. The force fades out and in. "
-      "Repeatable");
+      "(such as 2.5s), when the scene button of --device is pressed, or at the signal SIGUSR1. The "
+      "force fades out and in. Repeatable");
   command::add_text(
       app, "--guide", options_.guide,
       "a path of the part, such as a path that voxplan wrote. A weak spring pulls the "

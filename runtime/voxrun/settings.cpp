@@ -39,7 +39,7 @@ constexpr LoopSetting kLoopSettings[kLoopNumbers] = {
      "max_speed_mps",
      kMaxTurnsRadps},
     {"stale_s",
-     "time without a device reading or a frame after which the output trips, s, default 0.005",
+     "the output trips after this time without a device reading or a frame, s, default 0.005",
      {1e-6, kStaleCeilingS}},
     {"guide_force_n",
      "largest force of --guide, N, default 0.3; the largest torque is 0.02 m times this force",

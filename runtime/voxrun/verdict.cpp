@@ -120,7 +120,7 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
       "seated on %s to the end: the part has not left its seat, and no separation is guaranteed; "
       "%s%s%s%s; ",
       seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
-      is_stopped(pull, s) ? "held" : "nothing holds the part",
+      is_stopped(pull, s) ? "held" : "nothing blocks the part",
       against(scenes, s.touched_last, true).c_str());
 }
 
@@ -184,7 +184,7 @@ std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopS
   const auto add = [&](const std::string& doubt) { line += (line.empty() ? "" : "; ") + doubt; };
   if (outcome.scene_missed) add("a scene of --scene-next was never used");
   if (is_unfinished(scenes, outcome.pull, s)) {
-    add(pull_part(outcome.pull) + ", and nothing holds the part");
+    add(pull_part(outcome.pull) + ", and nothing blocks the part");
   }
   if (s.first_outside_map) {
     add(text(
@@ -247,7 +247,7 @@ command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const 
                           ? pull_part(pull)
                           : "the part is still installed on " + seat_text(scenes, INFINITY);
     if (is_stopped(pull, s)) verdict.blocked_by = names_of(scenes, s.touched_last);
-    if (!is_stopped(pull, s)) verdict.finding += ", and nothing holds the part";
+    if (!is_stopped(pull, s)) verdict.finding += ", and nothing blocks the part";
   } else if (is_held(outcome)) {
     verdict.kind = VerdictKind::kHeld;
     const bool is_pulled = is_short(pull);
@@ -291,7 +291,7 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
   if (outcome.scene_missed) line += "a scene of --scene-next was never used; ";
   if (!seat_open(scenes, s) && is_short(pull)) {
     line += pull_part(pull) +
-            (is_unfinished(scenes, pull, s) ? std::string(", nothing holds the part")
+            (is_unfinished(scenes, pull, s) ? std::string(", nothing blocks the part")
                                             : against(scenes, s.touched_last, true)) +
             "; ";
   }

@@ -37,7 +37,7 @@ command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome,
 
 // `proven`, `penetrated` (a penetration frame), `seated` (the seat was not left), `held` (off its
 // motion, or short of the end of its pull), or `unknown` (a premise failed, a scene was missed, a
-// pull was not followed although nothing holds the part, or no frame was run).
+// pull was not followed although nothing blocks the part, or no frame was run).
 const char* run_word(const command::Verdict& verdict);
 
 // Its sentence, and the same with figures, times and names: two lines, escaped.

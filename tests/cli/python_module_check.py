@@ -385,10 +385,10 @@ def check_ranges(scene, part):
                "look_ups": "1 to 10000"}
     for wrong in (1e9, 0, -1, 1e-9, numpy.nan, numpy.inf):
         expect_error(lambda w=wrong: forcelayer.Simulation(scene, part, rate_hz=w),
-                     f"rate_hz: {wrong:.6g} is not from 1 to 100000", 2)
+                     f"rate_hz: {wrong:.6g} is outside the range 1 to 100000", 2)
         for name, numbers_range in numbers.items():
             expect_error(lambda n=name, w=wrong: forcelayer.Simulation(scene, part, settings={n: w}),
-                         f"{name}: {wrong:.6g} is not from {numbers_range}", 2)
+                         f"{name}: {wrong:.6g} is outside the range {numbers_range}", 2)
     line = expect_error(lambda: forcelayer.Simulation(scene, part, settings={"nope": 1}), "nope: is not a parameter", 2)
     known = forcelayer.Simulation(scene, part).parameters
     assert all(name in line for name in known if name != "rate_hz"), line

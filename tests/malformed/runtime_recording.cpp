@@ -171,16 +171,16 @@ TEST(Recording, FieldsOutOfRangeAreNamed) {
     const char* name;
     double value;
     const char* says;
-  } numbers[] = {{"max_force_n", -15, "-15 is not from 0 to 1000"},
-                 {"max_force_n", 1e300, "1e+300 is not from 0 to 1000"},
-                 {"max_torque_nm", 101, "101 is not from 0 to 100"},
-                 {"max_torque_nm", kInfinity, "inf is not from 0 to 100"},
-                 {"coupling_n_per_m", -1, "-1 is not from 0 to 1e+30"},
-                 {"coupling_n_per_m", kInfinity, "inf is not from 0 to 1e+30"},
-                 {"coupling_torque_limit_nm", -kInfinity, "-inf is not from 0 to 1e+30"},
-                 {"look_ups", -4, "-4 is not from 0 to 1e+30"},
-                 {"rate_hz", 1e9, "1e+09 is not from 1 to 100000"},
-                 {"rate_hz", 1e-3, "0.001 is not from 1 to 100000"}};
+  } numbers[] = {{"max_force_n", -15, "-15 is outside the range 0 to 1000"},
+                 {"max_force_n", 1e300, "1e+300 is outside the range 0 to 1000"},
+                 {"max_torque_nm", 101, "101 is outside the range 0 to 100"},
+                 {"max_torque_nm", kInfinity, "inf is outside the range 0 to 100"},
+                 {"coupling_n_per_m", -1, "-1 is outside the range 0 to 1e+30"},
+                 {"coupling_n_per_m", kInfinity, "inf is outside the range 0 to 1e+30"},
+                 {"coupling_torque_limit_nm", -kInfinity, "-inf is outside the range 0 to 1e+30"},
+                 {"look_ups", -4, "-4 is outside the range 0 to 1e+30"},
+                 {"rate_hz", 1e9, "1e+09 is outside the range 1 to 100000"},
+                 {"rate_hz", 1e-3, "0.001 is outside the range 1 to 100000"}};
   for (const auto& c : numbers) {
     SCOPED_TRACE(testing::Message() << c.name << " " << c.value);
     std::string broken = bytes;

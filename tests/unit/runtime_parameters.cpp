@@ -236,14 +236,14 @@ TEST_F(ParametersTest, FollowASoftCovering) {
   request.force = ForceKind::kDistance;
   const DerivedParameters derived = derive(request);
   EXPECT_DOUBLE_EQ(derived.values.field_n_per_m, 1.75 / (0.005 * definition.quantum));
-  EXPECT_NE(derived.reasons.at("field_n_per_m").find("soft covering"), std::string::npos);
+  EXPECT_NE(derived.reasons.at("field_n_per_m").find("the scene's compliance"), std::string::npos);
   request.settings["field_n_per_m"] = 5000;
   EXPECT_EQ(derive(request).values.field_n_per_m, 5000);
   request = {};
   request.model = Model::kPaper;
   const auto warnings = derive(request).warnings;
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("soft covering"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("the scene has a compliance"), std::string::npos) << warnings[0];
 }
 
 TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {

@@ -159,7 +159,8 @@ TEST_F(Ranges, EveryNumberOfARequestIsRefusedByNameWithItsRange) {
       ASSERT_FALSE(run);
       EXPECT_EQ(run.error().code, ErrorCode::kUsage);
       EXPECT_EQ(run.error().where, number.name);
-      EXPECT_EQ(run.error().what, std::string(wrong.text) + " is not from " + number.range);
+      EXPECT_EQ(run.error().what,
+                std::string(wrong.text) + " is outside the range " + number.range);
     }
     for (const double right : number.right) {
       RunRequest request;
@@ -176,7 +177,7 @@ TEST_F(Ranges, ThreadsAreBoundedAndPlacesAreNear) {
     const auto run = open_run(make_voxmap(slab()), make_pshell(ball()), request);
     ASSERT_FALSE(run) << threads;
     EXPECT_EQ(to_line(run.error()),
-              "threads: " + std::to_string(threads) + " is not from 1 to 256");
+              "threads: " + std::to_string(threads) + " is outside the range 1 to 256");
   }
   request = {};
   for (const double far_m : {1e300, 2e9, -2e9, kNan, kInfinity}) {
@@ -213,7 +214,7 @@ TEST_F(Ranges, RecordedParametersAndNamesAreChecked) {
   request.recorded->max_force_n = 1e300;
   const auto strong = open_run(make_voxmap(slab()), make_pshell(ball()), request);
   ASSERT_FALSE(strong);
-  EXPECT_EQ(to_line(strong.error()), "max_force_n: 1e+300 is not from 0 to 1000");
+  EXPECT_EQ(to_line(strong.error()), "max_force_n: 1e+300 is outside the range 0 to 1000");
   request = {};
   request.settings["nope"] = 1;
   const auto unknown = open_run(make_voxmap(slab()), make_pshell(ball()), request);
@@ -284,7 +285,7 @@ TEST_F(Ranges, EveryOptionOfTheCInterfaceIsChecked) {
       options.*c.member = wrong;
       const std::string said = refusal(options);
       EXPECT_EQ(said.find(std::string(c.name) + ": "), 0u) << c.name << wrong << said;
-      EXPECT_NE(said.find(" is not from "), std::string::npos) << said;
+      EXPECT_NE(said.find(" is outside the range "), std::string::npos) << said;
     }
   }
   for (int n = 0; n < 7; ++n) {

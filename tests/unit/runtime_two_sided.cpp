@@ -102,7 +102,7 @@ TEST(TwoSided, AStartInASheetIsRefused) {
   const auto begun = bench.simulation->begin(start, at_height(kHalf));
   ASSERT_FALSE(begun);
   EXPECT_EQ(begun.error().code, ErrorCode::kUsage);
-  EXPECT_NE(begun.error().what.find("open sheet"), std::string::npos);
+  EXPECT_NE(begun.error().what.find("open sheets"), std::string::npos);
 }
 
 }  // namespace

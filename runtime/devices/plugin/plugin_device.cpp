@@ -90,7 +90,7 @@ const char* flaw(const forcelayer_plugin_info& info) {
   if (info.abi != FORCELAYER_PLUGIN_ABI) return "was built for another version of the interface";
   if (info.si_units != FORCELAYER_PLUGIN_SI_UNITS) return "does not declare SI units";
   if (info.right_handed != FORCELAYER_PLUGIN_RIGHT_HANDED) {
-    return "does not declare right-handed frames";
+    return "does not declare right-handed coordinate axes";
   }
   if (info.sensed_axes == 0 || ((info.sensed_axes | info.actuated_axes) & ~kAllAxes) != 0) {
     return "senses no axis, or declares more than the six axes";
