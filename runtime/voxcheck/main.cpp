@@ -155,12 +155,13 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
   const WideStep step = widest_step(rows, part.header().center_m);
   if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
   command::warn(
-      command::text("from %.3f to %.3f s the part turns by %.3g degrees between two rows. voxcheck "
-                    "moves the centroid straight, by %.3f mm. If the origin of the part's frame "
-                    "moves straight instead, the checked positions are up to %.3f mm wrong: add "
-                    "rows in between, or give --center 0,0,0m",
-                    rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
-                    1e3 * step.shift_m, 1e3 * step.aside_m),
+      command::text(
+          "from %.3f to %.3f s the part turns by %.3g degrees between two rows. voxcheck "
+          "moves the centroid by %.3f mm along a straight line. If the origin of the part's "
+          "frame moves straight instead, the checked positions are up to %.3f mm wrong: add "
+          "rows in between, or give --center 0,0,0m",
+          rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
+          1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);
 }
 

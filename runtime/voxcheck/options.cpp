@@ -44,8 +44,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
       ->allow_extra_args(false);
   command::add_choice(
       app, "--fail-on", options_.fail_on, {"far", "nothing"},
-      "far: a part that never comes near the scene counts as not clear, because "
-      "the path may be in another unit. nothing: the exit status is 0 for every answer");
+      "far: also end with status 6 if the part is never near the scene, because the path may be in "
+      "another unit. nothing: end with status 0 for every answer");
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. The meshes decide where the baked "
                   "files cannot; repeatable");
@@ -62,8 +62,8 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
           "write a report for another program, repeatable. csv:FILE: the proven "
           "clearance over time. junit:FILE: the verdict as a test result, XML. "
           "gitlab:FILE: violations and warnings for a GitLab merge request, JSON. "
-          "github: violations and warnings as printed lines, which GitHub shows at the path's "
-          "file. picture:FILE: the worst moment as a PNG, drawn by voxview with the meshes of "
+          "github: print violations and warnings, which GitHub shows beside the path file. "
+          "picture:FILE: the worst moment as a PNG, drawn by voxview with the meshes of "
           "--exact"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");

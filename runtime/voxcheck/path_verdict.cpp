@@ -86,12 +86,12 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
-           ", which it does not overlap as installed";
+           ", which the installed part does not overlap";
   }
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
   const std::string deep = "goes " + depth + " deep into " + object;
   return seat->installed_m > kRoundingM
-             ? deep + ", which it overlaps by " + length_text(seat->installed_m) + " as installed"
+             ? deep + ", which the installed part overlaps by " + length_text(seat->installed_m)
              : deep + ", where " + allowed + " is allowed";
 }
 
@@ -124,12 +124,13 @@ std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact
   return "meets " + name + deep;
 }
 
-// "the 10 s of --time ended when contact with Housing was checked along 12.3 of 60.0 mm"
+// "the time limit of 10 s (--time) expired when contact with Housing was checked along 12.3 of
+// 60.0 mm"
 std::string out_of_time_text(const CheckedPath& checked, const ExactStop& stop) {
   const std::string object = name_of(checked, stop.object);
-  const std::string ended = text("the %.4g s of --time ended ", stop.max_s);
+  const std::string ended = text("the time limit of %.4g s (--time) expired ", stop.max_s);
   if (stop.stage == ExactStop::kInstalled) {
-    return ended + "before the overlap with " + object + " as installed was measured";
+    return ended + "before the overlap of the installed part with " + object + " was measured";
   }
   const std::string what =
       stop.stage == ExactStop::kContact ? "contact with " + object : "the clearance";
@@ -159,11 +160,11 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
         exact->graze && off_m < kRoundingM
             ? length_text(exact->worst.exact_m)
             : command::length_texts(exact->worst.exact_m, checked.required_m).first;
-    const std::string near = "comes as near as " + distance + " to " + object;
+    const std::string near = "comes within " + distance + " of " + object;
     if (!exact->graze) return near;
     // More digits than the distance is off what is required.
-    return near + "; deviations and rounding of " +
-           command::length_texts(checked.exact->margin_m, off_m).first + " leave this undecided";
+    return near + "; deviations and rounding (" +
+           command::length_texts(checked.exact->margin_m, off_m).first + ") leave this undecided";
   }
   if (v.worst.max_m <= 0) return "goes into " + object;
   if (v.worst.max_m < checked.required_m) {

@@ -152,7 +152,7 @@ std::string seat_depth_text(const Report& report) {
   // The deepest position of some moments is known. That none is deeper than allowed is proven.
   const std::string found = length_text(std::max(0.0, deeper(*deepest)));
   if (deeper(*deepest) <= allowed_m) {
-    const std::string depth = "; the largest depth that was found is " + found + ", into " + object;
+    const std::string depth = ". The largest depth found is " + found + ", into " + object;
     if (!report.options.seat_depth_m) {
       return "in its seat, the part goes no deeper than installed, as far as the two meshes tell: "
              "their deviations and cracks leave " +
@@ -162,8 +162,9 @@ std::string seat_depth_text(const Report& report) {
            " deeper than installed, as --seat-depth and the deviations of the meshes allow" + depth;
   }
   return "in its seat, the part goes at least " + found + " deeper than installed, into " + object +
-         "; " + (allowed_m < kRoundingM ? "only rounding is" : length_text(allowed_m) + " are") +
-         " allowed";
+         "; " +
+         (allowed_m < kRoundingM ? "no extra depth is allowed beyond rounding"
+                                 : length_text(allowed_m) + " are allowed");
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
@@ -174,8 +175,8 @@ std::string advice_of(const Report& report, const command::Verdict& verdict) {
   const Violation& worst = worst_of(report.checked);
   if (worst.out_of_time) return "give a longer --time, or check a part of the path";
   if (worst.unsettled_seat) {
-    return report.exact ? "close one of the two meshes there and bake again, or accept the seat "
-                          "with --felt-seat"
+    return report.exact ? "close all open edges of one of the two meshes and bake again, or accept "
+                          "the seat with --felt-seat"
                         : "check the seat with --exact, or accept it with --felt-seat";
   }
   const std::string mend = seat_mend(report);

@@ -101,7 +101,7 @@ study 0 "${bore[@]}" -o boreauto
 grep -q '^\$' out.txt && fail "auto chooses again: $(cat out.txt)"
 study 0 'bore.json#pin' --plan --clearance 1mm -o plan --json plan.json
 [ ! -e plan/report.html ] || fail "--plan leaves a page"
-grep -q '^smallest play measured: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *fits down to ' out.txt || fail "the plan: $(cat out.txt)"
+grep -q '^smallest play measured: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
 python3 - <<'END' || fail "the same answer at each size: $(cat bore*/verdict.txt)"
 import csv, json, re
 from bore import PLAY_MM
@@ -128,7 +128,7 @@ END
 # Where an answer stays open, smaller voxels are tried, and the verdict says where that ends.
 if [ -x "$bin/voxplan" ]; then
   study 6 'gearbox.glb#Cover' --clearance 1mm --time 2s -o open --json open.json
-  grep -q '^  the answer is still open at the smallest size of .* mm: .*smaller voxels ' open/verdict.txt || fail "no limit: $(cat open/verdict.txt)"
+  grep -q '^  the answer is still open at the smallest size, .* mm: .*smaller voxels ' open/verdict.txt || fail "no limit: $(cat open/verdict.txt)"
   python3 - <<'END' || fail "refined: $(cat open.json)"
 import json
 report = json.load(open("open.json"))
@@ -230,7 +230,7 @@ study 6 'gearbox.glb#Cover' --voxel-size 3mm --path up.csv --clearance 1mm -o gi
 grep -q 'class="verdict no"><strong>Does not come out, straight along +z</strong>' given/report.html || fail "the page of what is not clear"
 grep -q 'goes [0-9.]* mm deep into Gearbox/Lid/Bolt' given/report.html && grep -q '<td>[0-9.]* mm deep</td>' given/report.html || fail "the page does not say what is wrong"
 study 6 'bore.json#pin' --voxel-size 3mm --path up.csv --clearance 1mm -o given --files-alone
-grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>undecided in contact</td>' given/report.html ||
+grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>in contact, overlap not known</td>' given/report.html ||
   fail "the page does not say that the seat is not settled"
 grep -q '; leave out --files-alone: the meshes may decide; see given/report\.html$' err.txt || fail "no way on without the meshes: $(cat err.txt)"
 
@@ -267,7 +267,7 @@ grep -q 'warning: the surface is not a closed solid, with 3 open edges' err.txt 
 grep -q '^Comes out, straight along +z: slides along floor for the first 1 mm, otherwise stays 1[0-9.]* mm away or more (measured to floor, ' stood/verdict.txt &&
   grep -q '^  in its seat, the part never goes deeper than installed$' stood/verdict.txt || fail "an open part on a closed floor: $(cat stood/verdict.txt)"
 study 6 'leaky.json#open' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o leaky
-grep -q '; close one of the two meshes there, and repeat the study; see leaky/report\.html$' err.txt ||
+grep -q '; close all open edges of one of the two meshes, and repeat the study; see leaky/report\.html$' err.txt ||
   fail "no way on from two open meshes: $(cat err.txt)"
 # A wall that is exactly as far away as required is no object of the seat: the part may not come nearer to it.
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,0\n1,0.1,0,0\n2,0.1,0,60\n' >toward.csv
@@ -279,7 +279,7 @@ grep -q ' and passes wall with a gap of 0\.9 mm for the first ' walled/verdict.t
 python3 -c 'import json; assert json.load(open("leaky/verdict.json"))["exit_status"] == 6 and json.load(open("walled/verdict.json"))["exit_status"] == 0' ||
   fail "the status in a report of a study"
 study 0 'press.json#thick' --pull 0,0,100mm --no-pictures -o press
-grep -q '^Comes out, straight along +z: slides along plate, overlapping by 0\.3 mm as installed, for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
+grep -q '^Comes out, straight along +z: slides along plate, overlapping by 0\.3 mm when installed, for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
   grep -q '^  where the part is installed, it overlaps plate by 0\.3 mm$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
 if [ -x "$bin/voxplan" ]; then
   study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
@@ -290,7 +290,7 @@ if [ -x "$bin/voxplan" ]; then
   python3 - <<'END' || fail "refined where the part is installed: $(cat apart_report.json)"
 import json
 report = json.load(open("apart_report.json"))
-assert report["voxel_sizes_tried"] == [{"voxel_size_m": 2e-4, "open": "too little was proven where the part is installed"}], report["voxel_sizes_tried"]
+assert report["voxel_sizes_tried"] == [{"voxel_size_m": 2e-4, "open": "the proven clearance of the installed part is too small"}], report["voxel_sizes_tried"]
 assert report["voxel_size_m"] == 1e-4 and report["sentence"].startswith("Comes out, ") and "stays 0.58 mm away" in report["sentence"], report["sentence"]
 END
 fi

@@ -81,7 +81,7 @@ TEST(StudyVoxels, NoChoiceTakesMoreThanIsAllowed) {
                 choice.first_m == look.voxel_size_m);
     if (play.object.empty()) continue;
     const bool fits = cost_at(look, choice.last_m).fits_m <= play.play_m * (1 + 1e-6);
-    ASSERT_TRUE(fits || choice.why_last != "the part then fits into the smallest play");
+    ASSERT_TRUE(fits || choice.why_last != "small enough for the smallest play");
   }
 }
 

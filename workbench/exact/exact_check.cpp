@@ -486,7 +486,7 @@ class ExactCheck {
       const double from_s = seated[0], to_s = seated[1];
       const bool begins = from_s <= path_.time_s({0, 0});
       const bool ends = to_s >= rows_.back().time_s && (!begins || is_end_installed());
-      begin_stage(ExactStop::kClearance, "measuring the end of the seat");
+      begin_stage(ExactStop::kClearance, "measuring when the part is in its seat");
       leaving_.tell([this](double fraction) { show(fraction); });
       // Far enough for what follows to be proven from its first piece on.
       const double left_m = request_.required_m + margin_m_ + kTravelM;
@@ -586,7 +586,7 @@ class ExactCheck {
   void add_seat(ExactAnswer& answer) {
     if (request_.seated.empty() || request_.seat.empty()) return;
     for (const std::uint32_t object : request_.seat) {
-      begin_stage(ExactStop::kInstalled, "measuring the overlap as installed", object);
+      begin_stage(ExactStop::kInstalled, "measuring the overlap of the installed part", object);
       const Other& other = other_of(object);
       if (!other.surface.triangles.empty()) settle(object, other, answer);
     }

@@ -86,7 +86,7 @@ forcelayer::Status check_folder(const forcelayer::study::Options& options) {
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Lists the commands; with study, uses them to check a part of an assembly",
+  CLI::App app{"Lists the commands. The subcommand study uses them to check a part of an assembly",
                "forcelayer"};
   CLI::App* const made = app.add_subcommand(
       "study", "bake scene and part, find, run or check a path, and write a page with the verdict");

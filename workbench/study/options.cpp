@@ -74,10 +74,11 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--pull", options_.pull,
                    "x,y,z: displacement by which a simulated hand pulls the part, instead of a "
                    "path, such as 0,0,60mm");
-  study.add_option("--time", options_.time,
-                   "time limit of the search for a path (without --path and --pull), and roughly "
-                   "of the bakes with --voxel-size auto; default 60s. If you give "
-                   "--time, each check between the meshes also ends after this time");
+  study.add_option(
+      "--time", options_.time,
+      "time limit of the search for a path (without --path and --pull); default 60s. With "
+      "--voxel-size auto, it also limits the bakes roughly. If you give --time, each "
+      "check between the meshes also ends after this time");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
   study.add_option(
@@ -99,8 +100,10 @@ OptionParser::OptionParser(CLI::App& study) {
                    "unit of the meshes (mm, cm, m, in, ...): required if the format defines no "
                    "unit; otherwise it replaces the unit of the format");
   study
-      .add_option("--up", options_.up,
-                  "y keeps the axes of glTF files, which are y-up, as voxelize does (default z)")
+      .add_option(
+          "--up", options_.up,
+          "y keeps the axes of glTF files, which are y-up; z turns them so that z is up, as in "
+          "voxelize (default z)")
       ->check(CLI::IsMember({"z", "y"}));
   study.add_flag(
       "--files-alone", options_.files_alone,

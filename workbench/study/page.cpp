@@ -157,7 +157,7 @@ std::string violations_table(const Json& violations) {
     }
     if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
     if (v.value("object_inside", false)) how = "the object lies inside the part";
-    if (v.value("seat_not_settled", false)) how = "undecided in contact";
+    if (v.value("seat_not_settled", false)) how = "in contact, overlap not known";
     if (v.value("graze", false)) how += ", too close to call";
     const bool is_placed = !v.value("seat_not_settled", false);
     table += "<tr><td>" + along(v["from_m"]) + "</td><td>" + along(v["to_m"]) + "</td><td>" + how +

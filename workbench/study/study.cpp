@@ -682,10 +682,10 @@ Status Study::choose_voxel_size() {
       break;
     }
     const std::string open =
-        answered ? open_answer() : "too little was proven where the part is installed";
+        answered ? open_answer() : "the proven clearance of the installed part is too small";
     if (open.empty() || is_last) break;
     if (answered) answered_size = voxel_size_;
-    steps_.say("smaller voxels follow: " + open + "\n");
+    steps_.say("trying smaller voxels, because " + open + "\n");
     tried_.push_back({{"voxel_size_m", size_m}, {"open", open}});
     size_m = next_m;
   }
@@ -770,7 +770,7 @@ void Study::note_voxel_size() {
   }
   text_ += "  " + play_text(play_) + "\n  " + line + "\n";
   if (open_answer().empty() || !no_finer_.empty()) return;
-  text_ += "  the answer is still open at the smallest size of " +
+  text_ += "  the answer is still open at the smallest size, " +
            command::length_text(choice_.last_m) + ": " + choice_.why_last + "\n";
 }
 
@@ -892,7 +892,8 @@ std::string Study::advice() const {
   };
   if (any("out_of_time")) return "give a longer --time";
   if (options_.files_alone) return "leave out --files-alone: the meshes may decide";
-  if (any("seat_not_settled")) return "close one of the two meshes there, and repeat the study";
+  if (any("seat_not_settled"))
+    return "close all open edges of one of the two meshes, and repeat the study";
   return "";
 }
 

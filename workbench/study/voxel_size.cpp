@@ -95,7 +95,7 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
   const Bound clearance{
       question.required_m / kClearanceVoxels,
       "with smaller voxels the check does not reach as far as the required clearance"};
-  const Bound fits{play.play_m * s / look.fits_m, "the part then fits into the smallest play"};
+  const Bound fits{play.play_m * s / look.fits_m, "small enough for the smallest play"};
   const Bound part{question.part_m / kPartVoxels, "a hundredth of the part's size"};
   const Bound wish = fits.size_m < part.size_m ? fits : part;
   const Bound lowest = larger_of(
@@ -148,8 +148,8 @@ std::vector<SizeCost> sizes_of(const SizeChoice& choice, const SizeCost& look) {
 }
 
 std::string table_of(const std::vector<SizeCost>& sizes) {
-  std::string table = text("%10s %14s %10s %10s %14s\n", "voxel", "fits down to", "points",
-                           "memory", "time, 1 core");
+  std::string table = text("%10s %14s %10s %10s %14s\n", "voxel", "play needed", "points", "memory",
+                           "time, 1 core");
   for (const SizeCost& size : sizes) {
     table += text("%7.4g mm %11.3g mm %10.0f %7.3g MB %12.2g s\n", 1e3 * size.voxel_size_m,
                   1e3 * size.fits_m, size.points, 1e-6 * size.bytes, size.thread_s);

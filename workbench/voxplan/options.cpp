@@ -46,9 +46,10 @@ OptionParser::OptionParser(CLI::App& app)
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. A path is written only if the meshes "
                   "prove it, as in voxcheck --exact; repeatable");
-  app.add_option("--time", time_,
-                 "time after which the search ends; default 60s. A path that is found may take as "
-                 "long again to be checked");
+  app.add_option(
+      "--time", time_,
+      "time limit of the search; default 60s. The check of a path that is found may take as "
+      "long again");
   app.add_option("--seed", options_.seed,
                  "seed of the random numbers; another seed finds another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));

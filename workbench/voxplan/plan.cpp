@@ -67,12 +67,13 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
         (object.empty() ? "an object" : escaped(object)) + " lies inside the part at this pose",
         "bake the scene without that object (--without), or check the pose"};
   }
-  return Error{ErrorCode::kUsage, "", option,
-               command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
-                             object.empty() ? "the scene" : escaped(object).c_str(),
-                             std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
-               "use a smaller --clearance, --allow that object, or bake with smaller voxels; for "
-               "objects of the seat the files prove up to 1.7 voxels less than the real distance"};
+  return Error{
+      ErrorCode::kUsage, "", option,
+      command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
+                    object.empty() ? "the scene" : escaped(object).c_str(),
+                    std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
+      "use a smaller --clearance, --allow that object, or bake with smaller voxels; the proven "
+      "distance to an object of the seat is up to 1.7 voxels below the real distance"};
 }
 
 // The first of the worst poses of a path that is not proven clear, of the centroid frame.
@@ -97,7 +98,7 @@ Result<std::unique_ptr<exact::SeatMeshes>> seat_of(const Problem& problem, const
                "no path found: the part touches " +
                    voxcheck::listed_names(problem.scene, seat->never_settled()) +
                    ", and neither of the two meshes is closed, so the meshes cannot prove a path",
-               "close one of the two meshes, or search without --exact"};
+               "close all open edges of one of the two meshes, or search without --exact"};
 }
 
 }  // namespace

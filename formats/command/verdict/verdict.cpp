@@ -91,7 +91,7 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   std::string line;
   if (!slide.objects.empty()) line = "slides along " + listed(slide.objects);
   if (slide.overlap_m > 0) {
-    line += ", overlapping by " + length_text(slide.overlap_m) + " as installed,";
+    line += ", overlapping by " + length_text(slide.overlap_m) + " when installed,";
   }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +

@@ -110,9 +110,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
       ->allow_extra_args(false);
   app.add_option("--only", options_.only, "show only this object; repeatable")
       ->allow_extra_args(false);
-  app.add_option(
-         "--color", texts_.color,
-         "color of the scene's meshes: one, or object, which gives each object its own color")
+  app.add_option("--color", texts_.color,
+                 "colors of the scene's meshes: one (the same for all) or object (one for each)")
       ->check(CLI::IsMember({"one", "object"}))
       ->capture_default_str();
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
@@ -127,12 +126,12 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
       "--frame-times", options_.frame_times,
       "turn the scene once in the window, write the frame times to this file (JSON), and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; by default the focus fills the picture")
+                 "scale of the picture; by default, what --focus names fills the picture")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
                  "x0,y0,z0 (part), x1,y1,z1 (scene): draw the distance between these points");
   app.add_option("--measure-object", texts_.measure_object,
-                 "name of the object at the second point, which gets its own color");
+                 "name of the object at the second point; this object gets its own color");
   app.add_option("--measure-words", texts_.measure_words,
                  "text beside the distance; default: its length");
   app.add_option("--title", options_.title, "a line of text above the picture; repeatable")

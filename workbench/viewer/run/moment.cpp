@@ -118,7 +118,7 @@ std::vector<std::string> describe(const Moment& moment) {
   }
   if (moment.other_files) {
     lines.push_back(
-        "the run has other counts at this moment, because it used other files or --seat");
+        "these counts differ from the run's, because the run used other files or another --seat");
   }
   return lines;
 }
