@@ -365,10 +365,7 @@ std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::Mesh
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) {
-    command::wipe_progress_line();
-    std::fprintf(stderr, "voxelize: warning: %s\n", escaped(warning).c_str());
-  }
+  for (const std::string& warning : warnings) command::print_warning(warning);
 }
 
 // The plan reads the meshes and does not use the cache.

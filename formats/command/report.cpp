@@ -11,6 +11,7 @@
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report_path.h"
+#include "formats/command/shared_warnings.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/named_file.h"
@@ -98,11 +99,16 @@ Status write_report(const std::string& path, const Json& report) {
 
 void note_warning(const std::string& text) { begun.warnings.push_back(text); }
 
+void print_warning(const std::string& text) {
+  const std::string line = escaped(text);
+  if (!is_new_warning(line)) return;
+  wipe_progress_line();
+  std::fprintf(stderr, "%s: warning: %s\n", program_invocation_short_name, line.c_str());
+}
+
 void warn(const std::string& text, bool quiet) {
   note_warning(text);
-  if (quiet) return;
-  wipe_progress_line();
-  std::fprintf(stderr, "%s: warning: %s\n", program_invocation_short_name, escaped(text).c_str());
+  if (!quiet) print_warning(text);
 }
 
 const std::vector<std::string>& noted_warnings() { return begun.warnings; }

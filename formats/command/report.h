@@ -31,7 +31,11 @@ void note_warning(const std::string& text);
 // Those that were noted.
 const std::vector<std::string>& noted_warnings();
 
-// Prints a warning on stderr, unless `quiet`, and notes it.
+// Prints a warning on stderr. Among programs that share their warnings (shared_warnings.h) the
+// first prints it.
+void print_warning(const std::string& text);
+
+// Prints it, unless `quiet`, and notes it.
 void warn(const std::string& text, bool quiet);
 
 // Writes the error and its exit status into the report that was begun, beside what stands in it

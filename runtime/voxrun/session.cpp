@@ -8,6 +8,7 @@
 #include "formats/command/command.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/provenance.h"
+#include "formats/command/report.h"
 #include "formats/command/text.h"
 #include "formats/path/path_file.h"
 #include "runtime/guard/seat.h"
@@ -251,7 +252,7 @@ void print(const std::string& text) {
 
 void print_warnings(const RunFacts& facts, std::size_t first) {
   for (std::size_t i = first; i < facts.warnings.size(); ++i) {
-    std::fprintf(stderr, "voxrun: warning: %s\n", escaped(facts.warnings[i]).c_str());
+    command::print_warning(facts.warnings[i]);
   }
 }
 

@@ -27,6 +27,13 @@ for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do
   grep -q "^  $name " list.txt || fail "$name is not listed"
 done
 
+# Each step that reads a file of odd units notes that in its report. It is printed once.
+study 0 'gearbox.glb#Pin' --units cm --voxel-size 0.01mm --pull 0,0,0.6mm --clearance 0.01mm --no-pictures -o scaled
+[ "$(grep -c 'warning: .* is read as ' err.txt)" = 1 ] || fail "not one warning: $(cat err.txt)"
+for report in scene part check; do
+  grep -q ' is read as ' scaled/$report.json || fail "the warning is not in $report.json"
+done
+
 # A pin that is pulled out; what is finished is not done again.
 pin=('gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm)
 study 0 "${pin[@]}" -o pin --json pin.json

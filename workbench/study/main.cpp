@@ -9,6 +9,7 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
+#include "formats/command/shared_warnings.h"
 #include "workbench/study/options.h"
 #include "workbench/study/study.h"
 
@@ -128,6 +129,7 @@ int main(int argc, char** argv) {
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     if (Status s = check_folder(*options); !s) return s;
     command::stop_programs_on_signals();
+    command::share_warnings();  // several steps read the same meshes
     const Status ended = study::make_study(*options);
     const int stopped = command::stop_signal();
     if (stopped == 0 || ended || ended.error().code == ErrorCode::kAnswerIsNo) return ended;
