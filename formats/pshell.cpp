@@ -45,12 +45,12 @@ void check_mass_fields(const PshellHeader& h, FieldChecks& checks) {
   checks.require(h.mass_source <= static_cast<std::uint32_t>(MassSource::kArea),
                  offsetof(PshellHeader, mass_source), "mass_source", "is not a known mass source");
   checks.require(is_finite_not_negative(h.area_m2), offsetof(PshellHeader, area_m2), "area_m2",
-                 "is not a finite area");
+                 "must be finite and not negative");
   const bool from_volume = h.mass_source == static_cast<std::uint32_t>(MassSource::kVolume);
   checks.require(std::isfinite(h.volume_m3) && (from_volume ? h.volume_m3 > 0 : h.volume_m3 == 0),
                  offsetof(PshellHeader, volume_m3), "volume_m3",
                  from_volume ? "is not a positive, finite volume"
-                             : "must be zero, because the mass comes from the area");
+                             : "must be zero, because the mass is computed from the area");
   for (std::size_t i = 0; i < h.inertia_m2.size(); ++i) {
     const double moment = h.inertia_m2[i];
     checks.require(i < 3 ? is_finite_not_negative(moment) : std::isfinite(moment),
@@ -142,7 +142,7 @@ Status check_points(const PshellView& v, double bounding_radius_m, std::string_v
     case PointFault::kNormal:
       return entry_error(name, "normals", checked.bad, "the normal is not of unit length");
     case PointFault::kWeight:
-      return entry_error(name, "weight", checked.bad, "the weight is not a finite area");
+      return entry_error(name, "weight", checked.bad, "the weight must be finite and not negative");
     case PointFault::kCone:
       return entry_error(name, "normal cones", checked.bad, "the cosine is not between -1 and 1");
     case PointFault::kSides:
@@ -183,8 +183,9 @@ Status check_losses(std::span<const DistanceLoss> losses, std::string_view name)
   for (std::size_t i = 0; i < losses.size(); ++i) {
     const DistanceLoss& own = losses[i];
     if (!(std::isfinite(own.distance_m) && own.loss_m >= 0 && own.loss_m <= own.distance_m)) {
-      return entry_error(name, "losses", i,
-                         "the distance must be finite, and the loss from zero to this distance");
+      return entry_error(
+          name, "losses", i,
+          "the distance must be finite, and the loss must be between zero and the distance");
     }
     if (i > 0 &&
         !(own.distance_m > losses[i - 1].distance_m && own.loss_m <= losses[i - 1].loss_m)) {

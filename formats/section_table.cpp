@@ -196,11 +196,15 @@ Status check_identity(const PlacedEntry& placed, std::span<const SectionEntry> t
     return placed.error(name, "sections are not in ascending order of id");
   }
   const std::uint32_t wanted = placed.rule ? placed.rule->element_bytes : entry.element_bytes;
-  if (entry.element_bytes != wanted || wanted == 0 || entry.bytes % wanted != 0) {
-    return placed.error(name, "must have whole elements of " + std::to_string(wanted) +
-                                  " bytes, but has " + std::to_string(entry.bytes) +
-                                  " bytes in elements of " + std::to_string(entry.element_bytes) +
+  if (entry.element_bytes != wanted) {
+    return placed.error(name, "has elements of " + std::to_string(entry.element_bytes) +
+                                  " bytes, but must have elements of " + std::to_string(wanted) +
                                   " bytes");
+  }
+  if (wanted == 0 || entry.bytes % wanted != 0) {
+    return placed.error(name, "has " + std::to_string(entry.bytes) +
+                                  " bytes, which is not a whole number of elements of " +
+                                  std::to_string(wanted) + " bytes");
   }
   return {};
 }

@@ -33,7 +33,8 @@ void check_encoding_fields(const VoxmapHeader& h, FieldChecks& checks) {
   checks.require(h.force_depth_m <= h.zero_force_m, offsetof(VoxmapHeader, force_depth_m),
                  "force_depth_m", "is more than zero_force_m");
   checks.require(!has_standoff(h) || has_distances(h), offsetof(VoxmapHeader, offset_layers),
-                 "offset_layers", "must not be zero in the Euclidean metric without distances");
+                 "offset_layers",
+                 "must not be zero in the Euclidean metric if no distances are stored");
   checks.require(!has_standoff(h) ||
                      interior_radius_m(h) / h.voxel_size_m >= kMinInteriorVoxels - kRoundingVoxels,
                  offsetof(VoxmapHeader, zero_force_m), "zero_force_m",
@@ -256,10 +257,11 @@ Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
     const float largest = i == 0 ? 0.0f : kMaxComplianceN;
     const double steep_n = kMaxComplianceNPerM * h.distance_quantum_m;
     if (forces[i] >= smallest && forces[i] <= largest && forces[i] - smallest <= steep_n) continue;
-    return Error{ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
-                 i == 0 ? "is not 0, but the force must begin at the zero-force surface"
-                        : "is below the entry before it, above 1e6 N, or steeper than 1e12 N/m",
-                 "bake or copy it again"};
+    return Error{
+        ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
+        i == 0 ? "is not 0, but the force must begin at the zero-force surface"
+               : "is less than the force before it, is above 1e6 N, or rises by more than 1e12 N/m",
+        "bake or copy it again"};
   }
   if (!(forces.back() > 0)) return wrong("has no force at any depth");
   return {};

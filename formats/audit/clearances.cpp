@@ -173,7 +173,7 @@ class ClearanceAudit {
     if (effort_.is_spent()) return;
     bad_ = untrue(name_, "free box of " + std::to_string(edge) + " voxels at " + voxel_text(low),
                   "the clearance " + std::to_string(clearance) + " is wrong: " +
-                      (known ? "a voxel within that distance is not free"
+                      (known ? "a voxel that is not free is within that distance"
                              : "a cropped side of the scene is within that distance"));
   }
 

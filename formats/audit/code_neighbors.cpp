@@ -170,9 +170,10 @@ class NeighborAudit {
           !(is_known_at(low, x - dx, y - dy, z - dz) && is_known_at(low, x + dx, y + dy, z + dz))) {
         continue;
       }
-      return refuse(low, x, y, z,
-                    " contradicts the codes " + code_text(a) + " and " + code_text(b) +
-                        " of the voxels on both sides: these two voxels are too far from the mesh");
+      return refuse(
+          low, x, y, z,
+          " contradicts the codes " + code_text(a) + " and " + code_text(b) +
+              " of the voxels on both sides: at least one of them must be nearer to the mesh");
     }
   }
 
@@ -199,7 +200,7 @@ class NeighborAudit {
       }
     }
     refuse(low, x, y, z,
-           " contradicts the neighboring voxels: all of them are too far from the mesh");
+           " contradicts the neighboring voxels: at least one of them must be nearer to the mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {

@@ -126,8 +126,8 @@ class LayerCountAudit {
   Status status() const {
     if (bad_) {
       return untrue(name_, voxel_text(*bad_),
-                    "is interior, but the interior around this voxel is too narrow for " +
-                        std::to_string(header_.offset_layers) + " offset layers");
+                    "is interior, but with " + std::to_string(header_.offset_layers) +
+                        " offset layers the interior around this voxel must be wider");
     }
     return effort_.is_spent() ? Status(strewn(name_)) : Status();
   }

@@ -107,7 +107,7 @@ class LayerAudit {
       const NodeRows::Rows& near = rows_.grown(NodeRows::kInterior, steps_);
       expect_within(
           low, far_from_crop(low, 0), rows_of(near), row(NodeRows::kUpToSurface),
-          "is near enough to an interior voxel for the force layer, but is proximity or free");
+          "is proximity or free, but so near an interior voxel that it must be in the force layer");
       if (all_layers_) {
         expect_within(low, far_from_crop(low, steps_), row(NodeRows::kUpToSurface), rows_of(near),
                       "is in the force layer, but no interior voxel is near enough");

@@ -38,8 +38,8 @@ Status audit_tight_box(const VoxmapHeader& h, const Summary& scene, std::string_
       continue;
     }
     return untrue(name, "header (origin_voxel, dims_voxels)",
-                  "is not the smallest box around the voxels that are not free: along axis " +
-                      std::to_string(axis) + " that box has " + std::to_string(extent) +
+                  "is not the smallest box around all voxels that are not free: along axis " +
+                      std::to_string(axis) + " the smallest box has " + std::to_string(extent) +
                       " voxels and begins at " + std::to_string(low));
   }
   return {};

@@ -127,7 +127,7 @@ Result<double> parse_bare(std::string_view text, std::string_view) {
   const auto split = split_number(text);
   if (!split) return split.error();
   if (split->rest.empty()) return split->number;
-  return usage(quoted(trimmed(text)) + " is not a number without a unit", "leave the unit out");
+  return usage(quoted(trimmed(text)) + " must be a number without a unit", "leave the unit out");
 }
 
 // Adds `unit` to a bare number.
@@ -287,7 +287,7 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds) {
   if (!split || !split->rest.empty()) {
     const bool finite = bool(split);
     return usage(
-        quoted(text) + (finite ? " is not a number without a unit" : " is not a finite number"),
+        quoted(text) + (finite ? " must be a number without a unit" : " is not a finite number"),
         "give a number from " + to_text(bounds));
   }
   if (!(split->number >= bounds.smallest && split->number <= bounds.largest)) {

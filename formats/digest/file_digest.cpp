@@ -76,7 +76,7 @@ Status check_expected(std::span<const std::byte> bytes, std::span<const std::str
   if (std::find(expected.begin(), expected.end(), digest) != expected.end()) return {};
   return Error{ErrorCode::kChecksumMismatch, std::string(name), "",
                "has the SHA-256 " + digest + ", which is not expected",
-               "use the intended file, or also expect this SHA-256"};
+               "use the intended file, or add this SHA-256 to the expected ones"};
 }
 
 }  // namespace forcelayer::digest

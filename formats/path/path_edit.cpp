@@ -110,7 +110,8 @@ Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
     const double radius_m = radius_of_turn_m(from, to, arm_m);
     const double steps = std::max(1.0, std::ceil(turn_rad * std::sqrt(radius_m / (8 * within_m))));
     if (!(static_cast<double>(all.size()) + steps <= double{kMaxPathRows})) {
-      return Error{ErrorCode::kUsage, "", "", "the turns about this point need too many poses",
+      return Error{ErrorCode::kUsage, "", "",
+                   "a path that turns about this point needs too many poses",
                    "check the unit of the point"};
     }
     for (double n = 1; n < steps; ++n) {

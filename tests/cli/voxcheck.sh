@@ -355,7 +355,7 @@ assert seat["deepest_m"] <= seat["allowed_m"] < 1e-7, seat
 PYTHON
   # Pushed into its seat: as deep as it goes.
   check 6 opened.vox cover.pshell pushed.csv --clearance 1mm --seat 0,0,0m "${exact[@]}" --json deep.json
-  says '^Does not come out, .*: goes [0-9.]+ mm deep into Gearbox/Housing, which the installed part does not overlap \(too deep at once, worst after '
+  says '^Does not come out, .*: goes [0-9.]+ mm deep into Gearbox/Housing, which the installed part does not overlap \(too deep from the start, worst after '
 
   # Bolt heads of 3 mm: the cover goes through them. The files notice it, and the meshes tell how deep.
   if [ -z "${FORCELAYER_SANITIZED:-}" ]; then  # the same code as above, for minutes

@@ -451,7 +451,7 @@ TEST_P(CInterface, RefusesFilesWhoseFactsAreUntrue) {
   runtime = forcelayer_open(file("floor.vox").c_str(), file("ball.pshell").c_str(), &options, error,
                             sizeof error);
   EXPECT_EQ(runtime, nullptr);
-  EXPECT_NE(std::string(error).find("is wrong: a voxel within that distance is not free"),
+  EXPECT_NE(std::string(error).find("is wrong: a voxel that is not free is within that distance"),
             std::string::npos)
       << error;
 }

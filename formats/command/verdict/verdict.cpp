@@ -72,8 +72,8 @@ std::string finding_position_text(const Verdict& v) {
   const std::string worst = position_text(v, v.nearest.along_m);
   if (!v.begin || short_mm(v.begin->along_m) == short_mm(v.nearest.along_m)) return worst;
   const std::string begin = short_mm(v.begin->along_m);
-  return v.begin->as + (begin == "0" ? " at once, worst " : " from " + begin + " mm on, worst ") +
-         worst;
+  return v.begin->as +
+         (begin == "0" ? " from the start, worst " : " from " + begin + " mm on, worst ") + worst;
 }
 
 // "slides along A and B for the first 51.6 mm", or how near it passes them. Where the answer is no,
@@ -86,7 +86,7 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
         v.required_m > 0 ? length_text(v.required_m) + " away from its seat" : "free of its seat";
     if (begins && ends) return "never gets " + away;
     if (begins) return "gets " + away + " after " + length;
-    return "returns to its seat for " + std::string(ends ? "the last " : "") + length;
+    return "is back in its seat for " + std::string(ends ? "the last " : "") + length;
   }
   std::string line;
   if (!slide.objects.empty()) line = "slides along " + listed(slide.objects);
