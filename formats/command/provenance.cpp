@@ -97,7 +97,7 @@ std::string missing_faces_text(std::string_view provenance) {
   const std::uint64_t count = missing_faces_in(provenance);
   if (count == 0) return "";
   return std::to_string(count) + (count == 1 ? " face is" : " faces are") +
-         " missing from its mesh, and no guarantee covers " + (count == 1 ? "it" : "them");
+         " missing from the mesh, and no guarantee covers " + (count == 1 ? "it" : "them");
 }
 
 }  // namespace forcelayer::command

@@ -17,7 +17,7 @@ std::uint64_t missing_faces_in(std::string_view provenance);
 // and in files of versions that always kept y up.
 std::string up_in(std::string_view provenance);
 
-// "2 faces are missing from its mesh, and no guarantee covers them"; empty where none is missing.
+// "2 faces are missing from the mesh, and no guarantee covers them"; empty where none is missing.
 std::string missing_faces_text(std::string_view provenance);
 
 // The hash of each object that a scene was baked from, and of the part that a shell was. Empty

@@ -29,8 +29,8 @@ class NodeTreeLimit {
   static constexpr std::uint64_t kAlways = 64'000'000, kPerByte = 32, kOfNode = 200;
 
   static constexpr const char* kTooMuch =
-      "has too many nodes, or too long paths, for a file of this size: nested assemblies repeat "
-      "too often, or names are too long";
+      "has too large a tree of nodes for a file of this size: nested assemblies are repeated too "
+      "often, or names are too long";
 
   // Whether so many nodes can be in a file of this size.
   static bool takes(double nodes, std::uint64_t file_bytes) {

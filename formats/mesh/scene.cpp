@@ -118,11 +118,11 @@ Status keep_parts(const NamedFile& named, Manifest& manifest) {
       for (std::size_t i = 0, listed = 0; i < manifest.objects.size() && listed < kListed; ++i) {
         if (manifest.objects[i].name.empty()) continue;
         parts +=
-            (listed++ == 0 ? "name one of its parts, such as " : ", ") + manifest.objects[i].name;
+            (listed++ == 0 ? "use one of the names, such as " : ", ") + manifest.objects[i].name;
       }
       return Error{ErrorCode::kSceneInvalid, named.path, "#" + name,
-                   "no part of this manifest has this \"name\"",
-                   parts.empty() ? "give names to the parts of the manifest" : parts};
+                   "no entry under \"parts\" has this \"name\"",
+                   parts.empty() ? "give a \"name\" to the entries under \"parts\"" : parts};
     }
   }
   std::size_t n = 0;
@@ -196,7 +196,7 @@ Status SceneReader::check_up() const {
   for (const Placing& placing : placings_) {
     if (placing.up.value_or(reading_.up) == up_of(placing.named.path)) continue;
     return Error{ErrorCode::kSceneInvalid, placing.named.path, placing.stated_in,
-                 "another part that uses this file states another \"up\" axis",
+                 "the scene uses this file with two different \"up\" axes",
                  "state the same \"up\" in all parts that use this file"};
   }
   return {};
@@ -368,7 +368,7 @@ Result<Scene> SceneReader::finish() {
   if (!named) return named.error();
   if (scene_.objects.empty() && !scene_.parts_left_out.empty()) {
     return Error{ErrorCode::kMeshEmpty, "", "--without",
-                 "leaves no part of the manifest, and the scene would be empty",
+                 "leaves out all parts of the manifest, so the scene would be empty",
                  "leave out fewer parts, or add a part"};
   }
   // A name that occurs again gets a number: "bolt", "bolt#2", ...

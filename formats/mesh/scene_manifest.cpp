@@ -207,15 +207,16 @@ ManifestObject read_object(const Json& json, const std::string& key,
   if (const Json* up = fields.find("up")) {
     const std::string axis = text(*up, fields.path("up"));
     if (axis != "y" && axis != "z") {
-      throw BadKey{fields.path("up"), "is neither \"y\" nor \"z\"",
-                   "write \"y\" to keep the axes of a glTF file, or leave out this key"};
+      throw BadKey{
+          fields.path("up"), "is neither \"y\" nor \"z\"",
+          "write \"y\" to keep the axes of a glTF file, or \"z\" to turn them so that z is up"};
     }
     object.up = axis == "y" ? Up::kY : Up::kZ;
   }
   object.world_from_object = placement(fields);
   if (is_flat(object.world_from_object)) {
     throw BadKey{fields.path(fields.find("matrix") != nullptr ? "matrix" : "scale"),
-                 "makes the object flat, a line or a point",
+                 "collapses the object to a plane, a line or a point",
                  "to leave the object out, list its name in \"without\""};
   }
   if (const Json* seeds = fields.find("free_seeds"))

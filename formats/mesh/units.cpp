@@ -114,8 +114,8 @@ double vertex_spacing_m(double float_coordinate, const Affine& world_from_mesh) 
 std::optional<std::string> coarse_vertices_warning(double spacing_m, double voxel_size_m) {
   if (!(spacing_m > voxel_size_m / 1000)) return std::nullopt;
   return "the 32-bit coordinates are rounded to steps of " + text_of(spacing_m) +
-         " m, which is more than a thousandth of a voxel; move the mesh toward its origin before "
-         "you export it";
+         " m, which is more than a thousandth of a voxel; move the mesh nearer to the origin "
+         "before you export it";
 }
 
 std::optional<std::string> small_size_warning(const std::string& what, const Box& box_m,

@@ -156,7 +156,7 @@ JSON
   [ "$(names twice)" = "box box#2" ] || fail "two parts of one name: $(names twice)"
   bake fewer double.json --without box
   case " $(names fewer)" in *" box"*) fail "one of two boxes is left: $(names fewer)" ;; esac
-  refuses 3 "--without removes every node with a mesh" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
+  refuses 3 "--without leaves out all nodes of this file that have a mesh" voxelize gearbox.glb --without Gearbox --voxel-size 1mm -o no.vox
 }
 
 check_assembly gearbox.glb
@@ -189,7 +189,7 @@ placed, plain = json.load(open("placed.json")), json.load(open("plain.json"))
 assert max(abs(a - b) for a, b in zip(placed["center_m"], plain["center_m"])) < 1e-8, placed
 assert abs(placed["area_m2"] / plain["area_m2"] - 1) < 1e-6 and abs(placed["volume_m3"] / plain["volume_m3"] - 1) < 1e-6
 END
-refuses 3 'bore.json: #pim: no part of this manifest has this "name"; name one of its parts, such as plate, pin' \
+refuses 3 'bore.json: #pim: no entry under "parts" has this "name"; use one of the names, such as plate, pin' \
   pointshell 'bore.json#pim' --voxel-size 1mm -o no.pshell
 refuses 2 "--output: has no effect with --list" voxelize --list gearbox.glb -o no.vox
 refuses 2 "--list: cannot be combined with --plan" voxelize --list gearbox.glb --plan

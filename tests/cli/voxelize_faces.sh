@@ -42,7 +42,7 @@ expect 0 "" "${vox[@]}" --missing-faces 1 --quiet && mv out.vox scene.vox
 expect 0 "" "${part[@]}" --missing-faces 1 --quiet && mv out.pshell part.pshell
 for file in scene.vox part.pshell; do
   expect 0 "" voxinfo $file --json $file.json
-  grep -q "1 face is missing from its mesh, and no guarantee covers it" out || fail "voxinfo $file: $(cat out)"
+  grep -q "1 face is missing from the mesh, and no guarantee covers it" out || fail "voxinfo $file: $(cat out)"
 done
 # The picture marks what scene and part lack, by their meshes or by what the baked files say.
 if [ -x "$bin/voxview" ] && command -v xvfb-run >tool; then
@@ -115,7 +115,7 @@ expect 0 "" "${vox[@]}" --without bad --sandbox
 cmp -s out.vox bad.vox || fail "--without in a sandbox gives other bytes"
 expect 3 "nearest names are: tray/seam" voxelize tray.step --voxel-size 2mm -o out.vox --without sem --missing-faces 1
 expect 3 "no node of this file is called 'sem'" "${vox[@]}" --without sem
-expect 3 "--without removes all faces of this file; keep at least one part of this file, or do not give the file" "${vox[@]}" --without tray
+expect 3 "--without leaves out all faces of this file; keep at least one part of this file, or do not give the file" "${vox[@]}" --without tray
 printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n' >one.obj
 expect 3 "no file has a node called 'bad'; a file of this format has only one part" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
 expect 0 "" voxelize one.obj tray.step#seam tray.step#cube --units mm --voxel-size 2mm -o out.vox --without bad

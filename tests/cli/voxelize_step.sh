@@ -175,7 +175,7 @@ for more in "" --quiet; do
   timeout 23 "$bin/voxelize" wavy.step --voxel-size 5mm -o no.vox $more 2>err_$more >out &
 done
 wait
-grep -q "is still being read after 20 s: the surfaces are tessellated to 0.05 mm (in a bake, to a hundredth of a voxel); a coarser tessellation is faster" err_ || fail "a slow file: $(cat err_)"
+grep -q "is still being read after 20 s: the deflection is 0.05 mm (in a bake, a hundredth of a voxel); a larger deflection is faster" err_ || fail "a slow file: $(cat err_)"
 grep -q "wavy.step becomes about 3.1 million triangles, which take about 0.57 minutes and up to 6.3 GB" err_ || fail "no forecast: $(cat err_)"
 [ "$(grep -n "becomes about" err_ | cut -d: -f1)" -lt "$(grep -n "is still being read after" err_ | cut -d: -f1)" ] || fail "the forecast came late"
 ! grep -q "becomes about\|is still being read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"

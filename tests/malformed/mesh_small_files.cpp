@@ -173,7 +173,7 @@ TEST(SmallFiles, ManifestsWithAFlatObjectAreRefused) {
       const auto flat = read(rotation + R"("scale": )" + scale);
       ASSERT_FALSE(flat) << scale;
       EXPECT_EQ(flat.error().where, "parts[0].scale");
-      EXPECT_EQ(flat.error().what, "makes the object flat, a line or a point");
+      EXPECT_EQ(flat.error().what, "collapses the object to a plane, a line or a point");
     }
   }
   // The third column is the sum of the others, but for rounding.

@@ -316,11 +316,11 @@ TEST(GltfReader, CountsTheNodesThatAreHidden) {
   using Lines = std::vector<std::string>;
   EXPECT_EQ(warnings("", ""), Lines{});
   EXPECT_EQ(warnings("", "," + hidden),
-            Lines{"the file hides 1 node with a mesh, but hidden meshes are read, too"});
+            Lines{"the file hides the mesh of 1 node, but hidden meshes are read, too"});
   EXPECT_EQ(warnings("," + hidden, ""),
-            Lines{"the file hides 2 nodes with a mesh, but hidden meshes are read, too"});
+            Lines{"the file hides the meshes of 2 nodes, but hidden meshes are read, too"});
   EXPECT_EQ(warnings("," + hidden, "," + hidden),
-            Lines{"the file hides 2 nodes with a mesh, but hidden meshes are read, too"});
+            Lines{"the file hides the meshes of 2 nodes, but hidden meshes are read, too"});
 }
 
 TEST(GltfReader, TellsNodesThatTheDefaultSceneDoesNotHold) {

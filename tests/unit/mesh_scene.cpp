@@ -71,8 +71,8 @@ TEST_F(SceneOfNodes, WithoutSomeOfThem) {
   EXPECT_EQ(names({path_}), (Names{"top/c", "top/d"}));
   reading_.without = {"?"};
   EXPECT_EQ(names({path_}),
-            Names{path_ + ": --without removes every node with a mesh from this file; keep at "
-                          "least one part of this file, or do not give the file"});
+            Names{path_ + ": --without leaves out all nodes of this file that have a mesh; "
+                          "keep at least one part of this file, or do not give the file"});
   reading_.without = {"e"};
   EXPECT_TRUE(names({path_})[0].starts_with(
       "--without: no file has a node called 'e'; the nearest names are: top/a, "));

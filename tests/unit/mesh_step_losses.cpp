@@ -414,9 +414,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
-      "6 loose faces are joined at edges within 0.05 mm of each other. The joined edges lie up to "
-      "0.473 mm from their faces, so the guaranteed distance is 0.473 mm smaller; 3 other edges "
-      "are not joined; check whether an edge is damaged",
+      "6 loose faces are joined where edges are within 0.05 mm of each other. The joined edges lie "
+      "up to 0.473 mm from their faces, which reduces the guaranteed distance by 0.473 mm; 3 other "
+      "edges are not joined; check whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -464,9 +464,10 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   EXPECT_TRUE(facts.closed);
   EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
   ASSERT_EQ(rod->warnings.size(), 1u);
-  EXPECT_NE(rod->warnings[0].find("3 loose faces are joined at edges within 0.1 mm of each other. "
-                                  "The joined edges lie up to 0.001 mm from their faces"),
-            std::string::npos)
+  EXPECT_NE(
+      rod->warnings[0].find("3 loose faces are joined where edges are within 0.1 mm of each other. "
+                            "The joined edges lie up to 0.001 mm from their faces"),
+      std::string::npos)
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing

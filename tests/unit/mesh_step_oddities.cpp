@@ -101,7 +101,8 @@ TEST(StepOddities, AssembliesThatHoldEachOtherTooOftenAreRefused) {
   const auto refused = read_text_as(".step", doubled(40));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kMeshUnsupported);
-  EXPECT_NE(refused.error().what.find("nested assemblies repeat too often"), std::string::npos)
+  EXPECT_NE(refused.error().what.find("nested assemblies are repeated too often"),
+            std::string::npos)
       << to_line(refused.error());
 }
 
@@ -145,8 +146,8 @@ TEST(StepOddities, HiddenBodiesAreReadAndCounted) {
     const auto assembly = read_text_as(".igs", file.text());
     ASSERT_TRUE(assembly) << to_line(assembly.error());
     EXPECT_EQ(assembly->triangle_count(), 12u);
-    EXPECT_TRUE(has_warning(*assembly,
-                            "the file hides 1 entity with faces, but hidden shapes are read, too"));
+    EXPECT_TRUE(has_warning(
+        *assembly, "the file hides the faces of 1 entity, but hidden shapes are read, too"));
   }
 }
 

@@ -201,8 +201,8 @@ void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
   if (not_planar_ > 0) {
     std::ostringstream text;
     text << counted(not_planar_, "polygon") << (not_planar_ == 1 ? " is" : " are")
-         << " not planar, by up to " << largest_deviation_units_
-         << " file units; each was split into triangles in one of several possible ways";
+         << " not planar: corners are up to " << largest_deviation_units_
+         << " file units off a common plane. Other splits into triangles are possible";
     warnings.push_back(text.str());
   }
   if (crossing_ > 0) {

@@ -230,7 +230,7 @@ class GltfReader {
       document_.fail(ErrorCode::kMeshEmpty, "",
                      lines_and_points_ > 0 ? "no triangles in this file, only points or lines"
                      : !nodes_.left_out().empty()
-                         ? "--without removes every node with a mesh from this file"
+                         ? "--without leaves out all nodes of this file that have a mesh"
                          : "no node with a mesh in this file",
                      nodes_.left_out().empty()
                          ? "export a surface mesh"

@@ -109,8 +109,8 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
 
 std::string deflection_text(const std::string& path, const ReadOptions& options) {
   if (!may_crash_its_reader(path) || !(options.deflection_m > 0)) return "";
-  return ": the surfaces are tessellated to " + exact_text(1e3 * options.deflection_m) +
-         " mm (in a bake, to a hundredth of a voxel); a coarser tessellation is faster";
+  return ": the deflection is " + exact_text(1e3 * options.deflection_m) +
+         " mm (in a bake, a hundredth of a voxel); a larger deflection is faster";
 }
 
 constexpr double kMinuteS = 60, kGigabyte = 1e9;

@@ -39,8 +39,9 @@ void TrustOptions::declare(CLI::App& app) {
                     "read each mesh file in a separate process. A crash, a hang or too much memory "
                     "then becomes an error about that file. --sandbox=memory=2GiB,time=30s sets "
                     "the limits for each file (default 8GiB and 5min)");
-  command::add_flag(app, "--allow-outside", allow_outside,
-                    "let a manifest, a glTF or a STEP file name files outside its own folder");
+  command::add_flag(
+      app, "--allow-outside", allow_outside,
+      "let manifests, glTF files and STEP files name files outside their own folders");
 }
 
 Result<AssemblyReader> TrustOptions::reader() const {

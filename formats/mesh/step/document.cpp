@@ -188,7 +188,7 @@ void read_iges_file(const SourceFile& file, std::string_view text, StepDocument&
     document.warnings.push_back(std::move(*names));
   }
   if (const std::uint64_t blanked = count_blanked_iges(reader.WS()); blanked > 0) {
-    document.warnings.push_back(hidden_text(counted(blanked, "entity") + " with faces"));
+    document.warnings.push_back(hidden_text("the faces of " + counted(blanked, "entity")));
   }
   if (const std::string damage = find_iges_damage(reader.WS(), text); !damage.empty()) {
     fail_losses(file, damage, "export the file again, or as STEP");

@@ -63,19 +63,20 @@ std::string remedy(std::string mend, std::span<const MissingPiece> missing,
 void add_face_warnings(const Tessellation& tessellation, const std::string& path,
                        std::vector<std::string>& warnings) {
   if (tessellation.dropped > 0) {
-    warnings.push_back(
-        path + ": " + counted(tessellation.dropped, "face") + " thinner than the deflection " +
-        (tessellation.dropped == 1 ? "is left out: every point of this face is within "
-                                   : "are left out: every point of these faces is within ") +
-        length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
+    warnings.push_back(path + ": " + counted(tessellation.dropped, "face") +
+                       " thinner than the deflection " +
+                       (tessellation.dropped == 1 ? "is left out: all its points are within "
+                                                  : "are left out: all their points are within ") +
+                       length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }
   if (tessellation.sewn > 0) {
     const std::string gap = length_text(std::max(tessellation.sewn_gap_mm, kFinestMm));
     warnings.push_back(path + ": " + counted(tessellation.sewn, "loose face") +
-                       (tessellation.sewn == 1 ? " is" : " are") + " joined at edges within " +
+                       (tessellation.sewn == 1 ? " is" : " are") +
+                       " joined where edges are within " +
                        length_text(tessellation.sewing_tolerance_mm) +
                        " of each other. The joined edges lie up to " + gap +
-                       " from their faces, so the guaranteed distance is " + gap + " smaller" +
+                       " from their faces, which reduces the guaranteed distance by " + gap +
                        (tessellation.open_edges > 0
                             ? "; " + counted(tessellation.open_edges, "other edge") +
                                   (tessellation.open_edges == 1 ? " is" : " are") + " not joined"
@@ -87,15 +88,15 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     const std::string gap = length_text(tessellation.edge_gap_mm);
     warnings.push_back(path + ": an edge lies up to " + gap +
-                       " from its faces, so the guaranteed distance is " + gap +
-                       " smaller; check whether the edge is damaged");
+                       " from its faces, which reduces the guaranteed distance by " + gap +
+                       "; check whether the edge is damaged");
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     const std::string gap = length_text(tessellation.surface_gap_mm);
     warnings.push_back(
         path + ": the triangles of a surface lie up to " + gap +
         " from this surface (allowed: " + length_text(tessellation.wanted_deflection_mm) +
-        "), so the guaranteed distance is " + gap + " smaller");
+        "), which reduces the guaranteed distance by " + gap);
   }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
     warnings.push_back(path + ": surfaces are tessellated to " +

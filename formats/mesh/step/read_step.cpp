@@ -121,7 +121,7 @@ class StepReader {
       fail_read(file_, ErrorCode::kMeshEmpty, "",
                 !missing_.empty()          ? "no face of this file can be read"
                 : to_read.left_out.empty() ? "no faces in this file"
-                                           : "--without removes all faces of this file",
+                                           : "--without leaves out all faces of this file",
                 to_read.left_out.empty() || !missing_.empty()
                     ? "export the file again"
                     : "keep at least one part of this file, or do not give the file");

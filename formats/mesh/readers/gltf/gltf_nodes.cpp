@@ -372,8 +372,8 @@ void GltfNodes::add_warnings(std::vector<std::string>& warnings) const {
   }
   for (std::string& line : odd.lines()) warnings.push_back(std::move(line));
   if (const std::uint64_t hidden = count_hidden(); hidden > 0) {
-    warnings.push_back("the file hides " + counted(hidden, "node") +
-                       " with a mesh, but hidden meshes are read, too");
+    warnings.push_back(std::string("the file hides the ") + (hidden == 1 ? "mesh" : "meshes") +
+                       " of " + counted(hidden, "node") + ", but hidden meshes are read, too");
   }
   const std::uint64_t left_out = document_.count("meshes") - placed.size();
   if (left_out > 0 && document_.file().options.nodes.empty() && left_out_.empty()) {
