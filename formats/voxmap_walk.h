@@ -119,8 +119,8 @@ inline Status check_walk(double steps, std::string_view file) {
   if (steps <= kMaxWalkSteps) return {};
   char what[160];
   std::snprintf(what, sizeof what,
-                "the scene repeats nodes so often that more than %.2g voxels and entries must be "
-                "read",
+                "the scene is too large: more than %.2g voxels and entries must be read (repeated "
+                "nodes are read each time)",
                 kMaxWalkSteps);
   return Error{ErrorCode::kUsage, file, "", what,
                "bake a smaller region (--roi), or with larger voxels"};

@@ -212,7 +212,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
   add_line(text, "  lowest voxel      %" PRId64 " %" PRId64 " %" PRId64 ", at %.9g %.9g %.9g m",
            h.origin_voxel[0], h.origin_voxel[1], h.origin_voxel[2], low[0], low[1], low[2]);
   if (has_standoff(h)) {
-    add_line(text, "  standoff          %.4g mm; stored distances decide where a part may be",
+    add_line(text, "  standoff          %.4g mm; the guard uses stored distances, not voxel values",
              1e3 * h.zero_force_m);
   } else {
     add_line(text, "  offset layers     %u", h.offset_layers);
@@ -221,13 +221,15 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
     add_line(text, "  force             begins %.4g mm off the mesh, in a layer %.4g mm deep",
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
-  add_line(text, "  passable gap      %.4g mm wider than the part, for a part of 2 voxels or more",
+  add_line(text,
+           "  passable gap      %.4g mm wider than the part, if the part is 2 voxels thick or more",
            1e3 * passed_gap_m(h));
   const double separation_m = usual_separation_m(h);
-  add_line(text,
-           "  proven distance   %s in the narrowest passable gap, for the usual covering radius of "
-           "%.4g mm",
-           millimeters(separation_m).c_str(), 1e3 * std::sqrt(3.0) / 2 * s);
+  add_line(
+      text,
+      "  proven distance   %s from scene to part in the narrowest passable gap, if the covering "
+      "radius is %.4g mm (the default)",
+      millimeters(separation_m).c_str(), 1e3 * std::sqrt(3.0) / 2 * s);
   if (has_distances(h)) {
     add_line(text,
              "  distances         from %.4g to %.4g mm in steps of %.3g mm, %" PRIu64 " bytes",
@@ -241,11 +243,12 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
              h.object_count, map.object_counts().brick_bytes);
   }
   if (!map.compliance().empty()) {
-    add_line(text,
-             "  compliance        a contact point feels %.4g N at a depth of %.4g mm, with at most "
-             "%.4g N/m",
-             static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
-             steepest_n_per_m(map));
+    add_line(
+        text,
+        "  compliance        %.4g N on a contact point at a depth of %.4g mm; stiffness at most "
+        "%.4g N/m",
+        static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
+        steepest_n_per_m(map));
   }
   add_line(text,
            "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",
@@ -277,14 +280,16 @@ std::string summary_of_pshell(const Pshell& shell, const std::string& path) {
   add_line(text, "  convex radius     %.9g m, with a gap of %.9g m", h.convex_radius_m,
            h.convex_gap_m);
   const double two_voxels_m = 2 * h.voxel_size_m;
-  add_line(text,
-           "  proven distance   %.6g m from the scene to the part, if all points are %.6g m from "
-           "the scene",
-           surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
+  add_line(
+      text,
+      "  proven distance   %.6g m from the scene to the part, if all shell points are %.6g m or "
+      "more from the scene",
+      surface_distance_bound_m(shell.surface_distance_terms(), two_voxels_m), two_voxels_m);
   add_line(text, "  made for voxels   of %.9g m", h.voxel_size_m);
   add_line(text, "  part deviation    %.6g m", h.part_deviation_m);
   add_missing_faces(text, shell.provenance());
-  add_line(text, "  area, volume      %.6g m2, %.6g m3; mass from the %s", h.area_m2, h.volume_m3,
+  add_line(text, "  area              %.6g m2", h.area_m2);
+  add_line(text, "  volume            %.6g m3; the mass is computed from the %s", h.volume_m3,
            kMassSourceNames[h.mass_source]);
   add_line(text, "  centroid          %.9g %.9g %.9g m", h.center_m[0], h.center_m[1],
            h.center_m[2]);

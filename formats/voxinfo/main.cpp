@@ -118,22 +118,22 @@ int run(int argc, char** argv) {
   app.add_option("FILE", path, "the .vox or .pshell file to describe");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
   app.add_flag("--objects", objects,
-               "list a scene's objects, each with the number of voxels to which it is nearest");
+               "list a scene's objects, and how many voxels have each as nearest object");
   app.add_flag("--quiet", quiet, "print nothing but errors");
   app.require_subcommand(0, 1);
   auto* verify =
       app.add_subcommand("verify",
-                         "check the structure, the checksums and the stated facts of a file. In a "
-                         "scene, the counts, the box and every clearance must be correct, the "
-                         "layers must have no hole, each distance must fit the value of its voxel "
-                         "and the distances around it, and each object must be in the list");
+                         "check the structure, the checksums and the stated facts of a file. Of a "
+                         "scene, also check the voxel counts, the box and the clearances. Layers "
+                         "must have no hole. Each distance must fit its voxel's value and the "
+                         "distances around it. Each object must be in the list of names");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample =
       app.add_subcommand("sample",
                          "read lines `x y z` in meters. Print for each point the value of its "
                          "voxel (0 to 3) and, if the scene stores them, the smallest and largest "
-                         "distance from the mesh in meters and the nearest object. If a line ends "
-                         "with `hint`, its distance was not measured");
+                         "distance from the mesh in meters and the nearest object. In a printed "
+                         "line that ends with `hint`, the distance was not measured");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
@@ -148,10 +148,10 @@ int run(int argc, char** argv) {
   path_command->add_option("-o,--output", of_path.output, "write the path to this CSV file");
   path_command->add_option("--resample", of_path.period,
                            "keep all rows, and add rows between them at this period, such as 1ms");
-  path_command->add_option(
-      "--part", of_path.shell,
-      "measure the path of the centroid of this .pshell part. As in voxcheck, the centroid moves "
-      "straight between rows (default: the path of the frame's origin)");
+  path_command->add_option("--part", of_path.shell,
+                           "measure the path of the centroid of this .pshell part (default: of the "
+                           "frame's origin). As in voxcheck, the centroid moves straight between "
+                           "rows");
   path_command->add_flag("--reverse", of_path.reverse,
                          "reverse the path: from the last pose to the first");
   of_path.of = "part";

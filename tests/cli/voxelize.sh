@@ -92,7 +92,7 @@ done
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500mN,3mm:4N || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
-grep -q 'compliance        a contact point feels 4 N at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
+grep -q 'compliance        4 N on a contact point at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
 python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -139,7 +139,7 @@ done
 grep -q '"layers": 0' report.json || fail "a standoff has no layers"
 "$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
 "$bin/voxinfo" near.vox --json facts.json >facts
-grep -q "standoff          1.3 mm" facts && grep -q "passable gap      2.6 mm wider than the part, for a part of 2 voxels or more" facts && grep -q "in the narrowest passable gap" facts ||
+grep -q "standoff          1.3 mm" facts && grep -q "passable gap      2.6 mm wider than the part, if the part is 2 voxels thick or more" facts && grep -q "in the narrowest passable gap" facts ||
   fail "voxinfo does not say the standoff: $(cat facts)"
 python3 - <<'EOF' || fail "the facts of a standoff"
 import json

@@ -249,7 +249,7 @@ PYTHON
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err
 expect_equal "no warning" "$(cat err)" ""
 "$voxinfo" path pivot.csv --resample 500ms -o about.csv --json about.json >out 2>err
-grep -q "^voxinfo: warning: between the new rows the part's origin moves straight, but voxcheck moves .* add --part" err || fail "origin: $(cat err)"
+grep -q "^voxinfo: warning: in the new rows the part's origin follows straight lines, but .* add --part" err || fail "origin: $(cat err)"
 grep -q 'add --part to match voxcheck' about.json || fail "the report does not warn"
 expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 [ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
@@ -271,12 +271,12 @@ expect_equal "temporaries" "$(find . -name '*.tmp')" ""
 # A file of 3 MB whose nodes repeat one brick 29 billion times: whoever would visit them all refuses.
 "$FORCELAYER_BIN_DIR/make_runtime_files" .
 for call in "export repeated.vox r.csv" "export repeated.vox r.ply" "repeated.vox --objects" "verify repeated.vox"; do
-  expected="2 repeats nodes so often"
+  expected="2 repeated nodes are read"
   [ "$call" = "verify repeated.vox" ] && expected="4 surface_voxels"
   expect_refused "${expected%% *}" "${expected#* }" "$voxinfo" $call
 done
 "$voxinfo" export repeated.vox r.vdb >out 2>err && fail "grids of 15 trillion voxels"
-grep -qE "GB of memory|repeats nodes so often|no OpenVDB" err || fail "r.vdb: $(cat err)"
+grep -qE "GB of memory|repeated nodes are read|no OpenVDB" err || fail "r.vdb: $(cat err)"
 compgen -G 'r.*' && fail "a refused export left a file"
 
 # A signal in the middle of an export.
