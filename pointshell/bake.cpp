@@ -133,7 +133,7 @@ Status check_size(const part::Part& part, const part::MassProperties& mass, doub
                   "coarse for points with this covering radius",
                   part.largest_coordinate);
     return Error{ErrorCode::kBakeTooLarge, "", "", what,
-                 "move the mesh toward its origin, and check --units"};
+                 "move the mesh nearer to this origin, and check --units"};
   }
   const auto farthest = std::max_element(
       part.vertices.begin(), part.vertices.end(), [&](const part::Vec3& a, const part::Vec3& b) {

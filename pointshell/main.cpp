@@ -47,9 +47,10 @@ struct Arguments {
 };
 
 void declare_reading(CLI::App& app, Arguments& arguments) {
-  app.add_option("--without", arguments.without,
-                 "nodes of an assembly to leave out, with all nodes below them (repeatable). Name "
-                 "them as in FILE#Node")
+  app.add_option(
+         "--without", arguments.without,
+         "nodes of an assembly to leave out, with all nodes below them (repeatable). Write a "
+         "node's name as in FILE#Node")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many lost faces in a STEP or IGES file (default 0); no "
@@ -67,7 +68,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
                  "voxel size of the scene in which the part will move, such as 5mm");
   app.add_option("--units", arguments.units,
                  "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if the "
-                 "format defines no unit; otherwise it replaces the unit of the format");
+                 "format defines no unit. If the format defines one, this unit replaces it");
   app.add_option("--method", arguments.method,
                  "surface (default), fast (less time, but more points), or voxel-centers (the "
                  "method of the 1999 paper)")

@@ -91,7 +91,7 @@ std::string sheet_warning(const BakedShell& shell) {
     if (shell.header.mass_source == static_cast<std::uint32_t>(MassSource::kVolume)) return "";
     const std::uint64_t edges = shell.orientation.boundary_edges;
     const std::string where = edges == 0 ? "" : ", with " + mesh::counted(edges, "open edge");
-    return "the surface is not a closed solid" + where + ": mass is taken from the area";
+    return "the surface is not a closed solid" + where + ": the mass is computed from the area";
   }
   std::string text = mesh::counted(sheets.size(), "open sheet") + ": ";
   for (std::size_t n = 0; n < std::min(sheets.size(), kListed); ++n) {
@@ -104,9 +104,8 @@ std::string sheet_warning(const BakedShell& shell) {
   }
   if (sheets.size() > kListed) text += "; ...";
   return text +
-         ". Points of open sheets act on both sides: bake the scene with distances (without "
-         "--kind), "
-         "and run voxrun with --model default. The mass is taken from the area";
+         ". Points of open sheets are two-sided: they need a scene with stored distances (baked "
+         "without --kind), and voxrun --model default. The mass is computed from the area";
 }
 
 double points_over_bound(const PshellHeader& header, double area_m2) {

@@ -29,7 +29,7 @@ Status check_compliance_depth(const BakeOptions& options) {
                  "use larger voxels");
   }
   if (options.range_m > 0 && options.range_m / options.voxel_size_m < layer + 1) {
-    return wrong("range", "must be at least a voxel more than the depth of the compliance",
+    return wrong("range", "must be at least one voxel more than the last depth of the compliance",
                  "leave out --range");
   }
   return {};

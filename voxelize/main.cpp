@@ -69,19 +69,19 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the .vox file to write");
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
-  app.add_option("--units", arguments.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
-                 "otherwise it replaces the unit of the format");
+  app.add_option(
+      "--units", arguments.units,
+      "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. If the "
+      "format defines one, this unit replaces it");
   mesh::declare_up(app, arguments.up);
   app.add_option(
       "--layers", arguments.layers,
       "distance of the force layer from the surface, in layers of voxels, 0 to 30 (default 2)");
   app.add_option(
       "--standoff", arguments.standoff,
-      "distance from the meshes at which the force begins, such as 11mm. It replaces --layers: "
-      "parts pass narrower gaps than with --layers. It must be 0.97 to 30 voxels. With "
-      "--compliance, it must be at least the depth of the compliance plus 0.87 voxels. It needs "
-      "stored distances");
+      "distance from the meshes at which the force begins, such as 11mm. It must be 0.97 to 30 "
+      "voxels, and with --compliance at least the last DEPTH plus 0.87 voxels. Give it instead of "
+      "--layers to let parts pass narrower gaps. It needs stored distances");
   app.add_option(
          "--kind", arguments.kind,
          "full (default): Euclidean layers and stored distances. lean: a smaller file without "
@@ -89,8 +89,8 @@ void declare(CLI::App& app, Arguments& arguments) {
          "the 1999 paper, without distances")
       ->check(CLI::IsMember({"full", "lean", "paper"}));
   app.add_option("--range", arguments.range,
-                 "depth to which distances are stored below the point where the force begins, 2 to "
-                 "32 voxels (default 4 voxels)");
+                 "depth of the stored distances below the surface where the force begins, 2 to 32 "
+                 "voxels (default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
                  "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
                  "(default: the model's own stiffness)");
@@ -101,8 +101,9 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("--mesh-deviation", arguments.mesh_deviation,
                  "how far the meshes may lie from the true surfaces, such as 0.1mm (default 0)");
   app.add_option("--without", arguments.without,
-                 "nodes of an assembly to leave out, with all nodes below them (repeatable). Name "
-                 "them as in FILE#Node, or as a part is named in the manifest")
+                 "nodes of an assembly to leave out, with all nodes below them, or objects of a "
+                 "manifest (repeatable). Write a node's name as in FILE#Node, and an object's name "
+                 "as in the manifest")
       ->allow_extra_args(false);
   app.add_option("--missing-faces", arguments.missing_faces,
                  "accept up to this many lost faces in each STEP or IGES file (default 0); no "
@@ -116,14 +117,14 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "I/N: bake the I-th of N shards of the objects into the cache, and write no file");
   arguments.trust.declare(app);
   app.add_flag("--narrow-passages", arguments.narrow_passages,
-               "report which cavities would open at half the voxel size (slow)");
+               "report which closed cavities would be open at half the voxel size (slow)");
   app.add_option("--threads", arguments.threads, "number of threads (default: all)")
       ->check(CLI::Range(1, 1024));
   app.add_flag("--list", arguments.list,
                "print the tree of each file, with the names for FILE# and --without; bake nothing");
   app.add_flag("--plan", arguments.plan,
-               "print the cost and the narrowest gap at this voxel size, at half and at a quarter "
-               "of it; bake nothing");
+               "print the cost and the narrowest gap that a part can pass, at this voxel size, at "
+               "half and at a quarter of it; bake nothing");
   app.add_option("--json", arguments.json_path, "write a report to this file");
   app.add_flag("--quiet", arguments.quiet, "print nothing but errors");
 }
@@ -345,14 +346,14 @@ void print_narrow_passages(const Bake& bake) {
       const auto center_m = [&](std::int64_t n) { return (static_cast<double>(n) + 0.5) * size_m; };
       std::printf(
           "%s: a cavity of %.3g cm3 is closed only because a passage is narrower than %g mm; "
-          "to open the cavity, give --free-seed %.9gm,%.9gm,%.9gm or half the voxel size\n",
+          "to open the cavity, halve the voxel size or give --free-seed %.9gm,%.9gm,%.9gm\n",
           escaped(object.name).c_str(),
           static_cast<double>(cavity.voxels) * std::pow(size_m * 1e2, 3), size_m * 1e3, center_m(i),
           center_m(j), center_m(k));
     }
   }
   if (found > kMaxLines) std::printf("... and %d more: see --json\n", found - kMaxLines);
-  if (found == 0) std::printf("no cavity opens at half the voxel size\n");
+  if (found == 0) std::printf("no closed cavity would be open at half the voxel size\n");
 }
 
 std::vector<std::string> warnings_of(const mesh::Scene& scene, const cache::MeshSource& meshes,

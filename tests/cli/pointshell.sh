@@ -93,7 +93,7 @@ rm -f "$work"/sheets.*
 # A solid that lacks a face has no volume: its mass is another one, and that is said.
 sed '$d' "$work/box.obj" >"$work/lacking.obj"
 expect 0 "a solid that lacks a face" "$work/lacking.obj" "${out[@]}" --units mm --voxel-size 1mm
-grep -qxF 'pointshell: warning: the surface is not a closed solid, with 4 open edges: mass is taken from the area' "$work/stderr" ||
+grep -qxF 'pointshell: warning: the surface is not a closed solid, with 4 open edges: the mass is computed from the area' "$work/stderr" ||
   fail "nothing of the missing face: $(cat "$work/stderr")"
 expect 0 "a solid" "$work/box.obj" "${out[@]}" --units mm --voxel-size 1mm
 [ ! -s "$work/stderr" ] || fail "a closed solid: $(cat "$work/stderr")"

@@ -126,7 +126,7 @@ TEST(MemoryLimit, NamesTheObjectAndItsStrayVertex) {
   EXPECT_EQ(refused.error().where, "bracket");
   EXPECT_TRUE(
       refused.error().mend.starts_with("correct the stray vertex at (0.00498047, 0.00498047, "
-                                       "-1e+06) m, which is 1e+06 m from the middle"))
+                                       "-1e+06) m (it is 1e+06 m from the object's middle"))
       << refused.error().mend;
 }
 

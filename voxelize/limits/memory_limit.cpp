@@ -110,11 +110,12 @@ std::string culprit_of(const scan::SnappedObject& object, double voxel_size_m) {
   const double max_m = *farthest, half_m = median(distances_m);
   if (!(max_m > kFarAway * half_m)) return "look for a stray vertex, check the units, or ";
   char text[240];
-  std::snprintf(text, sizeof text,
-                "correct the stray vertex at (%.6g, %.6g, %.6g) m, which is %.4g m from the middle "
-                "of the vertices (half of the vertices are within %.4g m of the middle), or ",
-                static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
-                static_cast<double>(at[2]) * unit_m, max_m, half_m);
+  std::snprintf(
+      text, sizeof text,
+      "correct the stray vertex at (%.6g, %.6g, %.6g) m (it is %.4g m from the object's middle, "
+      "but half of the vertices are within %.4g m), or ",
+      static_cast<double>(at[0]) * unit_m, static_cast<double>(at[1]) * unit_m,
+      static_cast<double>(at[2]) * unit_m, max_m, half_m);
   return text;
 }
 
@@ -278,8 +279,8 @@ Status fit_nodes(std::span<const NamedObject> objects, int reach, const NodeByte
   if (largest == nullptr) return {};
   char what[200];
   std::snprintf(what, sizeof what,
-                "at %.4g mm the scene needs more than the %.3g GB of memory that this process can "
-                "have, and this object needs most of it",
+                "with voxels of %.4g mm, the scene needs more than the %.3g GB of memory that this "
+                "process can have, and this object needs the most",
                 voxel_size_m * 1e3, available * 1e-9);
   return Error{ErrorCode::kBakeTooLarge, "", largest->name, what,
                culprit_of(*largest->object, voxel_size_m) + "use larger voxels"};
