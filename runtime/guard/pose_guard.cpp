@@ -54,7 +54,7 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
     if (there.is_barred[i] == 0) continue;
     const std::string object = seat_.name_of(object_of(i));
     return Error{ErrorCode::kUsage, "", "start",
-                 "the part starts away from its seat, but inside " + object + " or nearer to " +
+                 "the part starts outside its seat, and is inside " + object + " or nearer to " +
                      object + " than the guard allows",
                  "start the part clear of the scene (--start), or leave out --seat"};
   }

@@ -35,7 +35,7 @@ constexpr CauseRow kCauses[] = {
      "check the driver's units (meters, radians) and the encoders", true},
     {TripCause::kOverSpeed, "the hand is too fast",
      "check whether the handle slipped out of the hand, or the motors were too strong", false},
-    {TripCause::kNotFinite, "the motion or its wrench is not finite",
+    {TripCause::kNotFinite, "the motion or the wrench is not finite",
      "report this error with a recording (--record)", true},
     {TripCause::kLoopLate, "the loop was late", "see voxrun doctor", false},
     {TripCause::kOutputHeld, "the device or its driver set the motors to zero by itself",

@@ -81,15 +81,14 @@ std::vector<std::string> give_real_time_priority(std::span<std::thread> helpers)
   cpu_set_t cores;
   if (sched_getaffinity(0, sizeof cores, &cores) == 0 &&
       static_cast<std::size_t>(CPU_COUNT(&cores)) <= helpers.size()) {
-    return {"the query's helper threads get no real-time priority: " +
-            std::to_string(helpers.size() + 1) + " threads on " +
-            std::to_string(CPU_COUNT(&cores)) + " cores; use fewer --threads"};
+    return {"helper threads get no real-time priority: " + std::to_string(helpers.size() + 1) +
+            " threads on " + std::to_string(CPU_COUNT(&cores)) + " cores; use a smaller --threads"};
   }
   sched_param parameters{};
   parameters.sched_priority = kPriority - 1;
   for (std::thread& helper : helpers) {
     const int refused = pthread_setschedparam(helper.native_handle(), SCHED_FIFO, &parameters);
-    if (refused != 0) return no_priority(refused, " for the query's helper threads");
+    if (refused != 0) return no_priority(refused, " for helper threads");
   }
   return {};
 }

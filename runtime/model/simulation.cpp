@@ -30,8 +30,8 @@ Status check_sides(const PshellView& shell, const field::ForceField& field) {
   return Error{ErrorCode::kUsage, "", "part",
                std::to_string(count) + " of the part's " + std::to_string(shell.point_count) +
                    " points are on open sheets, which need stored distances",
-               "bake the scene without --kind lean or paper, and use --model default and --force "
-               "distance; or close the open sheets of the part"};
+               "close the open sheets of the part; or bake the scene without --kind lean or paper, "
+               "and use --model default --force distance"};
 }
 
 // The part where it was, at rest, and nothing for the hand.

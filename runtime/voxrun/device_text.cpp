@@ -53,13 +53,12 @@ void add_device_options(CLI::App& app, std::string& text) {
       "default: a hand that feels nothing\n"
       "hid:clutch=N\tclutch, a button from 0 to 31: while it is pressed, the hand moves without "
       "the part. Default 0; also for spacemouse and plugin\n"
-      "hid:scene=N\tbutton that changes to the next scene of --scene-next, or reads the last file "
-      "again; also for spacemouse and plugin\n"
+      "hid:scene=N\tbutton that loads the next file of --scene-next, or the current file again if "
+      "none is left; also for spacemouse and plugin\n"
       "hid:guide=N\tbutton that switches --guide off and on; also for spacemouse and plugin\n"
       "hid:id=ID\tchoose a device: VENDOR:PRODUCT[:SERIAL] in hexadecimal, or /dev/hidrawN; also "
       "for spacemouse\n"
-      "hid:without-watchdog\taccept a device with motors that does not stop by itself; also for "
-      "plugin\n"
+      "hid:without-watchdog\taccept a device whose motors have no watchdog; also for plugin\n"
       "plugin:library=FILE\tthe plugin's shared library\n"
       "plugin:args=TEXT\ttext for the plugin\n"
       "plugin:trust\tlet the plugin write files and start programs\n"
@@ -67,7 +66,7 @@ void add_device_options(CLI::App& app, std::string& text) {
       "position: it sets the position\n"
       "spacemouse:dead-zone=N\tfraction of a full push or twist that counts as rest, default 0.05\n"
       "spacemouse:speed=N\twith control=rate: speed at a full push, m/s, default 0.1; "
-      "turn-speed=N: at a full twist, rad/s, default 1\n"
+      "turn-speed=N: speed at a full twist, rad/s, default 1\n"
       "spacemouse:reach=N\twith control=position: distance at a full push, m, default 0.05; "
       "turn=N: angle at a full twist, rad, default 0.8\n");
 }
@@ -121,13 +120,14 @@ Status read_device(const std::string& text, Options& options) {
   if (control == "position") {
     cap.control = devices::SpaceMouseControl::kPosition;
   } else if (!control.empty() && control != "rate") {
-    return usage("--device", "control '" + control + "' is not known", "give rate or position");
+    return usage("--device", "control '" + control + "' is not known",
+                 "write 'rate' or 'position'");
   }
   if (options.device == "plugin" && options.plugin.empty()) {
-    return usage("--device", "plugin needs the plugin's library", "write plugin:library=FILE");
+    return usage("--device", "the plugin's library is missing", "write plugin:library=FILE");
   }
   if (!options.hand.empty() && options.hand != "firm" && options.hand != "loose") {
-    return usage("--device", "hand '" + options.hand + "' is not known", "give firm or loose");
+    return usage("--device", "hand '" + options.hand + "' is not known", "write 'firm' or 'loose'");
   }
   return take_buttons(buttons, options);
 }

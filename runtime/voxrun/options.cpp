@@ -34,7 +34,7 @@ Status read_pose(const char* option, const std::string& text, Pose& pose) {
 
 Status check_scene_change(const Options& options, const char* asked_by) {
   if (options.as_fast_as_possible) {
-    return usage(asked_by, "needs a clock, because the next scene is read during the run",
+    return usage(asked_by, "needs real time, because the next scene is read during the run",
                  "leave out --as-fast-as-possible");
   }
   if (!options.record.empty() || !options.replay.empty()) {
@@ -61,34 +61,35 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
                     "run without a clock: each frame begins when the previous frame has ended");
   command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the simulated hand");
-  command::add_text(app, "--pull", texts_.pull,
-                    "x,y,z: displacement by which the simulated hand pulls the part straight, "
-                    "instead of --motion, such as 0,0,60mm. The hand first rests for 0.3 s. It "
-                    "then moves at 5 cm/s on average, but for at least two seconds");
+  command::add_text(
+      app, "--pull", texts_.pull,
+      "x,y,z, such as 0,0,60mm: displacement by which the simulated hand pulls the part straight, "
+      "instead of --motion. The hand first rests for 0.3 s. It then moves at 5 cm/s on average, "
+      "but "
+      "for at least two seconds");
   command::add_text(app, "--start", texts_.start,
                     "pose world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the pose of "
                     "the hand, or 0,0,0m without a hand");
-  command::add_text(
-      app, "--seat", texts_.seat,
-      "pose world_from_part in which the part is installed. The part may touch the objects that it "
-      "touches in this pose, until it has left these objects. Default: the start pose");
+  command::add_text(app, "--seat", texts_.seat,
+                    "pose world_from_part in which the part is installed. Until the part has left "
+                    "the objects that it touches in this pose, it may touch them. Default: the "
+                    "start pose");
   command::add_text(
       app, "--grip", texts_.grip,
-      "pose handle_from_part: the part's pose relative to the handle. Default: with --start, this "
-      "pose at the start; otherwise 0,0,0m");
+      "pose handle_from_part: the part's pose relative to the handle. Default: 0,0,0m; with "
+      "--start, the relative pose at the start");
   command::add_text(app, "--world-from-device", texts_.world_from_device,
                     "pose of the device in the scene; default 0,0,0m");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
-      "end with status 6 if one of these happened, repeatable: penetration (always checked), "
-      "contact "
-      "(outside of the seat), outside (beyond the map), seat (not left at the end), held (the part "
-      "did not follow --motion or did not reach the end of --pull)");
+      "end with status 6 if this happened: penetration (always checked), contact (outside of the "
+      "seat), outside (beyond the map), seat (not left at the end) or held (the part did not "
+      "follow --motion or did not reach the end of --pull); repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
-      "FILE or FILE@TIME: a .vox file that replaces the scene during the run, at this time "
-      "(such as 2.5s), when the scene button of --device is pressed, or at the signal SIGUSR1. The "
-      "force fades out and in. Repeatable");
+      "a .vox file that replaces the scene during the run. FILE@TIME: at this time, such as 2.5s. "
+      "FILE: when the scene button of --device is pressed, or at the signal SIGUSR1. The force "
+      "fades out and in. Repeatable");
   command::add_text(
       app, "--guide", options_.guide,
       "a path of the part, such as a path that voxplan wrote. A weak spring pulls the "
@@ -102,8 +103,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "write the part's path, a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
   command::add_text(app, "--replay", options_.replay,
-                    "repeat a recording bit for bit, instead of a device. inputs:FILE: replay only "
-                    "the inputs of the recording, on another bake");
+                    "recording to repeat bit for bit; no device is used. inputs:FILE: replay only "
+                    "the recording's inputs, on another bake");
   command::add_text(app, "--udp", options_.udp,
                     "send the pose stream to [HOST:]PORT[@RATE], RATE datagrams a second, default "
                     "60 (1 to 100000)");
@@ -111,8 +112,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "start even if no separation is guaranteed");
   command::add_choice(
       app, "--after-trip", texts_.after_trip, {"end", "wait", "rearm"},
-      "after the output was set to zero: end the run, wait for the clutch, or "
-      "rearm (only for simulated hands). Default: end, but rearm for sim and replays");
+      "after a trip (output zero), end the run, wait for the clutch, or rearm (only for "
+      "simulated hands). Default: rearm for sim and replays, otherwise end");
   command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
   add_settings(app, texts_.settings);
 }
@@ -208,8 +209,8 @@ Status OptionParser::read_scenes(Options& options) const {
       next = {std::string(text.substr(0, at)), *time_s};
       if (*time_s < last_s) {
         return usage("--scene-next",
-                     "'" + std::string(text) + "' is earlier than the scene before it",
-                     "give the scenes in the order of their times");
+                     "'" + std::string(text) + "' has an earlier time than the previous scene",
+                     "order the scenes by their times");
       }
       last_s = *time_s;
     }
@@ -247,12 +248,12 @@ Status OptionParser::check(const Options& options) const {
     return usage("--motion", "is only for the sim device", "leave out --device");
   }
   if (options.pull_m && (options.device != "sim" || !options.motion.empty())) {
-    return usage("--pull", "needs the sim device and no --motion",
+    return usage("--pull", "is only for the sim device without --motion",
                  "leave out --device and --motion");
   }
   if ((options.fail_on & kFailOnHeld) != 0 && !options.pull_m && options.motion.empty()) {
-    return usage("--fail-on", "held has no effect without --motion or --pull",
-                 "add --motion or --pull, or leave out held");
+    return usage("--fail-on", "'held' has no effect without --motion or --pull",
+                 "add --motion or --pull, or leave out 'held'");
   }
   if (options.start.world_from_seat && options.run.model == Model::kPaper) {
     return usage("--seat", "is only for --model default: the paper's model has no seat",

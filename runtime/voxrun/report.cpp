@@ -350,12 +350,13 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
 // without a seat.
 std::string seated_text(const Scenes& scenes, const RunFacts& facts) {
   if (scenes.seat().empty()) return "";
+  const char* const of_seat = scenes.seat().size() == 1 ? "this object" : "these objects";
   return text(
-      "%s%s\nwhile the part is in its seat, rods and ribs of %s narrower than %.3g mm may pass "
-      "between the part's points, and objects behind the seat are not felt\n",
+      "%s%s\nin the seat, rods and ribs of %s narrower than %.3g mm may pass between the part's "
+      "points, and objects behind %s are not felt\n",
       facts.options.start.world_from_seat ? "the part's seat is on " : "the part is seated on ",
-      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(),
-      scenes.seat().size() == 1 ? "this object" : "these objects", 1000 * narrowest_felt_m(scenes));
+      seat_text(scenes, 0.1 * scenes.parameters().voxel_size_m).c_str(), of_seat,
+      1000 * narrowest_felt_m(scenes), of_seat);
 }
 
 // When the guarantee holds; where nothing is guarded, it is no fact about every frame.

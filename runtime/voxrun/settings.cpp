@@ -33,13 +33,14 @@ constexpr LoopSetting kLoopSettings[kLoopNumbers] = {
      "times this number",
      kMotionScales},
     {"braking", "pre-contact braking of the paper (5.3): 1 is on, 0 is off, default 1", {0, 1}},
-    {"max_speed_mps", "handle speed above which the output trips, m/s, default 5", kMaxSpeedsMps},
+    {"max_speed_mps", "handle's speed (m/s) above which the output trips, default 5",
+     kMaxSpeedsMps},
     {"max_turn_radps",
-     "handle turning speed above which the output trips, rad/s, default 10 rad/m times "
+     "handle's angular speed (rad/s) above which the output trips, default 10 rad/m times "
      "max_speed_mps",
      kMaxTurnsRadps},
     {"stale_s",
-     "the output trips after this time without a device reading or a frame, s, default 0.005",
+     "the output trips if no device reading or no frame comes for this time (s), default 0.005",
      {1e-6, kStaleCeilingS}},
     {"guide_force_n",
      "largest force of --guide, N, default 0.3; the largest torque is 0.02 m times this force",

@@ -69,10 +69,10 @@ bool is_stopped(const std::optional<Pull>& pull, const LoopStatistics& s) {
   return s.touched_last[0].force_n > 0 || (is_short(pull) && s.force_last_n > kPulledN);
 }
 
-// "pulled 60 mm, it went 37.1 mm" where it went less.
+// "the hand pulled 60 mm, the part moved 37.1 mm" where it went less.
 std::string pull_part(const std::optional<Pull>& pull) {
   if (!is_short(pull)) return "";
-  return text("pulled %.4g mm, the part moved %.3g mm", 1e3 * pull->led_m,
+  return text("the hand pulled %.4g mm, the part moved %.3g mm", 1e3 * pull->led_m,
               1e3 * std::max(0.0, pull->went_m));
 }
 
@@ -112,16 +112,14 @@ std::string seat_part(const Scenes& scenes, const std::optional<Pull>& pull,
     return text("seated on %s until %.3f s; then ", seat.c_str(), *s.guarantee_from_s);
   }
   if (s.seated_frames == 0) {
-    return text("the part was never at its seat on %s: no separation from the seat is guaranteed; ",
+    return text("the part was never in its seat: no separation from %s is guaranteed; ",
                 seat.c_str());
   }
   const std::string pulled = pull_part(pull);
-  return text(
-      "seated on %s to the end: the part has not left its seat, and no separation is guaranteed; "
-      "%s%s%s%s; ",
-      seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
-      is_stopped(pull, s) ? "held" : "nothing blocks the part",
-      against(scenes, s.touched_last, true).c_str());
+  return text("the part did not leave its seat on %s, and no separation is guaranteed; %s%s%s%s; ",
+              seat.c_str(), pulled.c_str(), pulled.empty() ? "" : ", ",
+              is_stopped(pull, s) ? "held" : "nothing blocks the part",
+              against(scenes, s.touched_last, true).c_str());
 }
 
 // A coordinate that would be printed as -0 is printed as 0.
@@ -301,7 +299,7 @@ std::string verdict_text(const Scenes& scenes, const Outcome& outcome, const Loo
         printable(s.outside_map_frames), ending(s.outside_map_frames), s.first_outside_map->time_s);
   }
   if (s.barred_frames > 0) {
-    line += text("the part was nearer than the guard allows in %llu frame%s; ",
+    line += text("in %llu frame%s the part was nearer than the guard allows; ",
                  printable(s.barred_frames), ending(s.barred_frames));
   }
   if (is_too_fast(scenes, s)) line += "points may have moved more than half a voxel in a frame; ";

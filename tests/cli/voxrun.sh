@@ -97,7 +97,7 @@ PYTHON
 done
 expect 2 'replaces the device' floor.vox ball.pshell --replay run.flr --device sim:hand=firm
 expect 2 'already sets; with --replay, leave it out' floor.vox ball.pshell --replay run.flr --set motion_scale=2
-expect 2 "--device: hand 'soft' is not known; give firm or loose" floor.vox ball.pshell --device sim:hand=soft
+expect 2 "--device: hand 'soft' is not known; write 'firm' or 'loose'" floor.vox ball.pshell --device sim:hand=soft
 
 # The clock: half a second in real time, neither much less nor more.
 begin=$(date +%s%N)
@@ -137,7 +137,7 @@ for wrong in hid:dead-zone=0.1 hid:library=a.so spacemouse:without-watchdog plug
 done
 expect 5 'a,b:c.so: no such file' floor.vox ball.pshell --device plugin:library=./a,,b:c.so,args=x=1
 expect 2 '--device id: .nonsense. is not a HID device' floor.vox ball.pshell --device hid:id=nonsense
-expect 2 "--device: control 'fast' is not known; give rate or position" floor.vox ball.pshell --device spacemouse:control=fast
+expect 2 "--device: control 'fast' is not known; write 'rate' or 'position'" floor.vox ball.pshell --device spacemouse:control=fast
 expect 2 "--device dead-zone: '1' is outside" floor.vox ball.pshell --device spacemouse:dead-zone=1
 expect 2 "--device clutch: '32' is outside" floor.vox ball.pshell --device hid:clutch=32
 expect 2 '--device: scene is not a whole number' floor.vox ball.pshell --device spacemouse:scene=1.5

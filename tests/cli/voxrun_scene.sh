@@ -156,10 +156,10 @@ refuses() {  # refuses TEXT ARGUMENTS...
   "$bin/voxrun" first.vox part.pshell --motion press.csv "${@:2}" >out 2>err
   [ $? = 2 ] && [ "$(wc -l <err)" = 1 ] && grep -qF -- "$1" err || fail "no '$1': ${*:2}: $(cat err)"
 }
-refuses "--scene-next: needs a clock" --scene-next open.vox --as-fast-as-possible
+refuses "--scene-next: needs real time" --scene-next open.vox --as-fast-as-possible
 refuses "--scene-next: cannot be recorded or replayed" --scene-next open.vox --record run.flr
-refuses "--scene-next: 'open.vox@1s' is earlier than the scene before it" --scene-next plate.vox@2s --scene-next open.vox@1s
-refuses "--device scene: needs a clock" --device hid:scene=1 --as-fast-as-possible
+refuses "--scene-next: 'open.vox@1s' has an earlier time than the previous scene" --scene-next plate.vox@2s --scene-next open.vox@1s
+refuses "--device scene: needs real time" --device hid:scene=1 --as-fast-as-possible
 refuses "--json: is an input of this command" --scene-next open.vox --json open.vox
 # A recording on another bake: the same hand, which the plate no longer holds; not where it begins in metal.
 replay() { "$bin/voxrun" "$1.vox" part.pshell --replay "$2" --as-fast-as-possible "${@:3}" >out 2>err; }

@@ -64,7 +64,7 @@ std::vector<Verdict> many_verdicts() {
         if (up_to(1) == 1) v.finding = "meets Bolt[2], 50% deep";
         if (repeat == 2) {  // of a run, which checks no clearance that was asked for
           v.is_asked = false;
-          v.finding = "pulled 60 mm, the part moved 37.1 mm";
+          v.finding = "the hand pulled 60 mm, the part moved 37.1 mm";
         }
         v.advice = up_to(1) == 1 ? "give --seat 0,0,0m" : "";
         if (!is_yes(kind))

@@ -71,7 +71,7 @@ Result<HidDeviceInfo> find_hid_device(HidBus& bus, const HidSelector& selector,
   if (several) {
     return Error{ErrorCode::kUsage, "", "",
                  "several devices are possible: " + to_text(found[0]) + ", " + to_text(found[1]),
-                 "choose one of them with id=VENDOR:PRODUCT:SERIAL or id=PATH of --device"};
+                 "choose one with id=VENDOR:PRODUCT:SERIAL or id=PATH in --device"};
   }
   return found.front();
 }
