@@ -240,11 +240,11 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
     return Error{
         ErrorCode::kUsage, "", "--seat",
         "the scene names no objects, so it is not known which objects the part is seated on",
-        "bake the scene with voxelize, which names up to 65535 objects"};
+        "bake a scene of at most 65535 objects with voxelize"};
   }
   if (check.cap_voxels() <= kMaxCapVoxels) return {};
   char what[120], mend[120];
-  std::snprintf(what, sizeof what, "is %.0f voxels of this scene, which is too far to search",
+  std::snprintf(what, sizeof what, "is %.0f voxel edges of this scene, too far to search",
                 request.required_m / voxmap.voxel_size_m());
   std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
                 std::ceil(1e5 * request.required_m / (0.9 * kMaxCapVoxels)) / 100);

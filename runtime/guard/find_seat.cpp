@@ -49,7 +49,7 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   if (max_m <= 0) {
     return Error{ErrorCode::kUsage, "", "start",
                  "the part touches " + name_of(object.object) +
-                     ", and the stored distances are not deep enough for a seat",
+                     ", but no distances are stored deep enough for a seat",
                  "bake the scene with a larger --range"};
   }
   char depth[80], largest[80];
@@ -60,9 +60,9 @@ Status SeatRule::check_depth(const SeatObject& object) const {
                 1000 * max_m);
   return Error{
       ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
-      "check --start and the units of both files; if voxelize reports a cavity at the start, "
-      "bake the scene with --free-seed, --narrow-passages or smaller voxels, otherwise "
-      "with a larger --range"};
+      "check --start and both files' units; if voxelize reports a cavity at the start pose, bake "
+      "the scene with --free-seed, --narrow-passages or smaller voxels; if not, with a larger "
+      "--range"};
 }
 
 std::string SeatRule::name_of(std::uint32_t object) const {
@@ -116,9 +116,9 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   for (SeatObject& object : seat.entries()) {
     if (object.runs_through) {
       return Error{ErrorCode::kUsage, "", "start",
-                   name_of(object.object) + " passes through the part at the start pose",
-                   "check --start and the units of both files; if the object may pass through the "
-                   "part, leave it out of the scene"};
+                   name_of(object.object) + " pierces the part at the start pose",
+                   "check --start and the units of both files; if the object may pierce the part, "
+                   "leave it out of the scene"};
     }
     object.overlap_m = -double{object.corner_floor_m};
     const auto floor_m = [&](float min_m) {

@@ -142,7 +142,7 @@ class EnclosedSearch {
     if (!too_many_bricks_) return found_;
     return Error{
         ErrorCode::kUsage, "", "",
-        "the scene has too many details around the part to look for objects inside the part",
+        "cannot look for objects inside the part: the scene around it has too many details",
         "bake the scene with larger voxels"};
   }
 

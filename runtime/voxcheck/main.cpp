@@ -156,10 +156,10 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
   if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
   command::warn(
       command::text(
-          "from %.3f to %.3f s the part turns by %.3g degrees between two rows. voxcheck "
-          "moves the centroid by %.3f mm along a straight line. If the origin of the part's "
-          "frame moves straight instead, the checked positions are up to %.3f mm wrong: add "
-          "rows in between, or give --center 0,0,0m",
+          "between the rows at %.3f and %.3f s the part turns by %.3g degrees. voxcheck moves its "
+          "centroid straight, by %.3f mm. If the origin of the part's frame moves straight "
+          "instead, the checked positions are up to %.3f mm wrong; add rows in between, or give "
+          "--center 0,0,0m",
           rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
           1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);
@@ -236,7 +236,7 @@ int run(int argc, char** argv) {
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox", "--time"}},
        {"Output", {"--report"}}},
-      "  voxcheck bay.vox part.pshell run.csv                      1 mm along a trace\n"
+      "  voxcheck bay.vox part.pshell run.csv                      for 1 mm clearance\n"
       "  voxcheck bay.vox part.pshell path.csv --clearance 3mm --report junit:verdict.xml\n"
       "  voxcheck bay.vox part.pshell path.csv --exact bay.json --part part.obj --units mm");
   tell_failures_in(failure_files(parser.typed(), argc, argv), argc, argv);

@@ -18,18 +18,18 @@ void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::s
                  "nodes that were left out when the scene was baked; repeatable")
       ->allow_extra_args(false);
   app.add_option("--units", options.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
-                 "otherwise it replaces the unit of the format");
-  app.add_option("--part-units", options.part_units, "unit of --part, if it differs");
+                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. "
+                 "If the format defines one, this unit replaces it");
+  app.add_option("--part-units", options.part_units, "unit of --part, if it differs from --units");
   app.add_flag("--allow-outside", options.allow_outside,
-               "let a manifest name meshes outside its own folder");
+               "allow meshes outside the manifest's folder");
   command::add_flag(app, "--sandbox", options.sandbox,
-                    "read each mesh file in a separate process, as voxelize does; "
+                    "read each mesh file in a separate process, as in voxelize; "
                     "--sandbox=memory=2GiB,time=30s sets the limits for a file");
   app.add_option(
       "--seat-depth", seat_depth_,
-      "with --exact: extra depth that the part may go into the objects of its seat, beyond "
-      "its installed depth and the deviations of the meshes; default: 0");
+      "with --exact: how far the part may go into the objects of its seat beyond its installed "
+      "depth and the deviations of the meshes; default: 0");
 }
 
 Status MeshOptionParser::finish(MeshOptions& options) const {

@@ -28,24 +28,24 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
                  "required distance between the exact surfaces, default 1mm");
   app.add_option(
       "--center", center_,
-      "point of the part, x,y,z in the part's frame, that moves straight between two poses of the "
-      "path while the part turns about it, such as 0,0,0m; default: the centroid");
+      "point x,y,z in the part's frame, such as 0,0,0m. Between two poses of the path, this point "
+      "moves straight and the part turns about it; default: the centroid");
   app.add_option(
       "--seat", seat_,
       "pose world_from_part in which the part is installed, x,y,z[,qw,qx,qy,qz]. At the "
       "beginning and at the end of the path, the part may be near the objects that it touches in "
       "this pose");
   app.add_flag("--felt-seat", options_.felt_seat,
-               "accept a seat that the meshes do not prove, if the shell points find nothing "
-               "wrong. Shell points miss thin walls and rods; the report says how thin");
+               "accept a seat that is not settled, if the shell points find nothing wrong. Shell "
+               "points miss thin walls and rods; the report gives their thickness");
   app.add_option("--allow", options_.allow,
                  "object that the part may come near: its name, or the end of its name; * and ? "
                  "are wildcards; repeatable")
       ->allow_extra_args(false);
   command::add_choice(
       app, "--fail-on", options_.fail_on, {"far", "nothing"},
-      "far: also end with status 6 if the part is never near the scene, because the path may be in "
-      "another unit. nothing: end with status 0 for every answer");
+      "far: end with status 6 also if the part is never near the scene, as with a path in a wrong "
+      "unit. nothing: end with status 0 for every answer");
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. The meshes decide where the baked "
                   "files cannot; repeatable");
@@ -59,10 +59,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   command::name_value(
       command::add_texts(
           app, "--report", reports_, '\n',
-          "write a report for another program, repeatable. csv:FILE: the proven "
-          "clearance over time. junit:FILE: the verdict as a test result, XML. "
-          "gitlab:FILE: violations and warnings for a GitLab merge request, JSON. "
-          "github: print violations and warnings, which GitHub shows beside the path file. "
+          "report for another program; repeatable. csv:FILE: the proven clearance over time. "
+          "junit:FILE: the verdict as a test result, XML. gitlab:FILE: violations and warnings for "
+          "a GitLab merge request, JSON. github: violations and warnings as lines that GitHub "
+          "shows beside the path file. "
           "picture:FILE: the worst moment as a PNG, drawn by voxview with the meshes of "
           "--exact"),
       "KIND:FILE");

@@ -80,9 +80,9 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
   if (exact->graze) {
-    return "goes " + length_text(v.depth_m) + " to " +
-           command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep into " +
-           object + ", and " + length_text(seat->allowed_m) + " is allowed";
+    return "is " + length_text(v.depth_m) + " to " +
+           command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep in " + object +
+           ", where " + length_text(seat->allowed_m) + " is allowed";
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
@@ -408,8 +408,8 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
   // Just out of its seat the part is near that. How near it comes to other objects is news.
   const ExactMoment* const beyond = checked.exact != nullptr ? &checked.exact->beyond : nullptr;
   if (r.clear() && beyond != nullptr && beyond->exact_m < kNothingM) {
-    lines.push_back("nearest other object: " + length_text(beyond->exact_m + kDecimalM) +
-                    " measured" + to(beyond->object) +
+    lines.push_back("nearest other object, measured: " + length_text(beyond->exact_m + kDecimalM) +
+                    to(beyond->object) +
                     text(", after %.1f mm", 1e3 * along_m(checked, beyond->time_s)));
   }
   return lines;

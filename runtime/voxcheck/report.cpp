@@ -154,15 +154,14 @@ std::string seat_depth_text(const Report& report) {
   if (deeper(*deepest) <= allowed_m) {
     const std::string depth = ". The largest depth found is " + found + ", into " + object;
     if (!report.options.seat_depth_m) {
-      return "in its seat, the part goes no deeper than installed, as far as the two meshes tell: "
-             "their deviations and cracks leave " +
-             length_text(allowed_m) + " open" + depth;
+      return "in its seat, the part goes no deeper than installed. This is proven to within " +
+             length_text(allowed_m) + ", the deviations and cracks of the two meshes" + depth;
     }
     return "in its seat, the part goes at most " + length_text(allowed_m) +
-           " deeper than installed, as --seat-depth and the deviations of the meshes allow" + depth;
+           " deeper than installed; --seat-depth and the meshes' deviations allow this" + depth;
   }
-  return "in its seat, the part goes at least " + found + " deeper than installed, into " + object +
-         "; " +
+  return "in its seat, the part goes at least " + found + " deeper into " + object +
+         " than installed; " +
          (allowed_m < kRoundingM ? "no extra depth is allowed beyond rounding"
                                  : length_text(allowed_m) + " are allowed");
 }

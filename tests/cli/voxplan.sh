@@ -20,7 +20,7 @@ plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --thread
 grep -qE '^Comes out, .*: slides along Gearbox/Housing.* for the first [0-9.]+ mm, otherwise stays [0-9.]+ mm away or more \((proven to Gearbox/[A-Za-z/]+, after [0-9.]+ of [0-9.]+ mm|nothing is nearer); 2 mm required\)\.$' out.txt || fail "$(cat out.txt)"
 grep -qE '^  found in [0-9.]+ s$' out.txt || fail "$(cat out.txt)"
 grep -qE '^  in its seat from 0\.0 to [0-9.]+ mm along the path \(.* s\): at least 0 mm .* to Gearbox/' out.txt || fail "$(cat out.txt)"
-grep -qE '^  objects less than 6 mm behind an object of the seat or of --allow were not checked; check the path with voxcheck --exact$' out.txt || fail "$(cat out.txt)"
+grep -qE '^  not checked: objects less than 6 mm behind an object of the seat or an allowed one; check the path with voxcheck --exact$' out.txt || fail "$(cat out.txt)"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet --json check.json ||
   fail "by files alone"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --quiet \
@@ -131,7 +131,7 @@ assert best["out_m"] < 0.001 and sorted(best["blocked_by"][:2]) == ["bracket", "
 # Distances that end at the mesh hold no seat.
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 -o shallow.vox --quiet
 plan 2 shallow.vox cover.pshell -o x.csv --clearance 1mm
-errs '--seat: the part touches Gearbox/[^ ]*, and the stored distances are not deep enough for a seat; .* --range$'
+errs '--seat: the part touches Gearbox/[^ ]*, but no distances are stored deep enough for a seat; .* --range$'
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 2mm --layers 5 --range 14mm -o shallow.vox --quiet
 plan 0 shallow.vox cover.pshell -o x.csv --clearance 1mm --quiet
 

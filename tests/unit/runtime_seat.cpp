@@ -198,7 +198,7 @@ TEST(Seat, APlateThroughThePartIsRefused) {
     start.world_from_part = at;
     const auto begun = bench.simulation->begin(start, at);
     if (begun) return true;
-    EXPECT_NE(begun.error().what.find("passes through the part"), std::string::npos)
+    EXPECT_NE(begun.error().what.find("pierces the part"), std::string::npos)
         << to_line(begun.error());
     return false;
   };

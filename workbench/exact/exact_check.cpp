@@ -486,7 +486,7 @@ class ExactCheck {
       const double from_s = seated[0], to_s = seated[1];
       const bool begins = from_s <= path_.time_s({0, 0});
       const bool ends = to_s >= rows_.back().time_s && (!begins || is_end_installed());
-      begin_stage(ExactStop::kClearance, "measuring when the part is in its seat");
+      begin_stage(ExactStop::kClearance, "finding when the part is in its seat");
       leaving_.tell([this](double fraction) { show(fraction); });
       // Far enough for what follows to be proven from its first piece on.
       const double left_m = request_.required_m + margin_m_ + kTravelM;
