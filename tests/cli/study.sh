@@ -108,7 +108,7 @@ study 0 "${bore[@]}" -o boreauto
 grep -q '^\$' out.txt && fail "auto chooses again: $(cat out.txt)"
 study 0 'bore.json#pin' --plan --clearance 1mm -o plan --json plan.json
 [ ! -e plan/report.html ] || fail "--plan leaves a page"
-grep -q '^smallest play measured: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
+grep -q '^smallest measured gap: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
 python3 - <<'END' || fail "the same answer at each size: $(cat bore*/verdict.txt)"
 import csv, json, re
 from bore import PLAY_MM
@@ -130,7 +130,7 @@ assert report["voxel_size_why"] in plan["words"] and report["play"] == plan["pla
 assert abs(1e3 * report["play"]["smallest_m"] - PLAY_MM) < 1e-5 and report["play"]["object"] == "plate"
 assert abs(plan["plan"][-1]["voxel_size_m"] - report["smallest_voxel_size_m"]) < 1e-12 and report["smallest_voxel_size_m"] < report["voxel_size_m"]
 words = open("boreauto/verdict.txt").read()
-assert "  smallest play measured: 0.098 mm, to plate\n  voxels of " in words and words.strip() in re.sub("<[^>]*>", "", open("boreauto/report.html").read())
+assert "  smallest measured gap: 0.098 mm, to plate\n  voxels of " in words and words.strip() in re.sub("<[^>]*>", "", open("boreauto/report.html").read())
 END
 # Where an answer stays open, smaller voxels are tried, and the verdict says where that ends.
 if [ -x "$bin/voxplan" ]; then
@@ -239,7 +239,7 @@ grep -q 'goes [0-9.]* mm deep into Gearbox/Lid/Bolt' given/report.html && grep -
 study 6 'bore.json#pin' --voxel-size 3mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>in contact, overlap not known</td>' given/report.html ||
   fail "the page does not say that the seat is not settled"
-grep -q '; leave out --files-alone: the meshes may decide; see given/report\.html$' err.txt || fail "no way on without the meshes: $(cat err.txt)"
+grep -q '; leave out --files-alone: meshes can give an answer; see given/report\.html$' err.txt || fail "no way on without the meshes: $(cat err.txt)"
 
 # A part that touches nothing as installed comes out, or does not, all the same.
 study 0 'bore.json#pin' --voxel-size 2mm --pull 0,0,100mm --clearance 0.05mm --no-pictures -o free
@@ -338,14 +338,14 @@ done
 [ "$(grep -c 'oes not come out' out.txt)" = 1 ] || fail "more than one answer: $(cat out.txt)"
 # Where smaller voxels give no answer, that of larger ones stays, with the reason. An answer is open without the meshes.
 study 6 'sunk.json#sunk' --pull 0,0,100mm --no-pictures -o sunk --files-alone
-grep -q '^  voxels of 1 mm, which are the smallest with an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
+grep -q '^  voxels of 1 mm, the smallest that gave an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
   fail "an answer is lost: $(cat out.txt err.txt)"
 # Nor was a clearance given: then it is 1 mm, as of voxcheck.
 python3 -c 'import json; assert json.load(open("sunk/verdict.json"))["required_clearance_m"] == 0.001' ||
   fail "the default of --clearance: $(cat sunk/verdict.json)"
 # A measurement needs no folder, and is no answer.
 study 0 'gearbox.glb#Cover' --plan --clearance 12.7mm
-grep -q '^smallest play measured: ' out.txt && [ ! -s err.txt ] || fail "a measurement: $(cat out.txt err.txt)"
+grep -q '^smallest measured gap: ' out.txt && [ ! -s err.txt ] || fail "a measurement: $(cat out.txt err.txt)"
 study 2 'gearbox.glb#Cover'
 grep -q '^forcelayer: --output: is required; see forcelayer study --help$' err.txt || fail "no folder: $(cat err.txt)"
 

@@ -81,7 +81,7 @@ TEST(StudyVoxels, NoChoiceTakesMoreThanIsAllowed) {
                 choice.first_m == look.voxel_size_m);
     if (play.object.empty()) continue;
     const bool fits = cost_at(look, choice.last_m).fits_m <= play.play_m * (1 + 1e-6);
-    ASSERT_TRUE(fits || choice.why_last != "small enough for the smallest play");
+    ASSERT_TRUE(fits || choice.why_last != "small enough for the smallest gap");
   }
 }
 
@@ -94,7 +94,7 @@ TEST(StudyVoxels, PlayIsTheSmallestGapThatIsNoContact) {
   const Play play = play_of(report);
   EXPECT_EQ(play.play_m, 0.0001);
   EXPECT_EQ(play_text(play),
-            "smallest play measured: 0.1 mm, to near; in contact with pressed, flush");
+            "smallest measured gap: 0.1 mm, to near; in contact with pressed, flush");
   EXPECT_FALSE(play_of(nlohmann::json::object()).is_measured);
 }
 

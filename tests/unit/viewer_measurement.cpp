@@ -19,9 +19,10 @@ TEST(Measurement, TellsTheDistanceOfTwoPlaces) {
   Measurement measurement;
   EXPECT_EQ(measurement.words({}), "");
   measurement.pick({"bay/floor/beam", {0.1, 0.2, 0.3}});
-  EXPECT_EQ(measurement.words({}),
-            "measured from beam at x 100.000, y 200.000, z 300.000 mm    m: to the point under the "
-            "pointer");
+  EXPECT_EQ(
+      measurement.words({}),
+      "first point: beam at x 100.000, y 200.000, z 300.000 mm    key m: second point, at the "
+      "pointer");
   measurement.pick({"skin", {0.1, 0.23, 0.34}});
   EXPECT_EQ(measurement.words({}),
             "measured: 50.000 mm from beam to skin    x 0.000, y 30.000, z 40.000 mm");

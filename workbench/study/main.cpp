@@ -40,7 +40,7 @@ std::string command_lines() {
     lines += line;
   }
   return lines +
-         "  forcelayer study runs these commands, from an assembly to a page with a verdict\n" +
+         "  forcelayer study runs them on an assembly and writes a page with the verdict\n" +
          "Each command has --help.";
 }
 
@@ -87,10 +87,10 @@ forcelayer::Status check_folder(const forcelayer::study::Options& options) {
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Lists the commands. The subcommand study uses them to check a part of an assembly",
+  CLI::App app{"Lists the commands. 'forcelayer study' runs them to check a part of an assembly",
                "forcelayer"};
   CLI::App* const made = app.add_subcommand(
-      "study", "bake scene and part, find, run or check a path, and write a page with the verdict");
+      "study", "bake scene and part; find, run or check a path; write a page with the verdict");
   const study::OptionParser parser(*made);
   app.require_subcommand(0, 1);
   std::string json;

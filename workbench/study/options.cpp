@@ -71,22 +71,24 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--center", options_.center,
                    "point of the part that moves straight between two poses of --path, as in "
                    "voxcheck; default: the centroid");
-  study.add_option("--pull", options_.pull,
-                   "x,y,z: displacement by which a simulated hand pulls the part, instead of a "
-                   "path, such as 0,0,60mm");
+  study.add_option(
+      "--pull", options_.pull,
+      "x,y,z, such as 0,0,60mm: displacement by which a simulated hand pulls the part, instead of "
+      "a path");
   study.add_option(
       "--time", options_.time,
       "time limit of the search for a path (without --path and --pull); default 60s. With "
-      "--voxel-size auto, it also limits the bakes roughly. If you give --time, each "
-      "check between the meshes also ends after this time");
+      "--voxel-size auto, the bakes take roughly this long at most. If you give --time, it also "
+      "limits each check of the exact meshes");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
   study.add_option(
       "--seat", options_.seat,
       "pose world_from_part in which the part is installed, or the word none; default 0,0,0m");
-  study.add_option("--seat-depth", options_.seat_depth,
-                   "extra depth that the part may go into the objects of its seat, beyond its "
-                   "installed depth and the deviations of the meshes; default: 0");
+  study.add_option(
+      "--seat-depth", options_.seat_depth,
+      "how far the part may go into the objects of its seat beyond its installed depth and the "
+      "deviations of the meshes; default: 0");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study
@@ -94,11 +96,11 @@ OptionParser::OptionParser(CLI::App& study) {
                   "other nodes to leave out of the scene; repeatable")
       ->allow_extra_args(false);
   command::add_count(study, "--missing-faces", missing_faces_,
-                     "accept up to this many lost faces of a STEP or IGES file, as voxelize does",
-                     0, 1'000'000);
+                     "accept up to this many lost faces of a STEP or IGES file, as in voxelize", 0,
+                     1'000'000);
   study.add_option("--units", options_.units,
                    "unit of the meshes (mm, cm, m, in, ...): required if the format defines no "
-                   "unit; otherwise it replaces the unit of the format");
+                   "unit. If the format defines one, this unit replaces it");
   study
       .add_option(
           "--up", options_.up,
@@ -110,7 +112,7 @@ OptionParser::OptionParser(CLI::App& study) {
       "check without the meshes. Where the baked files cannot decide, the answer is undecided");
   study.add_flag("--no-pictures", options_.no_pictures, "leave the pictures out of the page");
   study.add_flag("--sandbox", options_.sandbox,
-                 "read each mesh file in a separate process, as voxelize does");
+                 "read each mesh file in a separate process, as in voxelize");
   study.add_flag(
       "--plan", options_.plan,
       "only measure the play of the installed part, and list voxel sizes with their cost");

@@ -98,7 +98,7 @@ std::string facts_table(const Page& page) {
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
-  table += row(is_seated ? "smallest distance while not in contact" : "least distance",
+  table += row(is_seated ? "smallest distance while not in contact" : "smallest distance",
                at_least ? "at least " + mm(smallest["clearance_m"])
                         : clearance(smallest) + " to " + name_of(smallest["object"]));
   if (!at_least) {
@@ -235,8 +235,8 @@ Result<std::string> html_of(const Page& page) {
     found =
         facts_table(page) + violations_table(page.report["violations"]) +
         "<h2>Clearance along the path</h2>\n" + page.curve_svg +
-        "<p>The curve is a safe lower bound; the real distance is larger. Dot: the least "
-        "distance. Gray: in contact, as installed. Red: less than required, or not decided.</p>\n";
+        "<p>The curve is a safe lower bound; the real distance is larger. Dot: the smallest "
+        "distance of the table. Gray: in the seat. Red: less than required, or not decided.</p>\n";
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +

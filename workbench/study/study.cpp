@@ -455,7 +455,8 @@ Status Study::say_that_no_path_was_found() {
     verdict_.finding = found["finding"];
     verdict_.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
   } else {  // refused before the search
-    verdict_.finding = found.value("error", json::object()).value("what", "the search was refused");
+    verdict_.finding =
+        found.value("error", json::object()).value("what", "the search did not begin");
     const auto required_m = command::parse_length(options_.clearance);
     verdict_.required_m = required_m ? *required_m : 0;
   }
@@ -723,7 +724,7 @@ std::string Study::open_answer() const {
       // STEP surfaces get finer triangles; of other meshes only rounding is left.
       const json exact = checked_.value("exact", json::object());
       const bool helps = exact.value("deviations_and_rounding_m", 0.0) > 1e-6;
-      return helps ? "the answer was too close to call" : "";
+      return helps ? "the verdict was 'too close to call'" : "";
     }
     case VerdictKind::kUndecided:
       for (const json& violation : violations) {
@@ -741,7 +742,7 @@ std::string Study::open_answer() const {
         depth_m = std::max(depth_m, violation.value("depth_m", 0.0));
       }
       const bool helps = depth_m > 0 && depth_m < *command::parse_length(voxel_size_);
-      return helps ? "the path is blocked by less than a voxel" : "";
+      return helps ? "the path is too narrow by less than a voxel" : "";
     }
     default:
       return "";
@@ -761,7 +762,7 @@ void Study::note_voxel_size() {
   const double size_m = *command::parse_length(voxel_size_);
   std::string line = "voxels of " + command::length_text(size_m) + ", ";
   if (!no_finer_.empty()) {
-    line += "which are the smallest with an answer; " + no_finer_;
+    line += "the smallest that gave an answer; " + no_finer_;
   } else if (tried_.empty()) {
     line += "chosen: " + choice_.why_first;
   } else {
@@ -891,7 +892,7 @@ std::string Study::advice() const {
                        [&](const json& violation) { return violation.value(key, false); });
   };
   if (any("out_of_time")) return "give a longer --time";
-  if (options_.files_alone) return "leave out --files-alone: the meshes may decide";
+  if (options_.files_alone) return "leave out --files-alone: meshes can give an answer";
   if (any("seat_not_settled"))
     return "close all open edges of one of the two meshes, and repeat the study";
   return "";

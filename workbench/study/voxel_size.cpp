@@ -92,10 +92,9 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
   const double own_bytes = std::max(0.0, look.bytes - kProgramBytes);
   const Bound memory{size_for_m(s, own_bytes, question.memory_bytes / 2 - kProgramBytes),
                      "smaller voxels would take more than half of the memory"};
-  const Bound clearance{
-      question.required_m / kClearanceVoxels,
-      "with smaller voxels the check does not reach as far as the required clearance"};
-  const Bound fits{play.play_m * s / look.fits_m, "small enough for the smallest play"};
+  const Bound clearance{question.required_m / kClearanceVoxels,
+                        "with smaller voxels the required clearance is too far to search"};
+  const Bound fits{play.play_m * s / look.fits_m, "small enough for the smallest gap"};
   const Bound part{question.part_m / kPartVoxels, "a hundredth of the part's size"};
   const Bound wish = fits.size_m < part.size_m ? fits : part;
   const Bound lowest = larger_of(
@@ -121,9 +120,9 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
 }
 
 std::string play_text(const Play& play) {
-  if (!play.is_measured) return "the play was not measured, because the meshes were not used";
-  std::string line = play.object.empty() ? "no other neighbor is nearer than the required clearance"
-                                         : "smallest play measured: " + length_text(play.play_m) +
+  if (!play.is_measured) return "no gap was measured, because the meshes were not used";
+  std::string line = play.object.empty() ? "no other object is nearer than the required clearance"
+                                         : "smallest measured gap: " + length_text(play.play_m) +
                                                ", to " + escaped(play.object);
   std::string touched;
   for (std::size_t n = 0; n < play.touched.size() && n <= kListed; ++n) {
@@ -131,7 +130,7 @@ std::string play_text(const Play& play) {
                             : (n == 0 ? "in contact with " : ", ") + escaped(play.touched[n]);
   }
   if (play.object.empty() && touched.empty())
-    return "no neighbor is nearer than the required clearance";
+    return "no object is nearer than the required clearance";
   if (play.object.empty()) return touched + "; " + line;
   if (!touched.empty()) line += "; " + touched;
   return line;

@@ -57,7 +57,7 @@ double smaller_size_m(double voxel_size_m);
 // "0.2mm", as an option takes it.
 std::string size_option(double voxel_size_m);
 
-// "smallest play measured: 0.098 mm, to plate".
+// "smallest measured gap: 0.098 mm, to plate".
 std::string play_text(const Play& play);
 
 // A table of the sizes from the first to the last.

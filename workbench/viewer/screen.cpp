@@ -32,9 +32,8 @@ constexpr const char* kUnderXvfb =
 // The window was killed (xkill) or its server ended. Xlib ends the program after this whatever it
 // does, with words and a status of its own.
 int end_without_display(Display*) {
-  const Error error{
-      ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
-      "the window was killed, or its X server ended; the run that the window showed goes on"};
+  const Error error{ErrorCode::kDeviceFailed, "", "", "the display closed the connection",
+                    "the window was killed, or its X server ended; the run itself goes on"};
   std::fprintf(stderr, "voxview: %s\n", to_line(error).c_str());
   remove_temporary_files();
   _exit(exit_status(error.code));

@@ -108,7 +108,7 @@ int run(int argc, char** argv) {
          "--sandbox"}},
        {"Search", {"--time", "--seed", "--threads"}},
        {"Output", {"--output"}}},
-      "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        out of its installed "
+      "  voxplan rest.vox pin.pshell --clearance 1mm -o out.csv        from the installed "
       "position\n"
       "  voxplan bay.vox part.pshell --seat 0.3m,0.2m,0.5m --goal 0.3m,0.2m,0.9m -o path.csv");
   int status = 0;

@@ -31,8 +31,8 @@ OptionParser::OptionParser(CLI::App& app)
   app.add_option("-o,--output", options_.path, "the path, a CSV of poses of the part")->required();
   app.add_option(
       "--seat", seat_,
-      "pose world_from_part in which the part starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. The "
-      "part may be near the objects that it touches in this pose, until it has left these objects");
+      "pose world_from_part in which the part starts, x,y,z[,qw,qx,qy,qz]; default 0,0,0m. Until "
+      "the part has left the objects that it touches in this pose, it may be near them");
   app.add_option("--goal", goal_,
                  "target pose world_from_part; default: anywhere beside the scene, with the part's "
                  "box outside of the scene's box");
@@ -43,13 +43,13 @@ OptionParser::OptionParser(CLI::App& app)
                  "object that the part may come near: its name, or the end of its name; * and ? "
                  "are wildcards; repeatable")
       ->allow_extra_args(false);
-  meshes_.declare(app, options_,
-                  "the inputs from which the scene was baked. A path is written only if the meshes "
-                  "prove it, as in voxcheck --exact; repeatable");
-  app.add_option(
-      "--time", time_,
-      "time limit of the search; default 60s. The check of a path that is found may take as "
-      "long again");
+  meshes_.declare(
+      app, options_,
+      "the inputs from which the scene was baked; repeatable. A path is written only if the "
+      "meshes prove its clearance (see voxcheck)");
+  app.add_option("--time", time_,
+                 "time limit of the search; default 60s. Checking the path that it finds may take "
+                 "the same time");
   app.add_option("--seed", options_.seed,
                  "seed of the random numbers; another seed finds another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));

@@ -67,13 +67,13 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
         (object.empty() ? "an object" : escaped(object)) + " lies inside the part at this pose",
         "bake the scene without that object (--without), or check the pose"};
   }
-  return Error{
-      ErrorCode::kUsage, "", option,
-      command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
-                    object.empty() ? "the scene" : escaped(object).c_str(),
-                    std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
-      "use a smaller --clearance, --allow that object, or bake with smaller voxels; the proven "
-      "distance to an object of the seat is up to 1.7 voxels below the real distance"};
+  return Error{ErrorCode::kUsage, "", option,
+               command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
+                             object.empty() ? "the scene" : escaped(object).c_str(),
+                             std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
+               "use a smaller --clearance, name that object in --allow, or bake with smaller "
+               "voxels, because up to 1.7 voxels of the distance to an object of the seat are not "
+               "proven"};
 }
 
 // The first of the worst poses of a path that is not proven clear, of the centroid frame.
@@ -97,8 +97,8 @@ Result<std::unique_ptr<exact::SeatMeshes>> seat_of(const Problem& problem, const
   return Error{ErrorCode::kAnswerIsNo, options.part, "",
                "no path found: the part touches " +
                    voxcheck::listed_names(problem.scene, seat->never_settled()) +
-                   ", and neither of the two meshes is closed, so the meshes cannot prove a path",
-               "close all open edges of one of the two meshes, or search without --exact"};
+                   ", and the meshes prove a path only if the part or the touched object is closed",
+               "close all open edges of one of these meshes, or search without --exact"};
 }
 
 }  // namespace

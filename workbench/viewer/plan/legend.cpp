@@ -56,7 +56,7 @@ void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<Lege
     }
   }
   if (!scene.missing_faces.empty() && plan.shown[Item::kMeshes]) {
-    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the mesh"});
+    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "here the mesh lacks a face"});
   }
   if (!scene.voxmap) return;
   if (plan.shown[Item::kInterior]) {
@@ -64,7 +64,7 @@ void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<Lege
   }
   if (plan.shown[Item::kForceLayer]) {
     legend.push_back({Swatch::kSquare, kForceLayerColor, plan.change ? 0.15 : 0.5,
-                      plan.change ? "force layer as it is now" : "force layer (value 2)"});
+                      plan.change ? "current force layer" : "force layer (value 2)"});
   }
   if (plan.shown[Item::kProximity]) {
     legend.push_back({Swatch::kSquare, kProximityColor, 0.4, "proximity (value 3)"});
@@ -83,7 +83,7 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
     legend.push_back({Swatch::kSquare, kPartColor, 1, "part (point shell)"});
   }
   if (!scene.part_missing_faces.empty() && (plan.shown[Item::kPart] || plan.shown[Item::kShell])) {
-    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "face missing from the part"});
+    legend.push_back({Swatch::kFramedSquare, kMissingFaceColor, 1, "here the part lacks a face"});
   }
   if (plan.moment->world_from_target && plan.shown[Item::kHandle]) {
     if (scene.part)
@@ -93,12 +93,13 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
   if (!plan.shown[Item::kContacts]) return;
   if (scene.voxmap && scene.shell) {
     const Arrows arrows = arrows_of(scene, plan.moment->contacts);
-    legend.push_back({Swatch::kArrow, kContactColor, 1,
-                      text_of("contact: force on the part, %g times the depth", arrows.per_depth)});
+    legend.push_back(
+        {Swatch::kArrow, kContactColor, 1,
+         text_of("contact force on the part: arrow %g times the depth", arrows.per_depth)});
     if (arrows.left_out > 0) {
       legend.push_back(
           {Swatch::kDot, kContactColor, 1,
-           text_of("%zu contacts that are less deep, without arrows", arrows.left_out)});
+           text_of("%zu contacts have no arrow: the others are deeper", arrows.left_out)});
     }
     legend.push_back({Swatch::kDot, kForceLayerColor, 1, "point in the force layer, depth 0"});
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});

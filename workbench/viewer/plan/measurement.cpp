@@ -37,8 +37,8 @@ std::string Measurement::words(const Pose& world_from_part) const {
   const std::vector<glm::dvec3> places = places_m(world_from_part);
   const std::string first = last_name(places_[0].name);
   if (places.size() == 1) {
-    return "measured from " + first + " at " + at_mm(places[0]) +
-           "    m: to the point under the pointer";
+    return "first point: " + first + " at " + at_mm(places[0]) +
+           "    key m: second point, at the pointer";
   }
   const glm::dvec3 offset_m = places[1] - places[0];
   return text_of("measured: %.3f mm", 1e3 * glm::length(offset_m)) + " from " + first + " to " +

@@ -47,8 +47,8 @@ Status read_size(const std::string& text, ViewOptions& options) {
   for (const int side : {options.width, options.height}) {
     if ((read != 2 && !is_scaled) || side < kSmallestPicture || side > kLargestPicture) {
       return usage("--size", "'" + text + "' is not a picture size",
-                   "write it in pixels like 1600x1000, each from 64 to 8192, or with a scale from "
-                   "0.5 to 8 like 1600x1000@2");
+                   "write it like 1600x1000 or 1600x1000@2: both sides from 64 to 8192 pixels, the "
+                   "scale from 0.5 to 8");
     }
   }
   if (is_scaled) options.scale = scale;
@@ -65,18 +65,19 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "an earlier .vox: show where the force layer has grown or shrunk since then");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit; "
-                 "otherwise it replaces the unit of the format");
+                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. "
+                 "If the format defines one, this unit replaces it");
   app.add_option("--part-units", texts_.part_units,
                  "unit of the mesh of --part, if it differs from --units");
   app.add_option("--screenshot", options_.screenshot,
                  "write a picture (PNG) and end. turntable:FILE: write an animated PNG in which "
                  "the camera goes once around z");
   app.add_option("--json", options_.json, "write the facts of the picture as numbers to this file");
-  app.add_option("--size", texts_.size,
-                 "size of the picture in pixels. WIDTHxHEIGHT@SCALE also scales text and marks, "
-                 "such as @2 on a screen with 192 pixels an inch; default: the screen's Xft.dpi / "
-                 "96, and 1 for pictures")
+  app.add_option(
+         "--size", texts_.size,
+         "size of the picture in pixels. WIDTHxHEIGHT@SCALE also scales text and marks, such as @2 "
+         "for 192 pixels an inch. Default SCALE: the screen's Xft.dpi / 96 for a window, 1 for a "
+         "file")
       ->capture_default_str();
   auto* run =
       app.add_option("--trace,--replay", options_.run,
@@ -126,14 +127,14 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
       "--frame-times", options_.frame_times,
       "turn the scene once in the window, write the frame times to this file (JSON), and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; by default, what --focus names fills the picture")
+                 "scale of the picture; default: the part or scene of --focus fills it")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
                  "x0,y0,z0 (part), x1,y1,z1 (scene): draw the distance between these points");
   app.add_option("--measure-object", texts_.measure_object,
                  "name of the object at the second point; this object gets its own color");
   app.add_option("--measure-words", texts_.measure_words,
-                 "text beside the distance; default: its length");
+                 "text beside the distance; default: its value");
   app.add_option("--title", options_.title, "a line of text above the picture; repeatable")
       ->allow_extra_args(false);
   app.add_flag("--plain", options_.plain,

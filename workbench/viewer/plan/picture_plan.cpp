@@ -186,9 +186,8 @@ Result<std::vector<std::string>> hidden_objects(const std::vector<std::string>& 
         if (std::none_of(meanings.begin(), meanings.end(), choose)) {
           command::NearestNames nearest(name);
           for (const std::string& object : objects) nearest.add(object);
-          return Error{
-              ErrorCode::kUsage, "", option, "no object has the name '" + name + "'",
-              nearest.text("voxinfo FILE.vox --objects and voxelize --list FILE list all")};
+          return Error{ErrorCode::kUsage, "", option, "no object has the name '" + name + "'",
+                       nearest.text("see voxinfo FILE.vox --objects or voxelize --list FILE")};
         }
       }
     }

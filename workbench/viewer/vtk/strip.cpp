@@ -206,7 +206,7 @@ void Strip::draw(const std::vector<StripPoint>& points, double begin_s, double e
   const double right_of_words = d.play ? d.left_of(PlayButton::kSlower) : right;
   const std::array<std::string, 3> parts = {text_of("force on the hand, up to %.3g N", highest_n),
                                             text_of("    %.2f to %.2f s", d.begin_s, d.end_s),
-                                            "    bars: kinds of frames, in the colors at the top"};
+                                            "    bar colors: kinds of frames, see the legend"};
   std::string words;
   for (const std::string& part : parts) {
     d.text->SetInput((words + part).c_str());
