@@ -173,7 +173,7 @@ bool nobody_interrupts();
 // that is no pose or point.
 void check_done(std::int64_t done, const char* name, const char* what);
 inline constexpr const char* kNoPose =
-    " is not a pose: give finite meters and a quaternion that is not zero";
+    " is not a pose: give finite x, y, z (m) and a nonzero quaternion";
 
 void bind_simulation(py::module_& module);
 

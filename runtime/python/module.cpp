@@ -36,7 +36,7 @@ Pose pose_of(const std::array<double, 7>& n, const std::string& name) {
   const double length = glm::length(q), sum = n[0] + n[1] + n[2];
   if (!std::isfinite(sum) || !std::isfinite(length) || !(length > 0)) {
     throw Failure({ErrorCode::kUsage, "", name, "is not a pose",
-                   "give finite meters and a quaternion that is not zero"});
+                   "give finite x, y, z (m) and a nonzero quaternion"});
   }
   return {{n[0], n[1], n[2]}, q / length};
 }
@@ -249,14 +249,14 @@ forcelayer.Error: nowhere.vox: no such file; check the path
 )")
       .def_property_readonly(
           "origin_voxel", [](const Scene& s) { return s.map.header().origin_voxel; },
-          R"(Lowest voxel that is not free, in voxels from the world's origin.
+          R"(Low corner of the box of `dims_voxels`, in voxels from the world's origin.
 
 >>> len(forcelayer.Scene("bay.vox").origin_voxel)
 3
 )")
       .def_property_readonly(
           "dims_voxels", [](const Scene& s) { return s.map.header().dims_voxels; },
-          R"(Extent, in voxels, of the box of voxels that are not free.
+          R"(Size, in voxels, of the bounding box of voxels that are not free.
 
 >>> min(forcelayer.Scene("bay.vox").dims_voxels) > 0
 True
@@ -307,7 +307,7 @@ Returns a structured array with a row for each point:
     known             False for a point beyond a side at which the scene was cropped
     distance_m        distance from the meshes, interpolated between stored distances; negative inside;
                       NaN where none is stored
-    min_distance_m    no point of the meshes is nearer; 0 where nothing is proven
+    min_distance_m    lower bound of the distance from the meshes; 0 where none is proven
     gradient          gradient of the distance, away from the meshes, in world axes; NaN where no
                       distance is stored
     object            number of the nearest object, see `objects`; 0 where none is known
@@ -366,8 +366,8 @@ for each pose:
                       be much larger
     nearest_object    number of the object nearest to `nearest_point_m`, see `objects`; 0: not known
     nearest_point_m   the nearest shell point, world; NaN where not measured
-    interior, surface, proximity, outside_map   as for query(); counted by distance if the
-                      scene has a standoff
+    interior, surface, proximity, outside_map   as for query(); with a standoff counted by
+                      distance, not by voxel value
 
 `threads`: 0 means all cores. Other Python threads run meanwhile.
 
@@ -377,7 +377,7 @@ for each pose:
 (False, True)
 >>> scene.clearance(part, [0, 0, 0, 0, 0, 0, 0])
 Traceback (most recent call last):
-forcelayer.Error: poses: row 0 is not a pose: give finite meters and a quaternion that is not zero
+forcelayer.Error: poses: row 0 is not a pose: give finite x, y, z (m) and a nonzero quaternion
 )")
       .def("check", &check_path, given("part"), given("t_s"), given("poses"),
            given("clearance_m") = 0.001, py::kw_only(), given("allow") = std::vector<std::string>{},
@@ -389,8 +389,8 @@ forcelayer.Error: poses: row 0 is not a pose: give finite meters and a quaternio
 orientation turns at constant speed; the answer covers this motion, too. `allow`: names of objects
 that may be near. `world_from_seat`: the pose in which the part is installed. While the part is in
 its seat, the shell points can miss features narrower than twice the covering radius. So the verdict
-about such a path is "not clear", unless `felt_seat` is true: then the shell points suffice. Returns
-a dict:
+about a path with a seat is "not clear". If `felt_seat` is true, the shell points suffice. Returns a
+dict:
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, in meters; objects of the seat do not count while
@@ -404,7 +404,7 @@ a dict:
                       nearer than required: from_s, to_s, travel_m (no point of the part moves
                       farther in the stretch), clearance_m (proven for the stretch), nearest (as
                       min_clearance)
-    curve             a structured array: from_s, to_s, clearance_m (to all objects, in the seat too)
+    curve             a structured array: from_s, to_s, clearance_m (to all objects, also in the seat)
 
 `threads`: 0 means all cores; no answer depends on it. Other Python threads run meanwhile.
 

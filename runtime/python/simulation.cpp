@@ -441,14 +441,14 @@ forcelayer.Error: model: 'fast' is not a model; use 'default' or 'paper'
            py::arg("world_from_handle") = py::none(), py::arg("world_from_seat") = py::none(),
            R"(Places the part at rest, without force in the hand. Frames are counted from here on.
 
-Poses are x y z (meters) and a quaternion qw qx qy qz. Without `world_from_handle` the hand holds
-the part's own frame. A part that touches objects at `world_from_seat` (default: `world_from_part`)
-is installed there: it may touch these objects until it has left them.
+Poses are x y z (meters) and a quaternion qw qx qy qz. Without `world_from_handle`, the handle's
+pose is the part's pose. A part that touches objects at `world_from_seat` (default:
+`world_from_part`) is installed there: it may touch these objects until it has left them.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 0, 0, 0, 0])
 Traceback (most recent call last):
-forcelayer.Error: world_from_part: is not a pose; give finite meters and a quaternion that is not zero
+forcelayer.Error: world_from_part: is not a pose; give finite x, y, z (m) and a nonzero quaternion
 )")
       .def("step", &Stepper::step, given("world_from_handle"),
            py::arg("handle_velocity") = py::none(),
@@ -472,7 +472,7 @@ Returns a structured array with a row for each frame:
     world_from_handle, world_from_part   x y z qw qx qy qz
     force_n, torque_nm  on the hand, world axes; the torque is about the part's centroid ("max_torque_nm"
                         of the report is about the handle)
-    clearance_m, measured, nearest_object, nearest_point_m   as of Scene.clearance()
+    clearance_m, measured, nearest_object, nearest_point_m   as in Scene.clearance()
     depth_m             of the deepest contact
     interior, surface, proximity, contacts, guard_cuts, barred, seated   counts
     faults              0: none
@@ -490,7 +490,7 @@ If a pose is invalid, the simulation does not change. Other Python threads run m
 True
 )")
       .def_property("moment", &Stepper::moment, &Stepper::set_moment,
-                    R"(The complete state of the simulation. Assign it to return to that moment.
+                    R"(The complete state of the simulation. Assign a saved state to return to it.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
@@ -502,11 +502,11 @@ True
 )")
       .def_property_readonly(
           "report", &Stepper::report,
-          R"(The report of the run since start(): a dict with the names of `voxrun --json`;
+          R"(The report of the run since start(): a dict with the keys of `voxrun --json`;
 docs/voxrun_report.md in the sources explains them.
 
-"max_torque_nm" is about the handle, where the hand holds the part; "torque_nm" of a frame is about
-the part's centroid. They differ by the force times the arm between the two.
+"max_torque_nm" is the torque about the handle, "torque_nm" of a frame about the part's centroid.
+The two torques differ by the force times the arm from the handle to the centroid.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.start([0.2, 0.15, 0.3, 1, 0, 0, 0])
@@ -530,7 +530,7 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "reasons", [](const Stepper& s) { return s.opened().reasons(); },
-          R"(For the name of each parameter, the rule that chose its value.
+          R"(A dict from parameter names to the rules that chose the values.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.Simulation(scene, part, settings={"mass_kg": 0.05}).reasons["mass_kg"]
@@ -545,7 +545,7 @@ the part's centroid. They differ by the force times the arm between the two.
 )")
       .def_property_readonly(
           "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
-          R"(The guaranteed distance between the exact surfaces, meters, unless `report` says otherwise.
+          R"(The distance in meters that the exact surfaces keep, unless `report` says otherwise.
 
 A dict: "tested_m" holds in every frame, "swept_m" also between two frames. A value is None if nothing
 is guaranteed.
@@ -568,7 +568,7 @@ True
 True
 )")
       .def_readonly("report", &Replay::report,
-                    R"(A dict with the names of `voxrun --json`, as Simulation.report.
+                    R"(A dict with the keys of `voxrun --json`, like Simulation.report.
 
 >>> scene, part = forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell")
 >>> forcelayer.replay(scene, part, "run.flr").report["penetration_frames"]

@@ -302,7 +302,7 @@ void choose_field(const RunRequest& request, double arm_m, DerivedParameters& de
   const double room = 1 - symplectic_euler_load(stiffness, damping, dt_s);
   const double largest = 4 * room / (dt_s * dt_s * kAveragedPoints * mobility_1pkg);
   choice.set("field_n_per_m", room > 0 ? kFieldMargin * largest : p.coupling_n_per_m,
-             "0.9 of the largest stable stiffness at 10 intersections (paper 5.2): "
+             "0.9 of the largest stable stiffness at 10 contacts (paper 5.2): "
              "(4 - h^2 k_T/m - 2 h b_T/m) / (10 h^2 (1/m + r^2/I))");
   if (room <= 0) {
     derived.warnings.push_back(
@@ -311,7 +311,7 @@ void choose_field(const RunRequest& request, double arm_m, DerivedParameters& de
   } else if (p.field_n_per_m > largest) {
     derived.warnings.push_back(
         format("field_n_per_m %g N/m is above the %g N/m", p.field_n_per_m, largest) +
-        " that is stable for ten intersections at this rate (symplectic Euler)");
+        " that is stable for ten contacts at this rate (symplectic Euler)");
   }
 }
 
@@ -368,12 +368,12 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency
                  ? borne_reason("stiffness", device, bound_rot)
-                 : "k_T I / m (I: the mean moment): a rotation has the frequency of a translation");
+                 : "k_T I / m (I: mean moment of inertia): same frequency as in translation");
   const model::PrincipalInertia inertia = model::principal_inertia(p.inertia_kgm2);
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choose_damping(
       choice, "coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
-      "2 sqrt(I k_R) with the largest moment I: critically damped about every principal axis",
+      "2 sqrt(I k_R) (I: largest moment of inertia): no axis is less than critically damped",
       "damping", device, rotation_damping_bound(request, dt_s));
   // A device that renders none still moves and turns the part: the output stage keeps it at zero.
   const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
@@ -396,11 +396,10 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   choice.set("look_ups",
              std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
-             "enough motions to follow a hand at 3 m/s, but at most eight a millisecond");
-  choice.set("recovery_mps", kRecoveryMps, "so slow that the user can let go of the handle");
-  choice.set(
-      "allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
-      "the force limit times the voxel size: more than a part needs to climb a step of one voxel");
+             "enough to follow a hand at 3 m/s, but at most 8 motions per millisecond");
+  choice.set("recovery_mps", kRecoveryMps, "leaves the user time to let go of the handle");
+  choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
+             "force limit times voxel size: more energy than climbing a step of one voxel takes");
   choice.set("allowance_fade_s", kAllowanceFadeS, "the part comes to rest within a second");
 }
 
@@ -437,8 +436,8 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
   const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
   choice.set("field_n_per_m", std::max(hold, stiff),
-             hold > stiff ? "one point balances the coupling's force limit at a depth of 0.15 voxel"
-                          : "5 k_T: the part yields by at most a fifth of the hand's motion");
+             hold > stiff ? "one point at a depth of 0.15 voxel balances the coupling's force limit"
+                          : "5 k_T: the part sinks in by at most a fifth of the hand's motion");
 }
 
 }  // namespace
@@ -464,8 +463,8 @@ std::optional<std::string> arm_warning(const RunRequest& request, const Paramete
   const double felt = parameters.coupling_nm_per_rad + parameters.coupling_n_per_m * arm_m * arm_m;
   if (!(felt > bound.value)) return std::nullopt;
   return format(
-             "the handle is %.3g m from the part's centroid, where the paper's coupling acts. When "
-             "the handle turns, the hand feels %.3g N m/rad, more than the %.3g N m/rad that ",
+             "the paper's coupling acts at the part's centroid, %.3g m from the handle. When the "
+             "handle turns, the hand feels %.3g N m/rad, more than the %.3g N m/rad that ",
              arm_m, felt, bound.value) +
          request.device.name + " can render stably: " + bound.source +
          "; hold the part nearer to its centroid (--grip), or use --model default";
@@ -489,8 +488,8 @@ Result<DerivedParameters> derive_parameters(const RunRequest& request, const Vox
       derive_paper(request, shell, derived);
       if (!voxmap.compliance().empty()) {
         derived.warnings.push_back(
-            "the scene has a compliance, which the paper's model ignores: the scene presses "
-            "with field_n_per_m at every depth");
+            "the paper's model ignores the scene's compliance: the stiffness is field_n_per_m at "
+            "every depth");
       }
       break;
     case Model::kDefault:

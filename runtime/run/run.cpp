@@ -52,7 +52,7 @@ Result<PartStart> checked_start(PartStart start) {
 Status check_first_reading(const DeviceSample& first, const DeviceCapabilities& device) {
   if (!loop::is_pose(first.device_from_handle)) {
     return Error{ErrorCode::kUsage, "", "device_from_handle", "is not a pose",
-                 "give finite meters and a quaternion of length 1"};
+                 "give finite x, y, z (m) and a quaternion of length 1"};
   }
   if (!first.present || !first.calibrated) {
     return Error{ErrorCode::kDeviceRefused, "", device.name,

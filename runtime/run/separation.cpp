@@ -119,7 +119,7 @@ SeparationGuarantee separation_guarantee(const VoxmapHeader& voxmap, const Pshel
 
 std::string guarantee_text(const SeparationGuarantee& guarantee) {
   return length_text(guarantee.tested_m) + " at every frame, " + length_text(guarantee.swept_m) +
-         " between frames whose points travel at most half a voxel";
+         " between frames if points travel at most half a voxel";
 }
 
 Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, double pose_error_m,
@@ -129,7 +129,7 @@ Status require_guarantee(const VoxmapHeader& voxmap, const PshellHeader& shell, 
   return Error{ErrorCode::kFilesDoNotMatch, part, "",
                "no separation is guaranteed with this scene (" + guarantee_text(guarantee) + ")",
                advice(voxmap, shell, pose_error_m, guard) +
-                   ", or run without the guarantee (--without-guarantee, without_guarantee)"};
+                   ", or use --without-guarantee (in code: without_guarantee)"};
 }
 
 }  // namespace forcelayer

@@ -53,11 +53,10 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
       at, sizeof at,
       " lies inside the part, at x %.2f, y %.2f, z %.2f mm, where its shell has no points",
       1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
-  return Error{
-      ErrorCode::kUsage, "", "start",
-      (name.empty() ? std::string("an object") : std::string(name)) + at,
-      "bake the scene without this object (--without), start elsewhere (--start), or run without "
-      "the guarantee (--without-guarantee, without_guarantee)"};
+  return Error{ErrorCode::kUsage, "", "start",
+               (name.empty() ? std::string("an object") : std::string(name)) + at,
+               "bake the scene without this object (--without), start elsewhere (--start), or use "
+               "--without-guarantee (in code: without_guarantee)"};
 }
 
 std::optional<std::string> part_in_scene_warning(const Voxmap& voxmap, const Pshell& shell,
