@@ -33,6 +33,7 @@ struct Depth {
   glm::dvec3 foot_m{0};         // and the nearest of the other surface
   std::size_t pair = 0;         // of which it is a place
   std::uint64_t looked_at = 0;  // nodes and pieces, until it was found
+  bool is_at_foot = false;      // of SeatWalk, whose places are the part's: the deepest is foot_m
 };
 
 // A surface, the solid that it may lie in, and where they are.

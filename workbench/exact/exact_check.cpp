@@ -351,26 +351,68 @@ class ExactCheck {
   }
 
   // The last violation names one object that the part meets in some pieces. Each other one gets a
-  // violation of its own, and then each has the stretch in which it is too near by itself. A tree
-  // of the other objects is built for each, so there is a limit.
+  // violation of its own, and then each has the stretch in which it is too near by itself. Depths
+  // take long: those of the first that are met are measured.
   void add_other_objects(const std::vector<Piece>& pieces, ExactAnswer& answer) {
-    constexpr std::size_t kMaxNamed = 16;
+    constexpr std::size_t kMaxDepths = 16;
     const std::size_t first = answer.violations.size() - 1;
-    std::vector<std::uint32_t> named{answer.violations[first].worst.object};
-    while (named.size() < kMaxNamed && named.back() != 0) {
-      const Surface all = without(all_, named), other = without(other_, named);
-      const MeshPair all_pair(all, part_), other_pair(other, part_);
-      ExactWalk walk(path_, all_pair, other_pair, rounding_m_);
-      const Sample nearest = smallest_of(walk, unmeasured(pieces)).sample;
-      if (nearest.measured.distance_m > 0) break;
+    const std::uint32_t known = answer.violations[first].worst.object;
+    std::vector<ExactViolation> met;
+    for (const std::uint32_t object : objects_beside(pieces)) {
+      if (object == 0 || object == known) continue;
+      const Other& other = other_of(object);
+      ExactWalk walk(path_, other.distance, other.distance, rounding_m_);
+      const std::vector<Piece> counted = counted_pieces(pieces, object);
+      const bool is_near = std::any_of(counted.begin(), counted.end(), [&](const Piece& piece) {
+        return !walk.nearer_than(piece, rounding_m_, kTravelM).empty();
+      });
+      if (!is_near) continue;
+      const Sample nearest = smallest_of(walk, counted).sample;
       ExactViolation violation;
-      violation.worst = exact_moment(nearest, nearest.seated ? other : all);
-      named.push_back(violation.worst.object);
-      if (named.back() == 0 || !set_stretch(pieces, violation)) continue;
-      look_into(violation);
-      answer.violations.push_back(violation);
+      violation.worst = exact_moment(nearest, other.surface);
+      if (violation.worst.exact_m > 0 || !set_stretch(pieces, violation)) continue;
+      met.push_back(violation);
     }
-    if (answer.violations.size() - 1 > first) set_stretch(pieces, answer.violations[first]);
+    std::stable_sort(met.begin(), met.end(), [](const ExactViolation& a, const ExactViolation& b) {
+      return a.from_s < b.from_s;
+    });
+    for (std::size_t n = 0; n < std::min(kMaxDepths, met.size()); ++n) look_into(met[n]);
+    if (!met.empty()) set_stretch(pieces, answer.violations[first]);
+    answer.violations.insert(answer.violations.end(), met.begin(), met.end());
+  }
+
+  // The objects that the part may meet in some pieces: whose boxes reach into that of all places
+  // where a ball around the part is.
+  std::vector<std::uint32_t> objects_beside(const std::vector<Piece>& pieces) {
+    if (boxes_.empty()) find_boxes();
+    Box swept{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+    const auto hold = [&](const Moment& moment) {
+      const glm::dvec3 center_m = path_.world_from_center(moment).position_m;
+      swept.low_m = glm::min(swept.low_m, center_m);
+      swept.high_m = glm::max(swept.high_m, center_m);
+    };
+    for (const Piece& piece : pieces) {
+      hold(piece.from), hold(piece.to);
+      const auto poses = clearance::CenterPath::between(piece.from, piece.to);
+      for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) hold({pose, 0});
+    }
+    const double reach_m = radius_m(part_) + rounding_m_;
+    std::vector<std::uint32_t> beside;
+    for (const auto& [object, box] : boxes_) {
+      if (glm::any(glm::lessThan(box.high_m, swept.low_m - reach_m))) continue;
+      if (glm::any(glm::greaterThan(box.low_m, swept.high_m + reach_m))) continue;
+      beside.push_back(object);
+    }
+    return beside;
+  }
+
+  // Those in which an object counts: one of the seat does not while the part is in it.
+  std::vector<Piece> counted_pieces(const std::vector<Piece>& pieces, std::uint32_t object) const {
+    const auto& seat = request_.seat;
+    const bool is_of_seat = std::find(seat.begin(), seat.end(), object) != seat.end();
+    std::vector<Piece> counted = unmeasured(pieces);
+    std::erase_if(counted, [&](const Piece& piece) { return piece.seated && is_of_seat; });
+    return counted;
   }
 
   static std::vector<Piece> unmeasured(std::vector<Piece> pieces) {
@@ -383,11 +425,8 @@ class ExactCheck {
     const std::uint32_t object = violation.worst.object;
     const MeshPair& pair = other_of(object).distance;
     ExactWalk walk(path_, pair, pair, rounding_m_);
-    const auto& seat = request_.seat;
-    const bool is_of_seat = std::find(seat.begin(), seat.end(), object) != seat.end();
     std::vector<Piece> near;
-    for (const Piece& piece : unmeasured(pieces)) {
-      if (piece.seated && is_of_seat) continue;
+    for (const Piece& piece : counted_pieces(pieces, object)) {
       const auto parts = walk.nearer_than(piece, request_.required_m + margin_m_, kTravelM);
       near.insert(near.end(), parts.begin(), parts.end());
     }
@@ -411,9 +450,12 @@ class ExactCheck {
     violation.worst = deepest_moment(path_.time_s(deepest.worst_at), object, deepest.worst);
   }
 
+  // At the deepest place, which lies in both solids, and at the nearest one of the other surface.
   static ExactMoment deepest_moment(double time_s, std::uint32_t object, const Depth& depth) {
-    const glm::dvec3 &part = depth.place_m, &foot = depth.foot_m;
-    return {time_s, 0, object, {part.x, part.y, part.z}, {foot.x, foot.y, foot.z}};
+    const auto& [deepest, nearest] = depth.is_at_foot ? std::tie(depth.foot_m, depth.place_m)
+                                                      : std::tie(depth.place_m, depth.foot_m);
+    return {
+        time_s, 0, object, {deepest.x, deepest.y, deepest.z}, {nearest.x, nearest.y, nearest.z}};
   }
 
   // An object of the scene by itself.

@@ -63,15 +63,18 @@ Depth SeatWalk::depth_of(const Opens& open, const Pose& world_from_center,
   }
   const MeshDistance apart = distance_.at(world_from_center, voxcheck::kNothingM);
   if (apart.distance_m > 0 && std::none_of(pairs.begin(), pairs.end(), begins_inside)) {
-    return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0, 0};
+    return {-apart.distance_m, -apart.distance_m, apart.part_m, apart.scene_m, 0, 0, false};
   }
   Depth met;  // where surfaces meet, that is a place of both, and no depth
   if (!pairs.empty() && !(apart.distance_m > 0)) {
-    met = {0, 0, apart.part_m, apart.scene_m, 0, 0};
+    met = {0, 0, apart.part_m, apart.scene_m, 0, 0, false};
     if (!open[0].is_of_part) std::swap(met.place_m, met.foot_m);
   }
   Depth depth = deepest(pairs, allowed_m, within_m_, within_fraction, progress, met);
-  if (!pairs.empty() && !open[depth.pair].is_of_part) std::swap(depth.place_m, depth.foot_m);
+  if (!pairs.empty() && !open[depth.pair].is_of_part) {
+    std::swap(depth.place_m, depth.foot_m);
+    depth.is_at_foot = true;
+  }
   return depth;
 }
 
