@@ -514,7 +514,9 @@ Result<CheckResult> check_path(const Voxmap& voxmap, const Pshell& shell, const 
     if (!found) return found.error();
     seat.emplace(std::move(*found));
     result.seat_too_deep = seat->too_deep();
-    result.seat_objects = seat->near_objects(check.required(), request.far_in_seat);
+    result.seat_objects = request.near_are_of_seat
+                              ? seat->all_near_objects(check.required(), request.far_in_seat)
+                              : seat->near_objects(check.required(), request.far_in_seat);
     result.seat_points = guard::points_in_seat(seat->objects());
   }
   PathParts parts(check, path, request, voxmap.voxel_size_m());

@@ -34,6 +34,10 @@ struct CheckRequest {
   std::function<void(double)> progress{};
   // Whose depth decides whether the part may be in its seat. With kOfMeshes the caller asks them.
   SeatDepth seat_depth = SeatDepth::kStored;
+  // Whether each object that is not proven to be as far away as required in the seat is of it, and
+  // not only those that the part touches. For a caller who then finds those that are far by the
+  // meshes.
+  bool near_are_of_seat = false;
 };
 
 // The part at one moment of its path.

@@ -1,5 +1,7 @@
 #include "runtime/clearance/seat_stretch.h"
 
+#include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "runtime/clearance/part_distance.h"
@@ -86,6 +88,27 @@ std::vector<std::uint32_t> SeatStretch::near_objects(const RequiredDistance& req
     const MinDistance smallest = part.at(parts_->in_seat, 0, required.voxels(), required.voxels());
     if (smallest.voxels < required.voxels()) near.push_back(number);
   }
+  return near;
+}
+
+std::vector<std::uint32_t> SeatStretch::all_near_objects(const RequiredDistance& required,
+                                                         const LeftOut& far) const {
+  const Voxmap& voxmap = parts_->query.voxmap();
+  std::vector<std::uint32_t> near = near_objects(required, far);
+  // The nearest of the others, one after the other, until none is near.
+  LeftOut left_out = with_objects(far, near);
+  for (std::uint32_t n = 0; n < voxmap.header().object_count; ++n) {
+    PartDistance part(voxmap, parts_->query.shell(), left_out, required.voxels() + 1);
+    const MinDistance smallest = part.at(parts_->in_seat, 0, required.voxels());
+    if (!(smallest.voxels < required.voxels()) || smallest.point == MinDistance::kNone) break;
+    const glm::dvec3 place_m = part.place_m(parts_->in_seat, smallest.point);
+    const std::uint32_t object = part.nearest(place_m).object;
+    const bool is_new = object != 0 && (object >= left_out.size() || left_out[object] == 0);
+    if (!is_new || part.is_of_side(place_m, smallest.voxels)) break;
+    near.push_back(object);
+    left_out = with_objects(std::move(left_out), std::array{object});
+  }
+  std::sort(near.begin(), near.end());
   return near;
 }
 

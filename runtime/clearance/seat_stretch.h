@@ -37,6 +37,9 @@ class SeatStretch {
   // are among `far`: only they may be nearer than that while it is in its seat.
   std::vector<std::uint32_t> near_objects(const RequiredDistance& required,
                                           const LeftOut& far = {}) const;
+  // The same of all objects of the scene, touched or not.
+  std::vector<std::uint32_t> all_near_objects(const RequiredDistance& required,
+                                              const LeftOut& far = {}) const;
 
   // A shell point that the open seat's guard would bar from where it is.
   struct PushedIn {

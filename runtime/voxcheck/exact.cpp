@@ -262,6 +262,7 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
                                            clearance::CheckRequest request, const Options& options,
                                            const AskExactly& ask) {
   request.seat_depth = clearance::SeatDepth::kOfMeshes;
+  request.near_are_of_seat = true;
   const auto begun = std::chrono::steady_clock::now();
   while (true) {
     auto checked = clearance::check_path(scene, part, path, request);
