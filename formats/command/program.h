@@ -24,6 +24,13 @@ std::string program_path(const std::string& name);
 // A later signal ends the process. A signal that the caller ignores stays ignored.
 void stop_programs_on_signals();
 
+// From here on this program, and those that it starts, print a warning that one of them has printed
+// no more. Where the system gives no memory for that, they print all.
+void share_warnings();
+
+// Whether none of them has printed this warning: from now on, one has. True where none are shared.
+bool is_new_warning(const std::string& text);
+
 // Runs the program to its end; it is sent SIGTERM if this one ends before. `input` is its standard
 // input. Its standard error is this one's.
 // Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the

@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "formats/command/command.h"
+#include "formats/command/program.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report_path.h"
-#include "formats/command/shared_warnings.h"
 #include "formats/command/version.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/named_file.h"

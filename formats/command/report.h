@@ -31,7 +31,7 @@ void note_warning(const std::string& text);
 // Those that were noted.
 const std::vector<std::string>& noted_warnings();
 
-// Prints a warning on stderr. Among programs that share their warnings (shared_warnings.h) the
+// Prints a warning on stderr. Among programs that share their warnings (program.h) the
 // first prints it.
 void print_warning(const std::string& text);
 

@@ -9,7 +9,6 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
-#include "formats/command/shared_warnings.h"
 #include "workbench/study/options.h"
 #include "workbench/study/study.h"
 
