@@ -212,6 +212,10 @@ command::Verdict verdict_of(const Report& report) {
   if (const double within_m = hidden_within_m(report); within_m > 0) {
     notes.push_back(hidden_text(within_m) + "; the meshes show them");
   }
+  if (const auto missing = missing_faces(checked.scene, checked.part); missing > 0) {
+    notes.push_back(text("faces missing from scene and part: %llu; the answer does not cover them",
+                         static_cast<unsigned long long>(missing)));
+  }
   return verdict;
 }
 

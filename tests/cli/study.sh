@@ -262,10 +262,12 @@ open("open.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\
 open("leaky.obj", "w").write("\n".join([*lines, " ".join(last.split()[:4])]) + "\n")
 block("thick.obj", 10.4, 0, 60)
 boxes("wall.obj", ((6, -10, 0), (8, 10, 20)))
+for n in range(20):
+    boxes(f"post{n}.obj", ((-4.2 + 0.4 * n, -1, 20), (-4 + 0.4 * n, 1, 22)))
 boxes("left.obj", ((-1, -10, -1), (1, 10, 1)))
 boxes("near.obj", ((1.345, -10, -1), (3, 10, 1)))
 boxes("right.obj", ((1.58, -10, -1), (3, 10, 1)))
-for scene, meshes in (("stood", ("floor", "open")), ("leaky", ("leaky", "open")), ("walled", ("floor", "box", "wall")), ("press", ("plate", "thick")), ("beside", ("left", "near")),
+for scene, meshes in (("stood", ("floor", "open")), ("leaky", ("leaky", "open")), ("walled", ("floor", "box", "wall")), ("posts", ("floor", "box", *(f"post{n}" for n in range(20)))), ("press", ("plate", "thick")), ("beside", ("left", "near")),
                       ("apart", ("left", "right"))):
     json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in meshes]}, open(scene + ".json", "w"))
 END
@@ -280,8 +282,27 @@ grep -q '; close all open edges of one of the two meshes, and repeat the study; 
 printf 't_s,x_mm,y_mm,z_mm\n0,0,0,0\n1,0.1,0,0\n2,0.1,0,60\n' >toward.csv
 study 6 'walled.json#box' --path toward.csv --voxel-size 0.5mm --clearance 1mm --no-pictures -o walled
 grep -q '^Does not keep the clearance, .* comes as near as 0\.9 mm (measured to wall, ' walled/verdict.txt || fail "nearer than required to a wall: $(cat walled/verdict.txt)"
-study 0 'walled.json#box' --path toward.csv --voxel-size 0.5mm --clearance 1.001mm --no-pictures -o walled
-grep -q ' and passes wall with a gap of 0\.9 mm for the first ' walled/verdict.txt || fail "a wall of the seat: $(cat walled/verdict.txt)"
+# A nearer one is, whatever the voxels.
+for size in 0.1mm 0.5mm 2mm; do
+  study 0 'walled.json#box' --path toward.csv --voxel-size $size --clearance 1.001mm --no-pictures -o walled
+  grep -q ' and passes wall with a gap of 0\.9 mm for the first ' walled/verdict.txt || fail "a wall of the seat, $size: $(cat walled/verdict.txt)"
+done
+# Where a straight path is too near to something, the answer is how near: no hand's path is checked.
+study 6 'walled.json#box' --pull 0.1mm,0,60mm --voxel-size 0.5mm --clearance 1mm --no-pictures -o slanted
+grep -q '^Does not keep the clearance, ' slanted/verdict.txt && [ ! -e slanted/hand.json ] || fail "a slanted pull: $(cat slanted/verdict.txt)"
+# All that is in the way is named, each with a place in it.
+study 6 'posts.json#box' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o posts --json posts_study.json
+python3 - <<'END' || fail "twenty posts: $(cat posts_study.json)"
+import json
+report = json.load(open("posts_study.json"))
+assert sorted(report["blocked_by"]) == sorted(f"post{n}" for n in range(20)), report["blocked_by"]
+deep = [v for v in report["check"]["violations"] if v.get("depth_m", 0) > 0]
+assert len(deep) > 15, deep
+for v in deep:
+    low, high = -4.2 + 0.4 * int(v["object"][4:]), 22
+    x, y, z = (1e3 * c for c in v["point_m"])
+    assert low - 1e-3 < x < low + 0.2 + 1e-3 and abs(y) < 1.001 and 19.999 < z < high + 1e-3, v
+END
 # A report of a study has the status of the study.
 python3 -c 'import json; assert json.load(open("leaky/verdict.json"))["exit_status"] == 6 and json.load(open("walled/verdict.json"))["exit_status"] == 0' ||
   fail "the status in a report of a study"

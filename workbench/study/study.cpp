@@ -81,6 +81,7 @@ class Study {
   Status plan() const;
   Status answer();
   std::string open_answer() const;
+  Play measured_play() const;
   nlohmann::ordered_json play_json() const;
   void note_voxel_size();
 
@@ -427,7 +428,11 @@ Status Study::check() {
   const auto is_clear = [](const json& report) {
     return command::is_yes(command::verdict_kind(report.value("kind", "")));
   };
-  if (!options_.pull.empty() && !is_held_ && !is_clear(checked_)) {
+  // Another path may lead around what is met. Of one that is only too near the answer is how near.
+  const auto kind = command::verdict_kind(checked_.value("kind", ""));
+  const bool is_blocked =
+      kind == command::VerdictKind::kDoesNotComeOut || kind == command::VerdictKind::kCollides;
+  if (!options_.pull.empty() && !is_held_ && is_blocked) {
     // The hand went to the end of its pull. Where its own path is clear, that is the answer.
     if (const auto hand = run(hand_step()); !hand) return hand.error();
     if (is_clear(read_json(in("hand.json")))) checked = check_path(in("path.csv"));
@@ -749,12 +754,21 @@ std::string Study::open_answer() const {
   }
 }
 
+// That of the check, where it has one: its voxels are smaller, and so are the triangles of STEP
+// surfaces.
+Play Study::measured_play() const {
+  const bool is_checked = !options_.files_alone && checked_.is_object() &&
+                          !checked_.value("seat_depths", json::array()).empty();
+  return is_checked ? play_of(checked_) : play_;
+}
+
 nlohmann::ordered_json Study::play_json() const {
-  if (!play_.is_measured) return nullptr;
-  const bool any = !play_.object.empty();
-  return {{"smallest_m", any ? json(play_.play_m) : json()},
-          {"object", any ? json(play_.object) : json()},
-          {"in_contact_with", play_.touched}};
+  const Play play = measured_play();
+  if (!play.is_measured) return nullptr;
+  const bool any = !play.object.empty();
+  return {{"smallest_m", any ? json(play.play_m) : json()},
+          {"object", any ? json(play.object) : json()},
+          {"in_contact_with", play.touched}};
 }
 
 // Lines behind the sentence: the voxels that were chosen, and why.
@@ -769,7 +783,7 @@ void Study::note_voxel_size() {
     line += "refined from " + command::length_text(tried_.front()["voxel_size_m"]) + ": " +
             tried_.back()["open"].get<std::string>();
   }
-  text_ += "  " + play_text(play_) + "\n  " + line + "\n";
+  text_ += "  " + play_text(measured_play()) + "\n  " + line + "\n";
   if (open_answer().empty() || !no_finer_.empty()) return;
   text_ += "  the answer is still open at the smallest size, " +
            command::length_text(choice_.last_m) + ": " + choice_.why_last + "\n";

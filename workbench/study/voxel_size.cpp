@@ -19,7 +19,9 @@ constexpr double kSceneVoxels = 500;  // across the scene at the first look: les
 // So many voxels voxcheck looks around (kMaxCapVoxels of runtime/clearance/path_check.cpp, with its
 // mend's reserve).
 constexpr double kClearanceVoxels = 0.9 * 160;
-constexpr double kContactM = 1e-6;      // less is contact: rounding
+constexpr double kContactM = 1e-6;  // less is contact: rounding
+// Lengths are shown rounded down; one between decimal coordinates may be less by this.
+constexpr double kDecimalM = 1e-10;
 constexpr double kFirstFraction = 0.1;  // of the time allowed, for the bakes of the first size
 constexpr double kProgramBytes = 9e6;   // that a bake takes whatever its size
 constexpr std::size_t kListed = 3;
@@ -121,9 +123,10 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
 
 std::string play_text(const Play& play) {
   if (!play.is_measured) return "no gap was measured, because the meshes were not used";
-  std::string line = play.object.empty() ? "no other object is nearer than the required clearance"
-                                         : "smallest measured gap: " + length_text(play.play_m) +
-                                               ", to " + escaped(play.object);
+  std::string line = play.object.empty()
+                         ? "no other object is nearer than the required clearance"
+                         : "smallest measured gap: " + length_text(play.play_m + kDecimalM) +
+                               ", to " + escaped(play.object);
   std::string touched;
   for (std::size_t n = 0; n < play.touched.size() && n <= kListed; ++n) {
     touched += n == kListed ? text(" and %zu more", play.touched.size() - n)
