@@ -58,18 +58,18 @@ expect 3 "--missing-faces 1" pointshell verify part.pshell tray.step
 expect 0 "" pointshell verify part.pshell tray.step --missing-faces 1
 # A run says whose guarantee it is.
 printf 't_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,2,0,0,1,0,0,0\n1,2,0,0,1,0,0,0\n' >still.csv
-expect 0 "scene.vox: 1 face is missing from it" voxrun scene.vox part.pshell --device sim --motion still.csv \
+expect 0 "scene.vox: 1 face is missing from the mesh" voxrun scene.vox part.pshell --device sim --motion still.csv \
   --duration 0.1s --as-fast-as-possible --json run.json
-grep -q "part.pshell: 1 face is missing from it" err || fail "voxrun on the part: $(cat err)"
+grep -q "part.pshell: 1 face is missing from the mesh" err || fail "voxrun on the part: $(cat err)"
 # So do a check, which is clear of what is there, a plan, and a study with its page.
-expect 0 "part.pshell: 1 face is missing from it" voxcheck scene.vox part.pshell still.csv --clearance 1mm --json check.json
-grep -q "scene.vox: 1 face is missing from it" err || fail "voxcheck on the scene: $(cat err)"
+expect 0 "part.pshell: 1 face is missing from the mesh" voxcheck scene.vox part.pshell still.csv --clearance 1mm --json check.json
+grep -q "scene.vox: 1 face is missing from the mesh" err || fail "voxcheck on the scene: $(cat err)"
 expect 0 "" voxcheck scene.vox part.pshell still.csv --clearance 1mm --quiet
 [ ! -s err ] || fail "voxcheck --quiet is not: $(cat err)"
 grep -q '"missing_faces": 2,' check.json || fail "the report of voxcheck: $(cat check.json)"
 if [ -x "$bin/voxplan" ]; then
   "$bin/voxplan" scene.vox part.pshell --time 0.1s -o plan.csv >out 2>err
-  grep -q "voxplan: warning: scene.vox: 1 face is missing from it" err || fail "voxplan: $(cat err)"
+  grep -q "voxplan: warning: scene.vox: 1 face is missing from the mesh" err || fail "voxplan: $(cat err)"
 fi
 study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o study)
 "$bin/${study[0]}" "${study[@]:1}" >out 2>err && fail "a study of a scene that cannot be read"
