@@ -130,7 +130,7 @@ expect 2 '--set rate_hz: is too slow for a device with motors' floor.vox ball.ps
 expect 2 "--device: 'phantom' is not a kind of device; give sim, hid, spacemouse or plugin" floor.vox ball.pshell --device phantom
 expect 2 "--device: 'replay' is not a kind of device; give --replay FILE without --device" floor.vox ball.pshell --device replay --replay run.flr
 expect 2 '--replay: replaces the device' floor.vox ball.pshell --device sim --replay run.flr
-expect 2 '--device: plugin needs the plugin.s library; write plugin:library=FILE' floor.vox ball.pshell --device plugin
+expect 2 '--device: the plugin.s library is missing; write plugin:library=FILE' floor.vox ball.pshell --device plugin
 expect 2 "--device: 'libary' is not a known name; the nearest known name is library" floor.vox ball.pshell --device plugin:libary=a.so
 for wrong in hid:dead-zone=0.1 hid:library=a.so spacemouse:without-watchdog plugin:id=16c0:0486 sim:id=16c0:0486; do
   expect 2 '--device: .* is not a known name' floor.vox ball.pshell --device $wrong

@@ -138,11 +138,12 @@ TEST(VoxmapFields, Objects) {
     std::uint64_t value;  // of four bytes, or eight
     const char* where;
     const char* what;
-  } cases[] = {
-      {AT(object_count), 1, "object names", "has 2 names, but the header requires 1"},
-      {AT(object_count), 3, "object names", "has 2 names, but the header requires 3"},
-      {AT(object_count), 0, "object directory", "because object_count is zero"},
-      {AT(distance_quantum_m), 0, "distance directory", "because distance_quantum_m is zero"}};
+  } cases[] = {{AT(object_count), 1, "object names", "has 2 names, but the header requires 1"},
+               {AT(object_count), 3, "object names", "has 2 names, but the header requires 3"},
+               {AT(object_count), 0, "object directory",
+                "object_count is zero, so the file must not have this tree"},
+               {AT(distance_quantum_m), 0, "distance directory",
+                "distance_quantum_m is zero, so the file must not have this tree"}};
   for (const auto& c : cases) {
     AlignedBytes bytes = distance_scene_bytes();
     if (c.offset == AT(object_count)) {

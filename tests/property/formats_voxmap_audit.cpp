@@ -249,7 +249,7 @@ TEST(VoxmapAudit, NoticesMoreLayersThanTheInteriorHas) {
             << "k " << k << " said " << said << " metric " << static_cast<int>(metric)
             << (status ? "" : to_line(status.error()));
         if (said > k && !status) {
-          EXPECT_NE(status.error().what.find("too narrow"), std::string::npos);
+          EXPECT_NE(status.error().what.find("must be wider"), std::string::npos);
         }
       }
       // A cut through a ball of the layers: what lies beyond may be interior.

@@ -243,7 +243,7 @@ TEST_F(ParametersTest, FollowASoftCovering) {
   request.model = Model::kPaper;
   const auto warnings = derive(request).warnings;
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("the scene has a compliance"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("ignores the scene's compliance"), std::string::npos) << warnings[0];
 }
 
 TEST_F(ParametersTest, TakeSettingsAndWarnBeyondABound) {
