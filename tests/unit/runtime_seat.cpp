@@ -239,7 +239,7 @@ TEST(Seat, AStartApartFromTheSeatIsClear) {
   const auto inside = begin(resting(-0.5 * kS));
   ASSERT_FALSE(inside);
   EXPECT_EQ(inside.error().code, ErrorCode::kUsage);
-  EXPECT_NE(inside.error().what.find("away from its seat"), std::string::npos);
+  EXPECT_NE(inside.error().what.find("outside its seat"), std::string::npos);
 }
 
 TEST(Seat, AForceWithoutDistancesIsRefusedForWhatItIs) {
