@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
-#include <limits>
 
 #include "runtime/field/average_directions.h"
 
@@ -111,41 +110,20 @@ bool FieldProbe::lies_beside_solid(std::uint32_t i, float depth_m) const noexcep
   return false;
 }
 
-float FieldProbe::stored_distance_m(std::uint32_t i,
-                                    const glm::vec3& offset_voxels) const noexcept {
-  const glm::vec3 in_voxel(points_.fx[i], points_.fy[i], points_.fz[i]);
-  const glm::vec3 at = in_voxel + offset_voxels - 0.5f, low = glm::floor(at), between = at - low;
-  const glm::ivec3 voxel =
-      glm::ivec3(points_.vx[i], points_.vy[i], points_.vz[i]) + glm::ivec3(low);
+bool FieldProbe::has_distances(const glm::ivec3& low, const glm::ivec3& high) const noexcept {
   const DistanceView& distances = *voxmap().distances();
-  if (!distances.contains(voxel.x, voxel.y, voxel.z) ||
-      !distances.contains(voxel.x + 1, voxel.y + 1, voxel.z + 1)) {
-    return std::numeric_limits<float>::quiet_NaN();
-  }
-  const std::array<std::uint32_t, 8> codes = unpacked_->cell(voxel.x, voxel.y, voxel.z);
-  const auto along_z = [&](std::size_t n) {
-    return std::lerp(static_cast<float>(codes[n]), static_cast<float>(codes[n + 1]), between.z);
-  };
-  const float code = std::lerp(std::lerp(along_z(0), along_z(2), between.y),
-                               std::lerp(along_z(4), along_z(6), between.y), between.x);
-  return from_surface_m(code);
-}
-
-float FieldProbe::stored_center_distance_m(std::uint32_t i,
-                                           const glm::vec3& offset_voxels) const noexcept {
-  const glm::vec3 in_voxel(points_.fx[i], points_.fy[i], points_.fz[i]);
-  const glm::ivec3 voxel = glm::ivec3(points_.vx[i], points_.vy[i], points_.vz[i]) +
-                           glm::ivec3(glm::floor(in_voxel + offset_voxels));
-  if (!voxmap().distances()->contains(voxel.x, voxel.y, voxel.z)) {
-    return std::numeric_limits<float>::quiet_NaN();
-  }
-  return from_surface_m(unpacked_->code(voxel.x, voxel.y, voxel.z));
+  return distances.contains(low.x, low.y, low.z) && distances.contains(high.x, high.y, high.z);
 }
 
 // A code stands for the middle of its step.
-float FieldProbe::from_surface_m(double code) const noexcept {
+std::array<float, 8> FieldProbe::cell_distances(const glm::ivec3& voxel) const noexcept {
   const VoxmapHeader& header = voxmap().header();
-  return static_cast<float>((code - header.distance_zero_code + 0.5) * header.distance_quantum_m);
+  const auto step = static_cast<float>(header.distance_quantum_m / header.voxel_size_m);
+  const float zero = static_cast<float>(header.distance_zero_code) - 0.5f;
+  const std::array<std::uint32_t, 8> codes = unpacked_->cell(voxel.x, voxel.y, voxel.z);
+  std::array<float, 8> distances;
+  for (std::size_t n = 0; n < 8; ++n) distances[n] = (static_cast<float>(codes[n]) - zero) * step;
+  return distances;
 }
 
 }  // namespace forcelayer::field

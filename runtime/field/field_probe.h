@@ -2,6 +2,7 @@
 // look-up. What may be where is decided by runtime/guard.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -59,11 +60,17 @@ class FieldProbe {
   }
   // Whether one of the stored distances around the point lies deeper inside a solid than this.
   bool lies_beside_solid(std::uint32_t i, float depth_m) const noexcept;
-  // A measure, and no bound: the stored distance from the scene's surface at an offset from the
-  // point, interpolated between the eight centers around it. NaN beyond the map.
-  float stored_distance_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
-  // That of the center of the voxel in which the offset position lies.
-  float stored_center_distance_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
+  // The i-th point's voxel, relative to the map's directory, and its place there, [0, 1).
+  glm::ivec3 voxel(std::uint32_t i) const noexcept {
+    return {points_.vx[i], points_.vy[i], points_.vz[i]};
+  }
+  glm::vec3 in_voxel(std::uint32_t i) const noexcept {
+    return {points_.fx[i], points_.fy[i], points_.fz[i]};
+  }
+  // Whether the map has distances from one voxel to another.
+  bool has_distances(const glm::ivec3& low, const glm::ivec3& high) const noexcept;
+  // The stored distances, in voxels, of the eight centers from a voxel on, z fastest.
+  std::array<float, 8> cell_distances(const glm::ivec3& voxel) const noexcept;
   // The object nearest to the point; 0 where the map names none.
   std::uint32_t object_of(std::uint32_t i) const noexcept;
 
@@ -73,7 +80,6 @@ class FieldProbe {
 
  private:
   void forget_sides() noexcept;
-  float from_surface_m(double code) const noexcept;
 
   query::ContactQuery& query_;
   const ForceField& field_;

@@ -88,6 +88,7 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   in_seat_m_.assign(points, 0);
   in_seat_steepness_.assign(points, 1);
   corner_points_ = 0;
+  walls_.reserve(points);
   probe_.query_pose(world_from_center);
   const field::FieldSamples& samples = probe_.samples();
   const auto voxel_size_m = static_cast<float>(probe_.voxmap().voxel_size_m());

@@ -18,28 +18,22 @@ constexpr float kSameSide = 0.7f;
 constexpr float kSureSlope = 0.5f;
 // A motion that goes against a point's side by less than this fraction goes along the wall.
 constexpr float kGrazing = 0.01f;
-// Distances that rise at least this steeply from both sides of a position are those of one wall
-// between them, flush to the line: neither of two walls nor of a corner.
-constexpr float kFlushWall = 0.9f;
-constexpr float kBeyondVoxels = 0.75f;  // from the first position on a side to the second
 // A point is beyond the middle of a wall from there on: more than the rounding of two codes.
 constexpr float kBeyondMiddleVoxels = 0.05f;
 
-// A cell whose slope is this steep along a normal lies before the wall, but for a corner of this
-// height.
-constexpr float kClearSlope = 0.9f, kMaxUnseenVoxels = 0.1f;
-// A point deeper than this is barred whichever side it is on (the floor of find_seat.cpp).
-constexpr float kMaxDepthVoxels = 0.35f;
-// So far into a solid that is thicker than a thin wall the stored distances are deep.
-constexpr float kInsideVoxels = 1.75f;
+// A cell whose slope is this steep along a normal lies before the wall, but for a corner of a tenth
+// of a voxel.
+constexpr float kClearSlope = 0.9f;
+
+// A normal at most some 80 degrees aside of a wall's direction tells a point's side of the wall.
+constexpr float kAlongWall = 0.15f;
+// A point without an inside has the side on which it is. So it may not come nearer to the middle
+// of a wall than this, which is more than the error of its height.
+constexpr float kBeforeMiddleVoxels = 0.1f;
+// Two cells may differ by so much in the height of a position over a wall.
+constexpr float kHeightErrorVoxels = 0.07f;
 
 constexpr float square(float x) { return x * x; }
-
-// Voxels that a cell of eight centers extends along a direction: so far away from a plane through
-// the position, a cell has all its centers on one side of the plane.
-float cell_extent(const glm::vec3& direction) {
-  return std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
-}
 
 }  // namespace
 
@@ -47,6 +41,7 @@ SeatRule::SeatRule(field::FieldProbe& probe, const PointRule& rule)
     : probe_(probe),
       rule_(rule),
       between_(probe),
+      walls_(probe),
       corner_m_(static_cast<float>(0.25 * probe.voxmap().voxel_size_m())) {}
 
 // A sheet midway between voxel centers has this distance in the middle: half a diagonal. A wall of
@@ -127,70 +122,31 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
   between_.press(seat_, out);
 }
 
-// The height of a point, moved by an offset, over the middle of a thin wall that faces it: along
-// its inward normal, so negative where the part has gone through. Two cells, one on each side, tell
-// it whatever the interpolation says at the point itself. Means nothing where rise_beside() is
-// small.
-float SeatRule::height_over_wall_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept {
-  const glm::vec3 n = probe_.normal(i), aside = cell_extent(n) * n;
-  return 0.5f * (probe_.stored_distance_m(i, offset_voxels + aside) -
-                 probe_.stored_distance_m(i, offset_voxels - aside));
-}
-
-// How steeply the distance rises along a point's normal away from it, on the side where it rises
-// less: 1 where nothing but a wall across the normal is near, and less beside a corner or another
-// wall.
-float SeatRule::rise_beside(std::uint32_t i) const noexcept {
-  const glm::vec3 n = probe_.normal(i), first = cell_extent(n) * n,
-                  second = first + kBeyondVoxels * n;
-  const auto rise_m = [&](float side) {
-    return probe_.stored_distance_m(i, side * second) - probe_.stored_distance_m(i, side * first);
-  };
-  return std::min(rise_m(1), rise_m(-1)) /
-         (kBeyondVoxels * static_cast<float>(probe_.voxmap().voxel_size_m()));
-}
-
 // Whether the i-th point may be one of a face before a wall, or behind it. Where the slope is that
-// of a cell before the wall, it is at most kMaxUnseenVoxels behind.
+// of a cell before the wall, it is at most a tenth of a voxel behind.
 bool SeatRule::may_face_wall(std::uint32_t i) const noexcept {
   return glm::dot(probe_.slope(i), probe_.normal(i)) < kClearSlope;
 }
 
-// Whether the i-th point, which has moved, has gone from before the middle of a thin wall that
-// faces it to behind it. None where nothing tells: the wall does not face it, or others are near.
-std::optional<SeatRule::WallCrossing> SeatRule::wall_crossing(std::uint32_t i,
-                                                              const glm::vec3& moved_m,
-                                                              bool seems_crossed) const noexcept {
+// Whether the i-th point, which has moved, has gone through a flush wall. None where none is known.
+std::optional<SeatRule::WallCrossing> SeatRule::flush_crossing(
+    std::uint32_t i, const glm::vec3& moved_m) const noexcept {
+  const bool has_inside = !probe_.is_two_sided(i);
+  const float proven_m = probe_.samples().distance_m[i], moved2_m2 = glm::dot(moved_m, moved_m);
+  if (has_inside && proven_m > 0 && moved2_m2 < square(proven_m)) return std::nullopt;
+  const FlushWall wall = walls_.beside(i);
+  if (!wall.is_known()) return std::nullopt;
   const auto voxel_size_m = static_cast<float>(probe_.voxmap().voxel_size_m());
-  const float beyond_m = kBeyondMiddleVoxels * voxel_size_m;
-  const glm::vec3 n = probe_.normal(i);
-  if (n == glm::vec3(0)) return std::nullopt;
-  if (!seems_crossed) {
-    // It goes the other way.
-    if (!(glm::dot(moved_m, n) < 0)) return std::nullopt;
-    // It is farther from the wall than it has moved, or a solid faces it.
-    const float proven_m = probe_.samples().distance_m[i];
-    if (proven_m - beyond_m > 0 && glm::dot(moved_m, moved_m) < square(proven_m - beyond_m)) {
-      return std::nullopt;
-    }
-    if (probe_.stored_center_distance_m(i, -kInsideVoxels * n) < -half_sheet_m()) {
-      return std::nullopt;
-    }
-    // Behind a flush wall, and not so deep in it that the floor bars the point, the distance has
-    // risen by so much on the far side.
-    const float extent = cell_extent(n);
-    if (probe_.stored_distance_m(i, -extent * n) <
-        (kFlushWall * extent - kMaxDepthVoxels) * voxel_size_m) {
-      return std::nullopt;
-    }
-  }
-  const float height_m = height_over_wall_m(i, {});
-  const bool is_behind = height_m < -beyond_m;
-  if (!seems_crossed && !is_behind) return std::nullopt;
-  if (!(rise_beside(i) >= kFlushWall)) return std::nullopt;
-  const bool was_behind =
-      height_over_wall_m(i, -moved_m / voxel_size_m) < -beyond_m - kMaxUnseenVoxels * voxel_size_m;
-  return WallCrossing{is_behind && !was_behind, -height_m - beyond_m};
+  const float along = glm::dot(moved_m, wall.direction) / voxel_size_m;
+  const float facing = glm::dot(probe_.normal(i), wall.direction);
+  const bool faces = std::abs(facing) > kAlongWall;
+  const float sign = (faces ? facing : wall.height - along) > 0 ? 1.0f : -1.0f;
+  const float after = sign * wall.height, before = after - sign * along;
+  const float lowest = has_inside ? -kBeyondMiddleVoxels : kBeforeMiddleVoxels;
+  const float was_before = faces || !has_inside ? lowest - kHeightErrorVoxels : kHeightErrorVoxels;
+  const float grazing = has_inside ? 0 : kGrazing * std::sqrt(moved2_m2) / voxel_size_m;
+  return WallCrossing{before > was_before && after < lowest && after < before - grazing,
+                      (lowest - after) * voxel_size_m, sign * wall.direction};
 }
 
 void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
@@ -205,7 +161,7 @@ void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3&
     if (earlier.point[at] != later.point[i] || earlier.of_seat[at] == 0) continue;
     if (!(probe_.stored_distance_m(i) < sheet_m)) continue;
     const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
-    glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
+    const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
     const bool faces = may_face_wall(i);
     // A point without an inside would forget its side in the middle of a sheet: it may not go
     // there.
@@ -215,27 +171,34 @@ void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3&
     const glm::vec3 moved_m =
         shift_m + glm::vec3(later.ax[i] - earlier.ax[at], later.ay[i] - earlier.ay[at],
                             later.az[i] - earlier.az[at]);
+    const auto bar = [&](const glm::vec3& to, float by_m) {
+      if (later.is_barred[i] == 0) ++later.barred;
+      later.is_barred[i] = field::ContactSet::kCrossed;
+      later.ux[i] = to.x, later.uy[i] = to.y, later.uz[i] = to.z;
+      later.depth_m[i] = by_m;
+    };
+    const float steepness = glm::length(slope);
+    const glm::vec3 slope_before(earlier.gx[at], earlier.gy[at], earlier.gz[at]);
+    const bool before_one_face = !probe_.is_two_sided(i) && steepness >= kClearSlope &&
+                                 glm::dot(slope_before, slope_before) >= square(kClearSlope) &&
+                                 glm::dot(slope_before, slope) > 0;
+    if (const auto flush = before_one_face ? std::nullopt : flush_crossing(i, moved_m)) {
+      if (flush->crossed) bar(flush->side, flush->deeper_m);
+      continue;
+    }
     const float into_m = -glm::dot(moved_m, side);
     // Halfway between two walls the slope turns as well, but the distance falls from there on, and
     // is larger than it can be for a sheet.
     const bool rises = glm::dot(moved_m, slope) > 0;
     // Not that of a wall of the part that stands on the sheet, whose normal lies along it.
-    const float steepness = glm::length(slope);
     const bool turned = steepness >= kSureSlope && glm::dot(slope, side) < -0.5f * steepness;
-    bool crossed = into_m > kGrazing * glm::length(moved_m) && (forgets || (rises && turned));
+    const bool crossed = into_m > kGrazing * glm::length(moved_m) && (forgets || (rises && turned));
     // The distance falls by as much as the point moves up to the middle, and then rises again.
     const float rise_m = later.from_surface_m[i] - earlier.from_surface_m[at];
-    float deeper_m = std::clamp(0.5f * (into_m + rise_m), 0.0f, std::max(into_m, 0.0f));
-    if (!crossed && !faces) continue;
-    if (const auto wall = wall_crossing(i, moved_m, crossed)) {
-      crossed = wall->crossed;
-      if (crossed) side = probe_.normal(i), deeper_m = wall->deeper_m;
-    }
+    const float deeper_m = std::clamp(0.5f * (into_m + rise_m), 0.0f, std::max(into_m, 0.0f));
     if (!crossed || probe_.lies_beside_solid(i, sheet_m)) continue;
-    if (later.is_barred[i] == 0) ++later.barred;
-    later.is_barred[i] = field::ContactSet::kCrossed;
-    later.ux[i] = side.x, later.uy[i] = side.y, later.uz[i] = side.z;
-    later.depth_m[i] = deeper_m;
+    if (walls_.beside(i).is_known()) continue;  // it was not to be asked: it is not crossed
+    bar(side, deeper_m);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "formats/result.h"
 #include "runtime/field/field_probe.h"
 #include "runtime/guard/between_points.h"
+#include "runtime/guard/flush_walls.h"
 #include "runtime/guard/point_rule.h"
 #include "runtime/guard/seat.h"
 
@@ -37,11 +38,12 @@ class SeatRule {
   // Bars the points of the seat that have gone through a surface between two poses.
   //
   // A sheet has no inside that would show who has gone through, and a plate of less than some two
-  // voxels hardly one: the motion does. A point has where it moved against the direction in which
-  // its side lay, to where the distance rises again, and no solid is near that is thicker than
-  // such a plate. Close to a wall that is thinner than a voxel, interpolation hides the side: there
-  // distances a voxel and more away on both sides decide (wall_crossing). It is to be pushed
-  // back to the side it came from.
+  // voxels hardly one: the motion does. Where such a wall is flush (FlushWalls), a point has if it
+  // was before the wall's middle, on the side on which its inward normal has the part, and is
+  // behind it. The normal may be 80 degrees aside of the wall's; a point without an inside is held
+  // before the middle. Elsewhere a point has where it moved against the direction in which its side
+  // lay, to where the distance rises again, and no solid is near that is thicker than such a plate.
+  // It is to be pushed back to the side it came from.
   void mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
                       field::ContactSet& later) const noexcept;
 
@@ -50,15 +52,14 @@ class SeatRule {
 
  private:
   float half_sheet_m() const noexcept;
-  float height_over_wall_m(std::uint32_t i, const glm::vec3& offset_voxels) const noexcept;
-  float rise_beside(std::uint32_t i) const noexcept;
   bool may_face_wall(std::uint32_t i) const noexcept;
   struct WallCrossing {
     bool crossed;
     float deeper_m;  // beyond the middle than a point may be
+    glm::vec3 side;  // unit, to where it is to be pushed
   };
-  std::optional<WallCrossing> wall_crossing(std::uint32_t i, const glm::vec3& moved_m,
-                                            bool seems_crossed) const noexcept;
+  std::optional<WallCrossing> flush_crossing(std::uint32_t i,
+                                             const glm::vec3& moved_m) const noexcept;
   bool touches_in_corner(std::uint32_t i) const noexcept;
   bool is_in_corner(std::uint32_t i) const noexcept;
   bool lies_in_corners() const noexcept;
@@ -68,6 +69,7 @@ class SeatRule {
   field::FieldProbe& probe_;
   const PointRule& rule_;
   BetweenPoints between_;
+  FlushWalls walls_;
   Seat seat_;
   std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
   // The slope of the field there, of points that touch in a corner; 1 elsewhere.

@@ -32,6 +32,7 @@ GUARD = ("runtime_tests", "DefaultModel*")
 RULE = ("runtime_tests", "GuardRule*:GuardDistance*")
 SEAT = ("runtime_tests", "Seat.*:TwoSided*")
 WALLS, TABS = ("runtime_tests", "SeatWalls*"), ("runtime_tests", "SeatWalls*Tab")
+SHEETS = ("runtime_tests", "SeatSheets*")
 FILES = ("runtime_tests", "*CInterface*")
 WATCH = ("runtime_tests", "OutputWatch*:LatestValue*")
 BYTES = ("formats_tests", "FileBytes*")
@@ -139,11 +140,14 @@ FAULTS = [
     ("guard", SEAT_FILE, "        distance_m < (in_corners && is_in_corner(i)", "        distance_m + 1e-6f < (in_corners && is_in_corner(i)",
      "a seated point may be a micrometer too deep", [RULE]),
     ("guard", SEAT_FILE, "    later.is_barred[i] = field::ContactSet::kCrossed;", "", "sheets are crossed", [SEAT]),
-    ("guard", SEAT_FILE, "const bool is_behind = height_m < -beyond_m;", "const bool is_behind = false;",
-     "the slope alone tells the side of a thin wall", [WALLS]),
     ("guard", SEAT_FILE, "return glm::dot(probe_.slope(i), probe_.normal(i)) < kClearSlope;",
      "return glm::dot(probe_.slope(i), probe_.normal(i)) < kClearSlope && !(probe_.query().shell().view().cone_cos[probe_.point(i)] < 0.8f);",
      "points with wide normal cones, as those of thin legs, are passed over", [TABS]),
+    ("guard", SEAT_FILE, "if (!wall.is_known()) return std::nullopt;", "return std::nullopt;",
+     "in the middle of a sheet the normal alone tells a point's side", [SHEETS]),
+    ("guard", SEAT_FILE, "before > was_before && after", "after", "a point behind a sheet may not go away from it", [SHEETS]),
+    ("guard", "runtime/guard/flush_walls.cpp", "{glm::ivec3(0), cell_at(0), cell_at(kBehindSurface)}", "{glm::ivec3(0)}",
+     "a sheet is not seen from the cell before it", [SHEETS]),
     ("guard", "runtime/clearance/seat_stretch.cpp",
      "  parts_->probe->mark_crossings(parts_->earlier, glm::vec3(shift_m), parts_->contacts);", "",
      "a check by the files follows no point", [WALLS]),
