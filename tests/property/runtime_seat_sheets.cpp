@@ -96,7 +96,7 @@ Passage pass(const Walls& walls, const std::vector<int>& sides, const glm::dvec3
   return out;
 }
 
-// What the point is of: a face before the wall, with a normal within 80 degrees of the direction to
+// Whose point it is: a face before the wall, with a normal within 80 degrees of the direction to
 // the point's side of each wall; one that lies flush; the far face of a thin leg; an open sheet.
 enum class Of { kFace, kFlushFace, kFarFace, kSheet };
 
