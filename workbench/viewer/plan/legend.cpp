@@ -93,9 +93,8 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
   if (!plan.shown[Item::kContacts]) return;
   if (scene.voxmap && scene.shell) {
     const Arrows arrows = arrows_of(scene, plan.moment->contacts);
-    legend.push_back(
-        {Swatch::kArrow, kContactColor, 1,
-         text_of("contact force on the part: arrow %g times the depth", arrows.per_depth)});
+    legend.push_back({Swatch::kArrow, kContactColor, 1,
+                      text_of("contact force on the part (%g x the depth)", arrows.per_depth)});
     if (arrows.left_out > 0) {
       legend.push_back(
           {Swatch::kDot, kContactColor, 1,
