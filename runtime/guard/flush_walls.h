@@ -2,9 +2,11 @@
 // centers through which such a wall goes, the interpolated slope has neither its direction nor
 // tells its side. The stored distances of cells on both sides of it are exact, and tell both.
 //
-// A wall is known if it is flat to 0.06 voxels there, thinner than 1.74 voxels, and ends not nearer
-// than some 1.6 voxels. Another wall must be three voxels away, or 2.5 where the two meet. Within a
-// voxel beyond its end a wall may seem to go on. Heights are off by up to 0.035 voxels.
+// A wall is known if it is flat to 0.06 voxels there, thinner than 1.74 voxels, and if no end of it
+// and no other wall is nearer than three voxels. Nearer than that to its end it may be unknown, or
+// seem to go on beyond it: at 2,500 walls with an end, walls were unknown up to 2.3 voxels from it,
+// and seemed to go on up to 2.1; where two walls meet, they were unknown up to 2.7. Heights are off
+// by up to 0.035 voxels.
 #pragma once
 
 #include <cstdint>
