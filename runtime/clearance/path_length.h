@@ -14,9 +14,9 @@ namespace forcelayer::clearance {
 
 class PathLength {
  public:
-  // The lengths of a shift are those of its centroid, and those of a turn about an axis are those
-  // of the shell point that is farthest from it. The point is sought among those that lie farthest
-  // out in 200 directions: on a long round part, another may be faster by 1%.
+  // The fastest shell point of each moment counts: of a turn about an axis, the one farthest from
+  // it. It is sought among the points that lie farthest out in 200 directions: on a long round
+  // part, another may be faster by 1%.
   PathLength(const CenterPath& path, const Pshell& part);
 
   // m since the first pose.
