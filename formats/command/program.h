@@ -24,8 +24,8 @@ std::string program_path(const std::string& name);
 // A later signal ends the process. A signal that the caller ignores stays ignored.
 void stop_programs_on_signals();
 
-// From here on this program, and those that it starts, print a warning that one of them has printed
-// no more. Where the system gives no memory for that, they print all.
+// From here on this program, and those that it starts, do not print a warning that one of them has
+// printed already. Where the system gives no memory for that, they print all.
 void share_warnings();
 
 // Whether none of them has printed this warning: from now on, one has. True where none are shared.

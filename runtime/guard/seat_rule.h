@@ -38,12 +38,12 @@ class SeatRule {
   // Bars the points of the seat that have gone through a surface between two poses.
   //
   // A sheet has no inside that would show who has gone through, and a plate of less than some two
-  // voxels hardly one: the motion does. Where such a wall is flush (FlushWalls), a point has if it
-  // was before the wall's middle, on the side on which its inward normal has the part, and is
-  // behind it. The normal may be 80 degrees aside of the wall's; a point without an inside is held
-  // before the middle. Elsewhere a point has where it moved against the direction in which its side
-  // lay, to where the distance rises again, and no solid is near that is thicker than such a plate.
-  // It is to be pushed back to the side it came from.
+  // voxels hardly one: the motion does. Where such a wall is flush (FlushWalls), a point has gone
+  // through if it was before the wall's middle, on the side on which its inward normal has the
+  // part, and is behind it. The normal may be 80 degrees aside of the wall's; a point without an
+  // inside is held before the middle. Elsewhere a point has gone through where it moved against the
+  // direction in which its side lay, to where the distance rises again, and no solid is near that
+  // is thicker than such a plate. It is to be pushed back to the side it came from.
   void mark_crossings(const field::ContactSet& earlier, const glm::vec3& shift_m,
                       field::ContactSet& later) const noexcept;
 

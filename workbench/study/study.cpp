@@ -428,7 +428,8 @@ Status Study::check() {
   const auto is_clear = [](const json& report) {
     return command::is_yes(command::verdict_kind(report.value("kind", "")));
   };
-  // Another path may lead around what is met. Of one that is only too near the answer is how near.
+  // Another path may lead around what the part meets. Where it is only too near, the answer is how
+  // near.
   const auto kind = command::verdict_kind(checked_.value("kind", ""));
   const bool is_blocked =
       kind == command::VerdictKind::kDoesNotComeOut || kind == command::VerdictKind::kCollides;
