@@ -91,7 +91,8 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
   const std::string deep = "goes " + depth + " deep into " + object;
   return seat->installed_m > kRoundingM
-             ? deep + ", which the installed part overlaps by " + length_text(seat->installed_m)
+             ? deep + ", which the installed part overlaps by at least " +
+                   length_text(seat->installed_m)
              : deep + ", where " + allowed + " is allowed";
 }
 
@@ -255,10 +256,10 @@ VerdictKind yes_of(const CheckedPath& checked) {
   return r.begins_installed && !ends ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
 }
 
-// "103.2 to 159.5 mm along the path (1.720 to 2.658 s)"
+// "103.2 to 159.5 mm along the path"
 std::string stretch_text(const CheckedPath& checked, double from_s, double to_s) {
-  return text("%.1f to %.1f mm along the path (%.3f to %.3f s)", 1e3 * along_m(checked, from_s),
-              1e3 * along_m(checked, to_s), from_s, to_s);
+  return text("%.1f to %.1f mm along the path", 1e3 * along_m(checked, from_s),
+              1e3 * along_m(checked, to_s));
 }
 
 // "after 51.6 mm, at x 94.64, y 39.86, z 51.52 mm"
@@ -402,8 +403,7 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
                     bounds_text(r.smallest,
                                 checked.exact != nullptr ? &checked.exact->smallest : nullptr,
                                 r.clearance_m) +
-                    to(r.smallest.object) + ", " + where_text(checked, r.smallest) +
-                    text(" (%.3f s)", r.smallest.time_s));
+                    to(r.smallest.object) + ", " + where_text(checked, r.smallest));
   }
   // Just out of its seat the part is near that. How near it comes to other objects is news.
   const ExactMoment* const beyond = checked.exact != nullptr ? &checked.exact->beyond : nullptr;

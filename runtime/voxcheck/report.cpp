@@ -42,7 +42,7 @@ std::vector<std::string> overlap_texts(const Report& report) {
   for (const ExactSeat& seat : report.exact->seat) {
     if (seat.installed_m <= report.exact->margin_m) continue;
     texts.push_back("where the part is installed, it overlaps " +
-                    escaped(object_name(report.checked.scene, seat.object)) + " by " +
+                    escaped(object_name(report.checked.scene, seat.object)) + " by at least " +
                     length_text(seat.installed_m));
   }
   return texts;

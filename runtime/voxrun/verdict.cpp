@@ -194,14 +194,14 @@ std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopS
   return line;
 }
 
-// "stays 3.1 mm away or more (proven to B, at 2.204 s)"
+// "stays 3.1 mm away or more (proven; nearest to B, at 2.204 s)"
 std::string stays_text(const Scenes& scenes, const LoopStatistics& s) {
   const auto& smallest = s.min_clearance;
   if (smallest.kind == ClearanceKind::kNone) return "no distance is known";
   const std::string stays =
       "stays " + command::length_text(smallest.clearance_m) + " away or more (";
   if (smallest.kind == ClearanceKind::kAtLeast) return stays + "nothing is nearer)";
-  return stays + "proven to " + printed(scenes, smallest.object) +
+  return stays + "proven; nearest to " + printed(scenes, smallest.object) +
          text(", at %.3f s)", smallest.time_s);
 }
 

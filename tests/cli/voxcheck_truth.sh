@@ -110,7 +110,7 @@ done
 # An object that lies inside the part is no distance away, though no point of the shell is near it.
 check 6 beads.vox core.pshell inside.csv --clearance 1mm --json bead.json
 says '^Collides, straight along \+x: bead lies inside the part \(after 0 of 10 mm\)\.$'
-says '^  0\.0 to 10\.0 mm along the path \(0\.000 to 1\.000 s\): bead lies inside the part, after 0\.0 mm, at '
+says '^  0\.0 to 10\.0 mm along the path: bead lies inside the part, after 0\.0 mm, at '
 errs '^voxcheck: inside\.csv: collides: bead lies inside the part \('
 python3 -c 'import json; [v] = json.load(open("bead.json"))["violations"]; assert v["object_inside"] and v["object"] == "bead", v' ||
   fail "the report: $(cat bead.json)"
@@ -253,9 +253,9 @@ END
   check 0 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
     --part cube.obj --part-units mm --json pressed.json --report junit:pressed.xml --report gitlab:pressed.quality --report github
   for report in pressed.xml pressed.quality out.txt; do
-    grep -qF 'where the part is installed, it overlaps Floor by 0.4 mm' $report || fail "$report does not say so: $(cat $report)"
+    grep -qF 'where the part is installed, it overlaps Floor by at least 0.4 mm' $report || fail "$report does not say so: $(cat $report)"
   done
-  says '^  where the part is installed, it overlaps Floor by 0\.4 mm$'
+  says '^  where the part is installed, it overlaps Floor by at least 0\.4 mm$'
   says '^  in its seat, the part never goes deeper than installed$'
   python3 - <<'END' || fail "the press fit: $(cat pressed.json)"
 import json
@@ -275,7 +275,7 @@ END
   for rule in "--seat 0,0,0m --felt-seat" "--allow Floor"; do
     check 6 ribbed.vox cube4.pshell along.csv --clearance 1mm $rule "${meshes[@]}"
     says '^Does not keep the clearance, straight along \+x: .*comes as near as 0\.2 mm \(measured to Rib, after '
-    says '^  [0-9.]+ to 20\.0 mm along the path \(0\.7[0-9]+ to 1\.000 s\): comes within 0\.2 mm of Rib'
+    says '^  1[4-6]\.[0-9] to 20\.0 mm along the path: comes within 0\.2 mm of Rib'
   done
 
   # In its seat a part does not go into metal, be it as little as the files tell: whatever the voxels. 0.5 mm before a wall, it is
@@ -314,7 +314,7 @@ END
   for pair in floor:open_part open_floor:part; do
     seat=(--clearance 1mm --seat 0,0,5mm --exact ${pair%:*}.obj --part ${pair#*:}.obj --units mm)
     check 0 ${pair%:*}.vox ${pair#*:}.pshell up.csv "${seat[@]}"
-    says '^Comes out, straight along \+z: slides along (open_)?floor '
+    says '^Comes out, straight along \+z: leaves (open_)?floor within the first 1 mm, '
     check 6 ${pair%:*}.vox ${pair#*:}.pshell sunk.csv "${seat[@]}"
     says '^Does not come out, .* goes (3|2\.999[0-9]*) mm deep into (open_)?floor, which the installed part does not overlap'
   done

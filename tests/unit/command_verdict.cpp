@@ -166,9 +166,27 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.nearest.proven_m = 0.0014;
   EXPECT_EQ(sentence(v),
             "Comes out, straight along +z: slides along A and passes B with a gap of 0.096 mm for "
-            "the first 51.6 mm, otherwise stays 1.4 mm away or more (proven to "
-            "Clip/Half, after 51.6 of 60 mm; 1 mm "
+            "the first 51.6 mm, otherwise stays 1.4 mm away or more (proven; "
+            "nearest to Clip/Half, after 51.6 of 60 mm; 1 mm "
             "required).");
+  // It moves off what it touches, or onto it, where the clearance is gained or lost within twice
+  // its length.
+  v.slides[0].to_m = 0.0021;
+  EXPECT_NE(sentence(v).find(": slides along A and passes B with a gap of 0.096 mm for the first "
+                             "2.1 mm, otherwise"),
+            std::string::npos);
+  v.slides[0].to_m = 0.0019;
+  EXPECT_NE(sentence(v).find(": leaves A and passes B with a gap of 0.096 mm within the first "
+                             "1.9 mm, otherwise"),
+            std::string::npos);
+  v.slides[0] = {0.0581, 0.06, {"A"}, {}, 0, 1e-4};
+  EXPECT_NE(sentence(v).find(": reaches A, overlapping by at least 0.1 mm when installed, within "
+                             "the last 1.9 mm, otherwise"),
+            std::string::npos);
+  v.slides[0].from_m = 0.0579;
+  EXPECT_NE(sentence(v).find(": slides along A, overlapping by at least 0.1 mm when installed, for "
+                             "the last 2.1 mm, otherwise"),
+            std::string::npos);
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
   v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};

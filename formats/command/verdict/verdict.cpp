@@ -76,8 +76,17 @@ std::string finding_position_text(const Verdict& v) {
          (begin == "0" ? " from the start, worst " : " from " + begin + " mm on, worst ") + worst;
 }
 
-// "slides along A and B for the first 51.6 mm", or how near it passes them. Where the answer is no,
-// other objects are named behind it, so this names none.
+// Whether the part moves off what it touches, or onto it, and not along it: the whole clearance is
+// gained, or lost, within this many times its length.
+bool is_off_or_onto(const Verdict& v, const VerdictSlide& slide) {
+  constexpr double kTimes = 2;
+  const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
+  return begins != ends && !slide.objects.empty() &&
+         slide.to_m - slide.from_m <= kTimes * v.required_m;
+}
+
+// "slides along A and B for the first 51.6 mm", "leaves A within the first 1 mm", or how near it
+// passes them. Where the answer is no, other objects are named behind it, so this names none.
 std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
   const std::string length = short_mm(slide.to_m - slide.from_m) + " mm";
@@ -89,9 +98,12 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
     return "is back in its seat for " + std::string(ends ? "the last " : "") + length;
   }
   std::string line;
-  if (!slide.objects.empty()) line = "slides along " + listed(slide.objects);
+  const bool is_short = is_off_or_onto(v, slide);
+  if (!slide.objects.empty()) {
+    line = (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(slide.objects);
+  }
   if (slide.overlap_m > 0) {
-    line += ", overlapping by " + length_text(slide.overlap_m) + " when installed,";
+    line += ", overlapping by at least " + length_text(slide.overlap_m) + " when installed,";
   }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +
@@ -99,7 +111,11 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   }
   if (line.empty()) line = "is in its seat";
   if (begins && ends) return line + " for the whole path of " + length;
-  return line + " for " + (begins ? "the first " : ends ? "the last " : "") + length;
+  return line + (is_short ? " within " : " for ") +
+         (begins ? "the first "
+          : ends ? "the last "
+                 : "") +
+         length;
 }
 
 // A slide that ends after the reason for a no has begun is left out.
@@ -114,17 +130,6 @@ std::string slides_text(const Verdict& v) {
   return line;
 }
 
-const char* how_known(Known known) {
-  switch (known) {
-    case Known::kMeasured:
-      return "measured";
-    case Known::kProven:
-      return "proven";
-    default:
-      return "";
-  }
-}
-
 // The distance, and in parentheses to what, where, and what was required.
 std::string distance_text(const Verdict& v, const char* before, const char* behind) {
   const VerdictDistance& nearest = v.nearest;
@@ -136,8 +141,9 @@ std::string distance_text(const Verdict& v, const char* before, const char* behi
   if (v.nearest.known == Known::kAtLeast) {
     line += "nothing is nearer";
   } else {
-    line += std::string(how_known(is_less ? Known::kProven : nearest.known)) + " to " +
-            printed(v.nearest.object) + ", " + position_text(v, v.nearest.along_m);
+    const bool is_measured = nearest.known == Known::kMeasured && !is_less;
+    line += (is_measured ? "measured to " : "proven; nearest to ") + printed(nearest.object) +
+            ", " + position_text(v, nearest.along_m);
   }
   return line + "; " + required + " required)";
 }

@@ -77,7 +77,8 @@ void add_scene(const PicturePlan& plan, const ViewScene& scene, std::vector<Lege
 
 void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<LegendEntry>& legend) {
   if (scene.part && plan.shown[Item::kPart]) {
-    legend.push_back({Swatch::kSquare, kPartColor, 1, "part (mesh)"});
+    legend.push_back(
+        {Swatch::kSquare, kPartColor, plan.measure ? kMeasuredPartOpacity : 1, "part (mesh)"});
   }
   if (scene.shell && plan.shown[Item::kShell]) {
     legend.push_back({Swatch::kSquare, kPartColor, 1, "part (point shell)"});

@@ -33,6 +33,8 @@ inline constexpr Color kRemovedColor = {0.84, 0.37, 0.0};
 inline constexpr std::array<double, 3> kToLight = {-0.2, 0.35, 0.915};
 
 inline constexpr double kOthersOpacity = 0.25;  // of objects beside one that is measured
+// The part must not hide what it meets.
+inline constexpr double kMeasuredPartOpacity = 0.4;
 inline constexpr double kForceLayerOpacity = 0.28;
 inline constexpr double kProximityOpacity = 0.12;
 inline constexpr double kUnchangedOpacity = 0.08;  // of the force layer where changes are shown

@@ -213,6 +213,9 @@ Stage::Stage(const ViewScene& scene, const PicturePlan& plan, vtkRenderer* world
   build_layers();
   build_change(plan.change);
   build_part();
+  if (plan.measure && actors_->part != nullptr) {
+    actors_->part->GetProperty()->SetOpacity(kMeasuredPartOpacity);
+  }
   for (Glyphs* glyphs : actors_->glyphs()) marks_->AddActor(glyphs->actor);
   actors_->clearance = places_actor(kClearanceColor, 4, scale_);
   actors_->measurement = places_actor(kMeasureColor, 2.5, scale_);
