@@ -70,24 +70,6 @@ double largest_of(const part::Piece& piece) {
   return largest;
 }
 
-// Edges that triangles do not run along as often forwards as backwards.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges_of(
-    const std::vector<mesh::Triangle>& triangles) {
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
-  std::map<Edge, int> balance;
-  for (const mesh::Triangle& t : triangles) {
-    for (std::size_t n = 0; n < 3; ++n) {
-      const std::uint32_t from = t[n], to = t[(n + 1) % 3];
-      if (from != to) balance[std::minmax(from, to)] += from < to ? 1 : -1;
-    }
-  }
-  std::vector<Edge> open;
-  for (const auto& [edge, sum] : balance) {
-    if (sum != 0) open.push_back(edge);
-  }
-  return open;
-}
-
 }  // namespace
 
 Body::Body(part::Part part, double crack_m)
@@ -111,16 +93,26 @@ Body::Body(part::Part part, double crack_m)
 }
 
 // Finds how wide its cracks may be: the narrower, the closer a depth is known. An edge that is more
-// than a crack is mostly more than one that is wider, too, so it is looked at first then.
+// than a crack is mostly more than one of another width, too, so it is looked at first then. The
+// widest come first of all: an edge of a hole is found among them.
 bool Body::close_cracks(double max_m) {
-  std::vector<Edge> open = open_edges_of(part_.triangles);
+  std::vector<part::Edge> open;
+  const std::map<part::Edge, int> balance = part::open_edges_of(part_.triangles);
+  for (const auto& [edge, sum] : balance) open.push_back(edge);
+  const part::Part caps = part::caps_of(part_, balance);
+  const part::TriangleTree tree(caps);
+  const certificate::WindingNumber winding(tree);
+  const auto are_cracks = [&](double crack_m) {
+    const auto more = std::find_if(open.begin(), open.end(), [&](const part::Edge& edge) {
+      return !is_crack(edge, crack_m, winding);
+    });
+    if (more == open.end()) return true;
+    std::iter_swap(more, open.begin());
+    return false;
+  };
+  const bool closes = are_cracks(max_m);
   for (crack_m_ = kNarrowest * max_m; crack_m_ <= max_m; crack_m_ *= 2) {
-    const auto more = std::find_if(open.begin(), open.end(),
-                                   [&](const Edge& edge) { return !is_crack(edge, crack_m_); });
-    if (more != open.end()) {
-      std::iter_swap(more, open.begin());
-      continue;
-    }
+    if (!(crack_m_ == max_m ? closes : are_cracks(crack_m_))) continue;
     cracks_ = std::make_unique<part::Part>();
     cracks_->vertices = part_.vertices;
     for (const auto& [low, high] : open) cracks_->triangles.push_back({low, high, high});
@@ -183,8 +175,8 @@ bool Body::may_meet(const part::Piece& piece) const {
 Body::OpenEdges Body::open_edges() const {
   OpenEdges found;
   double longest_m = -1;
-  for (const auto& [low, high] : open_edges_of(part_.triangles)) {
-    const Vec3 &a = part_.vertices[low], &b = part_.vertices[high];
+  for (const auto& [edge, balance] : part::open_edges_of(part_.triangles)) {
+    const Vec3 &a = part_.vertices[edge.first], &b = part_.vertices[edge.second];
     const double length_m = part::length(b - a);
     found.length_m += length_m;
     if (length_m > longest_m) longest_m = length_m, found.place_m = 0.5 * (a + b);
@@ -192,8 +184,9 @@ Body::OpenEdges Body::open_edges() const {
   return found;
 }
 
-// Around an open edge the winding number is whole but where a hole is near.
-bool Body::is_crack(const Edge& open, double crack_m) const {
+// Around an open edge the winding number is whole but where a hole is near. So is that of `caps`.
+bool Body::is_crack(const part::Edge& open, double crack_m,
+                    const certificate::WindingNumber& caps) const {
   const Vec3 from = part_.vertices[open.first], edge = part_.vertices[open.second] - from;
   const Vec3 along = part::normalized(edge), across = part::any_perpendicular(along);
   const Vec3 third = part::cross(along, across);
@@ -206,7 +199,7 @@ bool Body::is_crack(const Edge& open, double crack_m) const {
     const Vec3 place = from + fraction * edge + (crack_m * std::cos(turn)) * across +
                        (crack_m * std::sin(turn)) * third;
     if (tree_.is_within(place, crack_m / 2)) continue;
-    const double winding = winding_->at(place);
+    const double winding = caps.at(place);
     if (std::abs(winding - std::round(winding)) > kWhole) return false;
   }
   return true;

@@ -10,6 +10,7 @@
 
 #include "pointshell/certificate/ray_winding.h"
 #include "pointshell/certificate/winding_number.h"
+#include "pointshell/part/open_edges.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/triangle_tree.h"
 #include "workbench/exact/surfaces.h"
@@ -63,9 +64,9 @@ class Body {
   bool may_meet(const part::Piece& piece_m) const;
 
  private:
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;  // low and high vertex
   bool close_cracks(double max_m);
-  bool is_crack(const Edge& edge, double crack_m) const;
+  bool is_crack(const part::Edge& edge, double crack_m,
+                const certificate::WindingNumber& caps) const;
   std::optional<int> windings_past_cracks(const part::Vec3& place_m) const;
 
   part::Part part_;
