@@ -166,7 +166,7 @@ Status check_padding_points(const PshellView& v, std::string_view name) {
     const bool same_sides = !v.two_sided || v.two_sided[i] == v.two_sided[last];
     if (!repeats || !same_sides || bits(v.weight_m2[i]) != 0) {
       return entry_error(name, "point sections", i,
-                         "the padding must repeat the last point with weight zero");
+                         "the padding must repeat the last point, but with weight zero");
     }
   }
   return {};
@@ -190,8 +190,8 @@ Status check_losses(std::span<const DistanceLoss> losses, std::string_view name)
     if (i > 0 &&
         !(own.distance_m > losses[i - 1].distance_m && own.loss_m <= losses[i - 1].loss_m)) {
       return entry_error(name, "losses", i,
-                         "the distance is not above the previous distance, or the loss is above "
-                         "the previous loss");
+                         "the distance must be above the previous distance, and the loss must not "
+                         "be above the previous loss");
     }
   }
   return {};

@@ -170,10 +170,10 @@ class NeighborAudit {
           !(is_known_at(low, x - dx, y - dy, z - dz) && is_known_at(low, x + dx, y + dy, z + dz))) {
         continue;
       }
-      return refuse(
-          low, x, y, z,
-          " contradicts the codes " + code_text(a) + " and " + code_text(b) +
-              " of the voxels on both sides: at least one of them must be nearer to the mesh");
+      return refuse(low, x, y, z,
+                    " contradicts the codes " + code_text(a) + " and " + code_text(b) +
+                        " of two opposite neighbors: at least one of these neighbors must be "
+                        "nearer to the mesh");
     }
   }
 
@@ -200,7 +200,8 @@ class NeighborAudit {
       }
     }
     refuse(low, x, y, z,
-           " contradicts the neighboring voxels: at least one of them must be nearer to the mesh");
+           " contradicts the codes of its neighbors: at least one neighbor must be nearer to the "
+           "mesh");
   }
 
   void refuse(const Voxel& low, int x, int y, int z, const std::string& why) {

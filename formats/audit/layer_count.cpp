@@ -126,8 +126,8 @@ class LayerCountAudit {
   Status status() const {
     if (bad_) {
       return untrue(name_, voxel_text(*bad_),
-                    "is interior, but with " + std::to_string(header_.offset_layers) +
-                        " offset layers the interior around this voxel must be wider");
+                    "is interior, but " + std::to_string(header_.offset_layers) +
+                        " offset layers require a wider interior around this voxel");
     }
     return effort_.is_spent() ? Status(strewn(name_)) : Status();
   }

@@ -52,7 +52,7 @@ inline Error untrue(std::string_view name, std::string where, std::string what) 
 // For a file that would take far longer to prove than one of its size that was baked.
 inline Error strewn(std::string_view name) {
   return untrue(name, "tree",
-                "nodes and bricks are repeated at more positions than can be checked");
+                "uses the same nodes and bricks at too many positions: they cannot all be checked");
 }
 
 inline std::string voxel_text(const Voxel& at) {

@@ -17,15 +17,16 @@ using voxmap_audit::untrue;
 Status audit_counts(const VoxmapHeader& h, const Summary& scene, std::string_view name) {
   const struct {
     const char* field;
+    const char* value;
     std::uint64_t said, counted;
-  } facts[] = {{"interior_voxels", h.interior_voxels, scene.counts[0]},
-               {"surface_voxels", h.surface_voxels, scene.counts[1]},
-               {"proximity_voxels", h.proximity_voxels, scene.counts[2]}};
-  for (const auto& [field, said, counted] : facts) {
+  } facts[] = {{"interior_voxels", "1", h.interior_voxels, scene.counts[0]},
+               {"surface_voxels", "2", h.surface_voxels, scene.counts[1]},
+               {"proximity_voxels", "3", h.proximity_voxels, scene.counts[2]}};
+  for (const auto& [field, value, said, counted] : facts) {
     if (said == counted) continue;
     return untrue(name, std::string("header (") + field + ")",
                   "is " + std::to_string(said) + ", but the tree has " + std::to_string(counted) +
-                      " such voxels");
+                      " voxels of value " + value);
   }
   return {};
 }

@@ -119,7 +119,7 @@ Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
       if (!(time_s > all.back().time_s && time_s < to.time_s)) {
         return Error{ErrorCode::kUsage, "", "",
                      "two rows are too near in time to add poses between them",
-                     "subtract the first time from all times"};
+                     "shift all times so that the path begins at 0 s"};
       }
       all.push_back(pose_at(rows.subspan(i, 2), time_s, pivot_m));
     }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 constexpr const char* kMend =
-    "a path has the columns t_s,x_m,y_m,z_m, and qw,qx,qy,qz or rx_deg,ry_deg,rz_deg, in these or "
-    "other units";
+    "a path has the columns t_s,x_m,y_m,z_m and either qw,qx,qy,qz or rx_deg,ry_deg,rz_deg. Other "
+    "units, such as x_mm, are possible";
 constexpr const char* kWanted = "give a CSV file of poses, in UTF-8";
 constexpr std::size_t kMaxLine = 4096;  // bytes
 constexpr std::size_t kFlushBytes = 1 << 20;

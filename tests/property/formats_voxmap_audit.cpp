@@ -249,7 +249,7 @@ TEST(VoxmapAudit, NoticesMoreLayersThanTheInteriorHas) {
             << "k " << k << " said " << said << " metric " << static_cast<int>(metric)
             << (status ? "" : to_line(status.error()));
         if (said > k && !status) {
-          EXPECT_NE(status.error().what.find("must be wider"), std::string::npos);
+          EXPECT_NE(status.error().what.find("require a wider interior"), std::string::npos);
         }
       }
       // A cut through a ball of the layers: what lies beyond may be interior.
@@ -491,7 +491,7 @@ Status audit_content(const VoxmapContent& content) {
 
 void expect_strewn(const Status& status) {
   ASSERT_FALSE(status);
-  EXPECT_NE(status.error().what.find("than can be checked"), std::string::npos)
+  EXPECT_NE(status.error().what.find("cannot all be checked"), std::string::npos)
       << to_line(status.error());
 }
 
