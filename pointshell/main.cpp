@@ -130,10 +130,13 @@ Result<double> length_option(const std::string& text, const char* option, double
   const auto length = command::parse_length(text);
   if (!length) return command::about(option, length.error());
   if (*length < 0 || (*length == 0 && !zero_allowed)) {
-    return usage(std::string(option) + " must be a positive length", "write it like 5mm");
+    return zero_allowed
+               ? usage(std::string(option) + " must not be negative", "use zero or more")
+               : usage(std::string(option) + " must be a positive length", "use one such as 5mm");
   }
   if (!zero_allowed && (*length < kMinVoxelSizeM || *length > kMaxVoxelSizeM)) {
-    return usage(std::string(option) + " is not between 1e-9 and 1e6 meters", "write it like 5mm");
+    return usage(std::string(option) + " is not between 1e-9 and 1e6 meters",
+                 "check the number and the unit");
   }
   return *length;
 }
@@ -155,7 +158,8 @@ Result<ShellOptions> bake_options(const Arguments& arguments) {
   const auto voxel = length_option(arguments.voxel_size, "--voxel-size", 0, false);
   if (!voxel) return voxel.error();
   if (!(*voxel >= kMinVoxelSizeM && *voxel <= kMaxVoxelSizeM)) {
-    return usage("--voxel-size is not between 1e-9 and 1e6 meters", "write it like 5mm");
+    return usage("--voxel-size is not between 1e-9 and 1e6 meters",
+                 "check the number and the unit");
   }
   const auto radius = length_option(arguments.covering_radius, "--covering-radius", 0, false);
   if (!radius) return radius.error();

@@ -209,8 +209,8 @@ Result<double> parse_length(std::string_view text) {
   }
   auto meters = scaled_length(*split);
   if (meters && std::abs(*meters) > kFarthestM) {
-    return usage("length " + quoted(trimmed(text)) + " is more than 1e9m",
-                 "write it like 5mm or 0.005m");
+    return usage("length " + quoted(trimmed(text)) + " is longer than 1e9m",
+                 "check the number and the unit");
   }
   return meters;
 }
@@ -262,11 +262,12 @@ Result<double> parse_duration(std::string_view text) {
     return usage("duration " + quoted(text) + " has no unit of time", "write it like 10s or 500ms");
   }
   if (split->number < 0) {
-    return usage("duration " + quoted(text) + " is negative", "write it like 10s or 500ms");
+    return usage("duration " + quoted(text) + " is negative", "use zero or more");
   }
   const auto seconds = scaled(*split, *unit);
   if (seconds && *seconds > kLongestS) {
-    return usage("duration " + quoted(text) + " is more than 10000h", "write it like 10s or 500ms");
+    return usage("duration " + quoted(text) + " is longer than 10000h",
+                 "check the number and the unit");
   }
   return seconds;
 }

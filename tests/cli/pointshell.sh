@@ -50,7 +50,7 @@ for option in --voxel-size --covering-radius --mesh-deviation; do
   [ "$option" != --voxel-size ] || given=()
   for length in nanmm -infm 1e300m; do
     expect 2 "$option=$length" "${box[@]}" "${out[@]}" "${given[@]}" $option=$length
-    grep -qE "^pointshell: $option: .*($length'? is (not a finite|more than 1e9m)|is not a finite)" "$work/stderr" ||
+    grep -qE "^pointshell: $option: .*($length'? is (not a finite|longer than 1e9m)|is not a finite)" "$work/stderr" ||
       fail "$option is not named: $(cat "$work/stderr")"
   done
   [ "$option" != --mesh-deviation ] || continue

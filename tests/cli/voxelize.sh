@@ -230,7 +230,7 @@ manifest_error() {
   printf '%s' "$2" >bad.json
   expect 3 "$1" bad.json --voxel-size 1mm -o scene.vox
 }
-manifest_error "is more than 1e9m" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
+manifest_error "is longer than 1e9m" '{"parts": [{"mesh": "cube.obj", "units": "cm", "translation": ["1e15m", 0, 0]}]}'
 printf '%s' '{"parts": [{"mesh": "cube.obj", "units": "mm", "translation": ["1e9m", 0, 0]}]}' >bad.json
 expect 3 "2^52" bad.json --voxel-size 0.0001mm -o scene.vox --quiet
 for key in '"roi": [0, 0, 0, "1m", 5, "1m"]' '"free_seeds": [[0, 5, 0]]' '"voxel_size": 5'; do
