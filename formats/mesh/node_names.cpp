@@ -131,8 +131,8 @@ Error several(const std::string& where, const std::vector<std::size_t>& found,
   const bool is_one_path =
       std::all_of(found.begin(), found.end(), [&](std::size_t i) { return nodes[i].path == path; });
   return {ErrorCode::kSceneInvalid, "", where, "several nodes have this name",
-          is_one_path ? "all of them have the path " + path +
-                            ", because a name contains a slash: rename that node"
+          is_one_path ? "all have the path " + path +
+                            ", because one node's own name contains a slash: rename that node"
                       : "use one of: " + listed(found, nodes)};
 }
 
@@ -183,8 +183,8 @@ class OneOfSeveral {
 
   // After may_mean() has been asked of all nodes.
   std::string mend() const {
-    return "write " + with_ending("[1]") + " for the first one only, or " + with_ending("*") +
-           " for all nodes whose names begin with this name";
+    return "write " + with_ending("[1]") + " for only the first node, or " + with_ending("*") +
+           " for all nodes that match this pattern";
   }
 
  private:
@@ -427,9 +427,10 @@ Status check_left_out(std::span<const std::string> without, std::span<const Asse
         any |= !assembly.nodes.empty();
       }
       for (const std::string& part : other_parts) nearest.add(part);
-      const std::string mend = any ? nearest.text()
-                                   : "a file of this format has only one part: list one file for "
-                                     "each part in a scene manifest";
+      const std::string mend =
+          any ? nearest.text()
+              : "a file of this format has only one part: in a scene manifest, "
+                "list one file for each part";
       return Error{ErrorCode::kSceneInvalid, "", "--without",
                    "no file has a node called " + in_quotes(name), mend};
     }

@@ -137,7 +137,8 @@ Affine matrix(const Json& json, const std::string& key) {
       continue;
     }
     if (!json[i].is_array() || json[i].size() != 4) {
-      throw BadKey{row_key, "is not a list of three numbers and a length", ""};
+      throw BadKey{row_key, "is not a list of four: three numbers, then a length",
+                   R"(write it like [1, 0, 0, "5mm"])"};
     }
     for (std::size_t j = 0; j < 3; ++j) {
       affine.linear[i * 3 + j] = finite_number(json[i][j], row_key + "[" + std::to_string(j) + "]");

@@ -134,7 +134,7 @@ JSON
   refuses 3 "$file: #Bolt: $alike" voxelize "$file#Bolt" --voxel-size 1mm -o no.vox
   refuses 3 "$file: #Bolt: $alike" pointshell "$file#Bolt" --voxel-size 1mm -o no.pshell
   refuses 3 "$file: #Bolt: $alike" voxelize --list "$file#Bolt"
-  refuses 3 "write Gearbox/Lid/Bolt[1] for the first one only, or Gearbox/Lid/Bolt* for all nodes" \
+  refuses 3 "write Gearbox/Lid/Bolt[1] for only the first node, or Gearbox/Lid/Bolt* for all nodes" \
     voxelize "$file#Gearbox/Lid/Bolt" --voxel-size 1mm -o no.vox --cache no.cache
   bake one "$file#Bolt[1]" "$file#Lid/Bolt[3]" --without 'Bolt[3]' --without Half*
   [ "$(names one)" = "Gearbox/Lid/Bolt" ] || fail "the first of four bolts: $(names one)"

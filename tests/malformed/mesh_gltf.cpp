@@ -71,7 +71,7 @@ TEST(DamagedGltf, IsRefusedAtItsJson) {
 
 TEST(DamagedGltf, NamesTheElementThatIsMissing) {
   expect_error(read_changed(R"({"mesh":0})", R"({"mesh":1})"), kUnreadable, "meshes[1]",
-               "does not exist (number of entries: 1)");
+               "does not exist (length of the list: 1)");
   expect_error(read_changed(R"("POSITION":0)", R"("POSITION":2)"), kUnreadable, "accessors[2]",
                "does not exist");
   expect_error(read_changed(R"("POSITION":0)", R"("NORMAL":0)"), kUnreadable,

@@ -194,13 +194,12 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   const std::string doubt = ": several siblings have this name: ";
   EXPECT_EQ(read_of_train({"Carriage"}, {}),
             "#Carriage" + doubt +
-                "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, or " +
-                "Carriage* for all nodes whose names begin with this name");
-  EXPECT_EQ(
-      read_of_train({}, {"Carriage"}),
-      "--without Carriage" + doubt +
-          "Carriage[1], Carriage[2]; write Carriage[1] for the first one only, or Carriage* for " +
-          "all nodes whose names begin with this name");
+                "Carriage[1], Carriage[2]; write Carriage[1] for only the first node, or " +
+                "Carriage* for all nodes that match this pattern");
+  EXPECT_EQ(read_of_train({}, {"Carriage"}),
+            "--without Carriage" + doubt +
+                "Carriage[1], Carriage[2]; write Carriage[1] for only the first node, or Carriage* "
+                "for all nodes that match this pattern");
   EXPECT_EQ(read_of_train({"Rail"}, {"Carriage"}), "Rail") << "the other one is not read anyway";
   EXPECT_EQ(read_of_train({"{Carriage,Carriage[2]}"}, {"Wheel*"}), "Carriage Carriage[2]");
   EXPECT_EQ(read_of_train({"Carriage", "Carriage[2]"}, {"Wheel*"}), "Carriage Carriage[2]");
@@ -221,32 +220,28 @@ TEST(NodeNames, OfOneOfSeveralSiblingsAreRefused) {
   // A name may go through one of several.
   EXPECT_EQ(read_of_train({"Carriage/Wheel[2]"}, {}),
             "#Carriage/Wheel[2]" + doubt + "Carriage[1]/Wheel[2], Carriage[2]/Wheel[2]; write " +
-                "Carriage[1]/Wheel[2] for the first one only, or Carriage*/Wheel[2] for all nodes "
-                "whose names " +
-                "begin with this name");
+                "Carriage[1]/Wheel[2] for only the first node, or Carriage*/Wheel[2] for all nodes "
+                "that match this pattern");
   EXPECT_EQ(read_of_train({"Carriage/Wheel"}, {}),
             "#Carriage/Wheel" + doubt +
                 "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2], Carriage[2]/Wheel[1], "
                 "Carriage[2]/Wheel[2]; " +
-                "write Carriage[1]/Wheel[1] for the first one only, or Carriage*/Wheel* for all "
-                "nodes whose " +
-                "names begin with this name");
+                "write Carriage[1]/Wheel[1] for only the first node, or Carriage*/Wheel* for all "
+                "nodes that match this pattern");
   EXPECT_EQ(read_of_train({"Carriage[2]/Wheel"}, {}),
             "#Carriage[2]/Wheel" + doubt + "Carriage[2]/Wheel[1], Carriage[2]/Wheel[2]; write " +
-                "Carriage[2]/Wheel[1] for the first one only, or Carriage[2]/Wheel* for all nodes "
-                "whose names " +
-                "begin with this name");
+                "Carriage[2]/Wheel[1] for only the first node, or Carriage[2]/Wheel* for all nodes "
+                "that match this pattern");
   // A wildcard stands for siblings where it is written, and nowhere else.
-  EXPECT_EQ(
-      read_of_train({}, {"*/Wheel"}),
-      "--without */Wheel" + doubt +
-          "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2]; write */Wheel[1] " +
-          "for the first one only, or */Wheel* for all nodes whose names begin with this name");
+  EXPECT_EQ(read_of_train({}, {"*/Wheel"}),
+            "--without */Wheel" + doubt +
+                "Carriage[1]/Wheel[1], Carriage[1]/Wheel[2]; write */Wheel[1] " +
+                "for only the first node, or */Wheel* for all nodes that match this pattern");
   EXPECT_EQ(read_of_train({"Carriage/Wh*"}, {}),
             "#Carriage/Wh*" + doubt +
-                "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]; write Carriage[1]/Wh* for the first "
-                "one only, or " +
-                "Carriage*/Wh* for all nodes whose names begin with this name");
+                "Carriage[1]/Wheel[1], Carriage[2]/Wheel[1]; write Carriage[1]/Wh* for only the "
+                "first node, or " +
+                "Carriage*/Wh* for all nodes that match this pattern");
   EXPECT_EQ(read_of_train({"*/Wheel[1]"}, {}), "Carriage/Wheel Carriage[2]/Wheel");
   EXPECT_EQ(read_of_train({"{*/Wheel,*/Wheel[2]}"}, {}),
             "Carriage/Wheel Carriage/Wheel[2] Carriage[2]/Wheel Carriage[2]/Wheel[2]");
@@ -277,10 +272,10 @@ TEST(NodeNames, OfTwoNodesWithOnePathAreRefused) {
   const std::vector<std::string> names{"a/b"};
   const auto chosen = mesh::choose_nodes(names, nodes);
   ASSERT_FALSE(chosen);
-  EXPECT_EQ(to_line(chosen.error()),
-            "#a/b: several nodes have this name; all of them have the path a/b, because a name "
-            "contains a "
-            "slash: rename that node");
+  EXPECT_EQ(
+      to_line(chosen.error()),
+      "#a/b: several nodes have this name; all have the path a/b, because one node's own name "
+      "contains a slash: rename that node");
 }
 
 TEST(NodeNames, ThatFitNothingOrSeveralSayWhatWould) {

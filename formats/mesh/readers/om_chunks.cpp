@@ -87,7 +87,7 @@ class ChunkWalker {
     }
     const bool wanted = header.type() == kPosition || header.type() == kTopology;
     if (wanted && !seen_.insert({header.entity(), header.type()}).second) {
-      fail(ErrorCode::kMeshUnreadable, "positions or topology are stored in two chunks");
+      fail(ErrorCode::kMeshUnreadable, "positions or topology are stored twice");
     }
     skip_data(header);
     if (wanted) content_.stripped += file_.bytes.substr(start, at_ - start);
@@ -117,7 +117,9 @@ class ChunkWalker {
   void skip_positions(ChunkHeader header) {
     const bool known = header.entity() == kVertex && header.is_float() &&
                        header.dimensions() == 3 && header.scalar_bytes() <= 8;
-    if (!known) fail(ErrorCode::kMeshUnsupported, "positions are not three floats or doubles");
+    if (!known)
+      fail(ErrorCode::kMeshUnsupported,
+           "each position must belong to a vertex and consist of three floats or three doubles");
     content_.single_precision = header.scalar_bytes() == 4;
     skip(content_.vertices * 3ull * header.scalar_bytes());
   }

@@ -202,7 +202,7 @@ void PolygonSplitter::add_warnings(std::vector<std::string>& warnings) const {
     std::ostringstream text;
     text << counted(not_planar_, "polygon") << (not_planar_ == 1 ? " is" : " are")
          << " not planar: corners are up to " << largest_deviation_units_
-         << " file units off a common plane. Other splits into triangles are possible";
+         << " file units off a plane, so the intended surface may differ from the triangles";
     warnings.push_back(text.str());
   }
   if (crossing_ > 0) {

@@ -126,7 +126,7 @@ void GltfDocument::read_components(const Accessor& accessor, std::vector<double>
   numbers_read_ += accessor.count * accessor.components;
   if (numbers_read_ > max_unfolded()) {
     fail(ErrorCode::kMeshUnsupported, accessor.where,
-         "the file's meshes share so much data that they expand to more than " +
+         "the file's meshes share data: with a copy for each mesh, they have more than " +
              std::to_string(max_unfolded()) + " numbers",
          "export each mesh with its own vertices");
   }

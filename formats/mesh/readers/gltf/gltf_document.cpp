@@ -182,7 +182,7 @@ void GltfDocument::fail_meshopt(std::string where) const {
 const nlohmann::json& GltfDocument::element(const char* list, std::uint64_t index) const {
   if (index >= count(list)) {
     fail(ErrorCode::kMeshUnreadable, in_list(list, index),
-         "does not exist (number of entries: " + std::to_string(count(list)) + ")");
+         "does not exist (length of the list: " + std::to_string(count(list)) + ")");
   }
   const nlohmann::json& found = json_[list][index];
   if (!found.is_object()) {
