@@ -116,7 +116,7 @@ expect 0 "" "${vox[@]}" --without bad --sandbox
 cmp -s out.vox bad.vox || fail "--without in a sandbox gives other bytes"
 expect 3 "nearest names are: tray/seam" voxelize tray.step --voxel-size 2mm -o out.vox --without sem --missing-faces 1
 expect 3 "no node of this file is called 'sem'" "${vox[@]}" --without sem
-expect 3 "--without leaves out all faces of this file; keep at least one part of this file, or do not give the file" "${vox[@]}" --without tray
+expect 3 "--without leaves out all faces of this file; keep at least one node of this file, or leave out the whole file" "${vox[@]}" --without tray
 printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n' >one.obj
 expect 3 "no file has a node called 'bad'; a file of this format has only one part" voxelize one.obj --units mm --voxel-size 2mm -o out.vox --without bad
 expect 0 "" voxelize one.obj tray.step#seam tray.step#cube --units mm --voxel-size 2mm -o out.vox --without bad

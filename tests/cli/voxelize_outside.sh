@@ -45,7 +45,7 @@ inside() { bake "$1" || fail "$1 was refused: $(cat err)"; }
 outside() {
   bake "$1"
   [ $? = 3 ] || fail "$1 was not refused"
-  [ "$(wc -l <err)" = 1 ] && grep -q 'parts\[0\].mesh: leads outside the folder.*--allow-outside' err ||
+  [ "$(wc -l <err)" = 1 ] && grep -q 'parts\[0\].mesh: lies outside the folder.*--allow-outside' err ||
     fail "$1: $(cat err)"
   [ ! -e out.vox ] || fail "$1: a file was written"
   bake "$1" --allow-outside || fail "$1 was refused with --allow-outside: $(cat err)"
@@ -69,12 +69,12 @@ bake cube.obj
 bake none.obj
 [ $? = 1 ] && grep -q 'no such file' err || fail "missing: $(cat err)"
 bake ../none.obj
-[ $? = 3 ] && grep -q 'leads outside' err || fail "missing outside: $(cat err)"
+[ $? = 3 ] && grep -q 'lies outside' err || fail "missing outside: $(cat err)"
 bake none/../../outside/cube.obj
 [ $? = 3 ] || fail "over a folder that does not exist: $(cat err)"
 # A shard of another machine does not open what is not ours: it is refused there too.
 printf '{"voxel_size": "1mm", "parts": [{"mesh": "cube.obj", "units": "mm"}, {"mesh": "../outside/cube.obj", "units": "mm"}]}' >scene/scene.json
-"$bin/voxelize" scene/scene.json --cache cache --shard 1/2 --quiet 2>err && fail "shard 1 of a scene that leads outside"
+"$bin/voxelize" scene/scene.json --cache cache --shard 1/2 --quiet 2>err && fail "shard 1 of a scene that lies outside"
 
 # Buffers of glTF.
 for name in in round; do
@@ -85,11 +85,11 @@ for name in up coded; do
   rm -f out.vox
   for more in "" --sandbox; do
     "$bin/voxelize" "scene/$name.gltf" --voxel-size 50mm -o out.vox --quiet $more 2>err
-    [ $? = 3 ] && grep -q 'buffers\[0\].*leads outside' err || fail "$name.gltf $more: $(cat err)"
+    [ $? = 3 ] && grep -q 'buffers\[0\].*lies outside' err || fail "$name.gltf $more: $(cat err)"
     [ ! -e out.vox ] || fail "$name.gltf: a file was written"
   done
   "$bin/pointshell" "scene/$name.gltf" --voxel-size 50mm -o out.pshell --quiet 2>err
-  [ $? = 3 ] && grep -q 'leads outside' err || fail "pointshell $name.gltf: $(cat err)"
+  [ $? = 3 ] && grep -q 'lies outside' err || fail "pointshell $name.gltf: $(cat err)"
   "$bin/voxelize" "scene/$name.gltf" --voxel-size 50mm -o out.vox --quiet --allow-outside || fail "$name.gltf allowed"
   "$bin/voxelize" "scene/$name.gltf" --voxel-size 50mm -o out.vox --quiet --allow-outside --sandbox ||
     fail "$name.gltf allowed in the sandbox"

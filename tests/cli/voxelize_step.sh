@@ -119,7 +119,7 @@ mv external/home/rod.stp external/rod.stp
 refuse 1 "clamp/rod-assembly_1/rod_1: the shape of this node is in the file 'rod.stp', which is missing"
 sed -i "s|'rod.stp'|'../rod.stp'|" $part
 for more in --quiet --sandbox; do
-  refuse 3 "clamp/rod-assembly_1/rod_1: the shape of this node is in the file '../rod.stp', which leads outside the folder" $more
+  refuse 3 "clamp/rod-assembly_1/rod_1: the shape of this node is in the file '../rod.stp', which lies outside the folder" $more
   "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --quiet --allow-outside $more 2>err || fail "--allow-outside $more: $(cat err)"
   cmp -s <(rows parts) clamp.rows || fail "--allow-outside gives other voxels $more"
 done
@@ -127,13 +127,13 @@ done
 mv external/rod.stp external/home
 "$bin/voxelize" $part --voxel-size 4mm -o parts.vox --json parts.json >out 2>err || fail "by name: $(cat err)"
 "$bin/pointshell" $part --voxel-size 4mm -o parts.pshell --method fast --json shell.json >out 2>>err || fail "by name: $(cat err)"
-[ "$(grep -c "warning: .*the file '../rod.stp', which this node names, was read from external/home/rod.stp" err)" = 2 ] || fail "warnings: $(cat err)"
+[ "$(grep -c "warning: .*this node names the file '../rod.stp', but external/home/rod.stp was read" err)" = 2 ] || fail "warnings: $(cat err)"
 "$bin/voxelize" $part --voxel-size 4mm --plan --json plan.json >out 2>err || fail "plan: $(cat err)"
 python3 - <<'PYTHON' || fail "warnings of the reports"
 import json
 for name in ("parts", "shell", "plan"):
     warnings = json.load(open(name + ".json"))["warnings"]
-    assert len([w for w in warnings if "was read from external/home/rod.stp" in w]) == 1, (name, warnings)
+    assert len([w for w in warnings if "but external/home/rod.stp was read" in w]) == 1, (name, warnings)
 PYTHON
 
 # A surface of 8 m with 2304 patches takes OpenCASCADE gigabytes: that is announced before, the wait after 20 s, and --quiet is quiet.
@@ -175,7 +175,7 @@ for more in "" --quiet; do
   timeout 23 "$bin/voxelize" wavy.step --voxel-size 5mm -o no.vox $more 2>err_$more >out &
 done
 wait
-grep -q "is still being read after 20 s: the deflection is 0.05 mm (in a bake, a hundredth of a voxel); a larger deflection is faster" err_ || fail "a slow file: $(cat err_)"
+grep -q "is still being read after 20 s: the deflection is 0.05 mm (a hundredth of a voxel); larger voxels make reading faster" err_ || fail "a slow file: $(cat err_)"
 grep -q "wavy.step becomes about 3.1 million triangles, which take about 0.57 minutes and up to 6.3 GB" err_ || fail "no forecast: $(cat err_)"
 [ "$(grep -n "becomes about" err_ | cut -d: -f1)" -lt "$(grep -n "is still being read after" err_ | cut -d: -f1)" ] || fail "the forecast came late"
 ! grep -q "becomes about\|is still being read" err_--quiet || fail "--quiet is not: $(cat err_--quiet)"

@@ -161,7 +161,7 @@ TEST(StepLosses, AnOddUnitIsTold) {
     const auto warnings =
         warnings_of(replaced(box, R"(SI_UNIT\(.MILLI.,.METRE.\))", unit), ".step");
     ASSERT_EQ(warnings.size(), 1u) << unit;
-    expect_in(" is not a plausible unit of length: check the size", warnings[0]);
+    expect_in(" is not a plausible unit of length: check the model's size", warnings[0]);
   }
   const auto angle = warnings_of(replaced(box, ".RADIAN.", ".SECOND."), ".step");
   ASSERT_EQ(angle.size(), 1u);
@@ -176,7 +176,7 @@ TEST(IgesLosses, UnitsThatContradictAndAScaleAreTold) {
   EXPECT_TRUE(warnings_of(box, ".igs").empty());
   const auto named = warnings_of(replaced(box, "1\\.,2,2HMM,", "1.,2,2HIN,"), ".igs");
   ASSERT_EQ(named.size(), 1u);
-  expect_in("the file's unit name 'IN' and unit number 2 contradict each other", named[0]);
+  expect_in("the file's unit name 'IN' and unit code 2 contradict each other", named[0]);
   const auto scaled = warnings_of(replaced(box, "1\\.,2,2HMM,", "2.,2,2HMM,"), ".igs");
   ASSERT_EQ(scaled.size(), 1u);
   expect_in("drawn to a scale of 2", scaled[0]);
@@ -414,9 +414,9 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_GE(box->warnings.size(), 1u);
   expect_in(
-      "6 loose faces are joined where edges are within 0.05 mm of each other. The joined edges lie "
-      "up to 0.473 mm from their faces, which reduces the guaranteed distance by 0.473 mm; 3 other "
-      "edges are not joined; check whether an edge is damaged",
+      "6 loose faces are joined at edges within 0.05 mm of each other. These edges lie up to 0.473 "
+      "mm from their faces, so the guaranteed distance is 0.473 mm smaller. 3 other edges are not "
+      "joined; check whether an edge is damaged",
       box->warnings[0]);
   EXPECT_GE(box->deviation_units, 0.472);
 }
@@ -464,10 +464,9 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
   EXPECT_TRUE(facts.closed);
   EXPECT_NEAR(std::abs(facts.signed_volume), std::numbers::pi * 10 * 10 * 30, 100);
   ASSERT_EQ(rod->warnings.size(), 1u);
-  EXPECT_NE(
-      rod->warnings[0].find("3 loose faces are joined where edges are within 0.1 mm of each other. "
-                            "The joined edges lie up to 0.001 mm from their faces"),
-      std::string::npos)
+  EXPECT_NE(rod->warnings[0].find("3 loose faces are joined at edges within 0.1 mm of each other. "
+                                  "These edges lie up to 0.001 mm from their faces"),
+            std::string::npos)
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
   EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing

@@ -9,8 +9,8 @@ namespace forcelayer::mesh {
 // links. A file that does not exist lies where its path says.
 bool lies_under(const std::filesystem::path& file, const std::filesystem::path& folder);
 
-inline constexpr const char* kOutsideWhat = "leads outside the folder of the file that names it";
+inline constexpr const char* kOutsideWhat = "lies outside the folder of the referring file";
 inline constexpr const char* kOutsideMend =
-    "move the file into that folder, or add --allow-outside if you trust the author";
+    "move the named file into that folder, or add --allow-outside if you trust the referring file";
 
 }  // namespace forcelayer::mesh

@@ -234,7 +234,7 @@ class GltfReader {
                          : "no node with a mesh in this file",
                      nodes_.left_out().empty()
                          ? "export a surface mesh"
-                         : "keep at least one part of this file, or do not give the file");
+                         : "keep at least one node of this file, or leave out the whole file");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();

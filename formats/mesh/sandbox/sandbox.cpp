@@ -110,7 +110,7 @@ Error too_late(const std::string& path, const SandboxLimits& limits) {
 std::string deflection_text(const std::string& path, const ReadOptions& options) {
   if (!may_crash_its_reader(path) || !(options.deflection_m > 0)) return "";
   return ": the deflection is " + exact_text(1e3 * options.deflection_m) +
-         " mm (in a bake, a hundredth of a voxel); a larger deflection is faster";
+         " mm (a hundredth of a voxel); larger voxels make reading faster";
 }
 
 constexpr double kMinuteS = 60, kGigabyte = 1e9;

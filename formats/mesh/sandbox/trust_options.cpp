@@ -26,7 +26,7 @@ Status read_limits(const std::string& text, SandboxLimits& limits) {
   if (!time_s) return command::about("--sandbox time", time_s.error());
   if (!(*time_s > 0 && *time_s <= kLongestS)) {
     return Error{ErrorCode::kUsage, "", "--sandbox time", "is not between 0 and 1e6 seconds",
-                 "write it like 30s"};
+                 "check the number and the unit"};
   }
   limits.time_s = *time_s;
   return {};
@@ -41,7 +41,7 @@ void TrustOptions::declare(CLI::App& app) {
                     "the limits for each file (default 8GiB and 5min)");
   command::add_flag(
       app, "--allow-outside", allow_outside,
-      "let manifests, glTF files and STEP files name files outside their own folders");
+      "let manifests, glTF files and STEP files refer to files outside their own folders");
 }
 
 Result<AssemblyReader> TrustOptions::reader() const {

@@ -169,15 +169,16 @@ void check_iges_units(const Handle(Interface_InterfaceModel) & any, StepDocument
   const std::string name = global.UnitName().IsNull() ? "" : global.UnitName()->ToCString();
   const int of_name = name.empty() ? 0 : IGESData_BasicEditor::UnitNameFlag(name.c_str());
   if (global.UnitFlag() != kByName && of_name > 0 && of_name != global.UnitFlag()) {
-    document.warnings.push_back("the file's unit name " + in_quotes(name) + " and unit number " +
-                                std::to_string(global.UnitFlag()) +
-                                " contradict each other; the number was used: check the size");
+    document.warnings.push_back(
+        "the file's unit name " + in_quotes(name) + " and unit code " +
+        std::to_string(global.UnitFlag()) +
+        " contradict each other; the code was used: check the model's size");
   }
   if (global.Scale() != 1) {
     char scale[40];
     std::snprintf(scale, sizeof scale, "%.6g", global.Scale());
     document.warnings.push_back("the model is drawn to a scale of " + std::string(scale) +
-                                ", which is not applied: check the size");
+                                ", which is not applied: check the model's size");
   }
 }
 

@@ -63,22 +63,23 @@ std::string remedy(std::string mend, std::span<const MissingPiece> missing,
 void add_face_warnings(const Tessellation& tessellation, const std::string& path,
                        std::vector<std::string>& warnings) {
   if (tessellation.dropped > 0) {
-    warnings.push_back(path + ": " + counted(tessellation.dropped, "face") +
-                       " thinner than the deflection " +
-                       (tessellation.dropped == 1 ? "is left out: all its points are within "
-                                                  : "are left out: all their points are within ") +
-                       length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
+    warnings.push_back(
+        path + ": " + counted(tessellation.dropped, "face") +
+        (tessellation.dropped == 1
+             ? " is left out, because it is thinner than the deflection. All its points are within "
+             : " are left out, because they are thinner than the deflection. All their points are "
+               "within ") +
+        length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }
   if (tessellation.sewn > 0) {
     const std::string gap = length_text(std::max(tessellation.sewn_gap_mm, kFinestMm));
     warnings.push_back(path + ": " + counted(tessellation.sewn, "loose face") +
-                       (tessellation.sewn == 1 ? " is" : " are") +
-                       " joined where edges are within " +
+                       (tessellation.sewn == 1 ? " is" : " are") + " joined at edges within " +
                        length_text(tessellation.sewing_tolerance_mm) +
-                       " of each other. The joined edges lie up to " + gap +
-                       " from their faces, which reduces the guaranteed distance by " + gap +
+                       " of each other. These edges lie up to " + gap +
+                       " from their faces, so the guaranteed distance is " + gap + " smaller" +
                        (tessellation.open_edges > 0
-                            ? "; " + counted(tessellation.open_edges, "other edge") +
+                            ? ". " + counted(tessellation.open_edges, "other edge") +
                                   (tessellation.open_edges == 1 ? " is" : " are") + " not joined"
                             : "") +
                        (tessellation.sewn_gap_mm > kNotableGap * tessellation.wanted_deflection_mm
@@ -88,20 +89,19 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
   if (tessellation.edge_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     const std::string gap = length_text(tessellation.edge_gap_mm);
     warnings.push_back(path + ": an edge lies up to " + gap +
-                       " from its faces, which reduces the guaranteed distance by " + gap +
-                       "; check whether the edge is damaged");
+                       " from its faces, so the guaranteed distance is " + gap +
+                       " smaller; check whether the edge is damaged");
   }
   if (tessellation.surface_gap_mm > kNotableGap * tessellation.wanted_deflection_mm) {
     const std::string gap = length_text(tessellation.surface_gap_mm);
     warnings.push_back(
         path + ": the triangles of a surface lie up to " + gap +
         " from this surface (allowed: " + length_text(tessellation.wanted_deflection_mm) +
-        "), which reduces the guaranteed distance by " + gap);
+        "), so the guaranteed distance is " + gap + " smaller");
   }
   if (tessellation.deflection_mm != tessellation.wanted_deflection_mm) {
-    warnings.push_back(path + ": surfaces are tessellated to " +
-                       length_text(tessellation.deflection_mm) +
-                       ", because some faces cannot be tessellated to " +
+    warnings.push_back(path + ": the deflection is " + length_text(tessellation.deflection_mm) +
+                       ", because some faces cannot be tessellated with " +
                        length_text(tessellation.wanted_deflection_mm));
   }
 }

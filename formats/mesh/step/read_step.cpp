@@ -124,7 +124,7 @@ class StepReader {
                                            : "--without leaves out all faces of this file",
                 to_read.left_out.empty() || !missing_.empty()
                     ? "export the file again"
-                    : "keep at least one part of this file, or do not give the file");
+                    : "keep at least one node of this file, or leave out the whole file");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
@@ -218,8 +218,8 @@ class StepReader {
       assembly_.warnings.push_back(
           names_[first].path + ": this node and " + counted(others.size(), "other node") + " (" +
           names_[others.front()].path + (others.size() > 1 ? ", ..." : "") +
-          ") are read as one body, because their faces meet at open edges; the group that joins "
-          "them may be damaged or missing in the file");
+          ") are read as one body, because their faces meet at open edges. In the file, their "
+          "group may be damaged or missing");
     }
   }
 
@@ -374,8 +374,9 @@ class StepReader {
     }
     const auto [path, is_elsewhere] = find_reference(from.source, file_, *chosen, node);
     if (is_elsewhere && warned_of_.insert(path.string()).second) {
-      assembly_.warnings.push_back(node + ": the file " + in_quotes(chosen->front()) +
-                                   ", which this node names, was read from " + path.string());
+      assembly_.warnings.push_back(node + ": this node names the file " +
+                                   in_quotes(chosen->front()) + ", but " + path.string() +
+                                   " was read");
     }
     const OpenFile& other = open({path.string(), {}, file_.options}, node);
     if (std::find(chain_.begin(), chain_.end(), &other) != chain_.end()) {

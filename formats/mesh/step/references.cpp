@@ -129,7 +129,7 @@ FoundFile find_reference(const SourceFile& file, const SourceFile& top,
     }
   }
   fail_read(file, ErrorCode::kFileNotFound, where, what + ", which is missing",
-            "put that file beside the file that names it, or leave out the node with --without");
+            "put the missing file beside the referring file, or leave out the node with --without");
 }
 
 }  // namespace forcelayer::mesh

@@ -61,8 +61,8 @@ namespace {
 using Entity = Handle(Standard_Transient);
 
 constexpr const char* kMend =
-    "export the file again, with each solid as a boundary representation within a product, or "
-    "export triangles, for example as STL";
+    "export each solid as a boundary representation within a product, or export triangles, such as "
+    "STL";
 constexpr int kMaxLevels = 8;  // of what lists what; a damaged entity may list itself
 
 // The types of an entity that OpenCASCADE does not know: one, or those of a complex entity. Empty

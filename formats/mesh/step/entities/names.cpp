@@ -139,7 +139,7 @@ std::optional<std::string> settle_names(const Handle(Interface_InterfaceModel) &
     }
   }
   if (odd.empty()) return std::nullopt;
-  return "names that are not valid UTF-8 are read as Latin-1, such as " + in_quotes(odd);
+  return "names such as " + in_quotes(odd) + " are not valid UTF-8: they are read as Latin-1";
 }
 
 }  // namespace forcelayer::mesh

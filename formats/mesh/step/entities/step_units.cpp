@@ -75,8 +75,8 @@ std::string odd_unit(const Handle(XSControl_WorkSession) & session) {
                           (is_si_angle && si->Name() != StepBasic_sunRadian);
     if (is_other || model->Check(i, Standard_True)->NbFails() > 0) {
       return step_name(model, entity) + " is not a plausible unit of " +
-             (is_length ? "length: check the size, and give the unit with --units"
-                        : "angle: check the cones of the model");
+             (is_length ? "length: check the model's size, and give the unit with --units"
+                        : "angle: check the model's conical faces");
     }
   }
   return "";
