@@ -170,8 +170,9 @@ std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
   if (value > rule.max_value) {
     return "value " + std::to_string(value) + " is above " + std::to_string(rule.max_value);
   }
-  return rule.clearance_mask != 0 ? "a value that is not free has reserved bits that are not zero"
-                                  : "reserved bits are not zero";
+  return rule.clearance_mask != 0 && value != 0
+             ? "reserved bits are not zero in an entry of voxels that are not free"
+             : "reserved bits are not zero";
 }
 
 Status check_entries(std::span<const std::uint32_t> entries, const EntryRule& rule,

@@ -52,9 +52,10 @@ void declare_reading(CLI::App& app, Arguments& arguments) {
          "nodes of an assembly to leave out, with all nodes below them (repeatable). Write a "
          "node's name as in FILE#Node")
       ->allow_extra_args(false);
-  app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many lost faces in a STEP or IGES file (default 0); no "
-                 "guarantee covers them")
+  app.add_option(
+         "--missing-faces", arguments.missing_faces,
+         "accept up to this many lost faces (faces that give no triangles) in a STEP or IGES "
+         "file (default 0); no guarantee covers them")
       ->check(CLI::Range(0, 1'000'000));
 }
 
@@ -206,8 +207,8 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times as many points as a "
-      "plane of this area needs\n",
+      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times the fewest points "
+      "that could cover a flat surface of the same area\n",
       escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
       arguments.method.c_str(), header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
@@ -219,7 +220,7 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
           header.voxel_size_m);
   for (const NamedFile& file : mesh::unite_by_file(arguments.inputs)) {
     if (file.nodes.empty()) continue;
-    std::printf("%s: at pose 0,0,0 the part is where it is installed in %s\n",
+    std::printf("%s: pose 0,0,0 is the installed pose of the part in %s\n",
                 escaped(arguments.output).c_str(), escaped(file.path).c_str());
   }
   const auto print_counted = [](std::uint64_t count, const char* singular, const char* what) {
@@ -317,8 +318,8 @@ Error lossy_surface(const Arguments& arguments, const Pshell& shell,
   const auto& center = shell.header().center_m;
   char what[200];
   std::snprintf(what, sizeof what,
-                "the shell's points do not prove the losses that the file states for the surface "
-                "at (%.6g, %.6g, %.6g) m",
+                "at (%.6g, %.6g, %.6g) m on the surface, the shell's points do not prove the "
+                "losses that the file states",
                 proof.open.x + center[0], proof.open.y + center[1], proof.open.z + center[2]);
   return {ErrorCode::kFilesDoNotMatch, arguments.shell, "", what,
           "bake the part again from this mesh in this unit"};

@@ -79,9 +79,9 @@ void declare(CLI::App& app, Arguments& arguments) {
       "distance of the force layer from the surface, in layers of voxels, 0 to 30 (default 2)");
   app.add_option(
       "--standoff", arguments.standoff,
-      "distance from the meshes at which the force begins, such as 11mm. It must be 0.97 to 30 "
-      "voxels, and with --compliance at least the last DEPTH plus 0.87 voxels. Give it instead of "
-      "--layers to let parts pass narrower gaps. It needs stored distances");
+      "distance from the meshes at which the force begins, such as 11mm; 0.97 to 30 voxels. With "
+      "--compliance, it must also be at least the last DEPTH of --compliance plus 0.87 voxels. It "
+      "replaces --layers, and lets parts pass narrower gaps. It needs stored distances");
   app.add_option(
          "--kind", arguments.kind,
          "full (default): Euclidean layers and stored distances. lean: a smaller file without "
@@ -89,8 +89,8 @@ void declare(CLI::App& app, Arguments& arguments) {
          "the 1999 paper, without distances")
       ->check(CLI::IsMember({"full", "lean", "paper"}));
   app.add_option("--range", arguments.range,
-                 "depth of the stored distances below the surface where the force begins, 2 to 32 "
-                 "voxels (default 4 voxels)");
+                 "store distances down to this depth below the surface at which the force begins, "
+                 "2 to 32 voxels (default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
                  "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
                  "(default: the model's own stiffness)");
@@ -105,9 +105,10 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "manifest (repeatable). Write a node's name as in FILE#Node, and an object's name "
                  "as in the manifest")
       ->allow_extra_args(false);
-  app.add_option("--missing-faces", arguments.missing_faces,
-                 "accept up to this many lost faces in each STEP or IGES file (default 0); no "
-                 "guarantee covers them")
+  app.add_option(
+         "--missing-faces", arguments.missing_faces,
+         "accept up to this many lost faces (faces that give no triangles) in each STEP or IGES "
+         "file (default 0); no guarantee covers them")
       ->check(CLI::Range(0, 1'000'000));
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1: the region to keep in the file (default: everything)");

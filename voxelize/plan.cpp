@@ -175,16 +175,17 @@ std::string table_of(const Plan& plan) {
     table += line;
   }
   std::snprintf(line, sizeof line,
-                "file and bake are extrapolated from bakes with voxels of %.4g and %.4g mm\n",
+                "file, bake: extrapolated from bakes with voxels of %.4g and %.4g mm\n",
                 plan.probe_sizes_m[0] * 1e3, plan.probe_sizes_m[1] * 1e3);
   if (!plan.too_large.empty()) table += "too large: " + plan.too_large + "\n";
   return table +
          "standoff: distance from the mesh at which a part rests in contact, on each side\n"
          "gap: how much wider than a thin part a gap must be, so that the part passes without "
          "contact\n"
-         "passed: the same for a part that is 2 voxels thick or more and passes in contact\n"
-         "proven: guaranteed distance in a gap that is wider than the part by \"passed\", for the "
-         "default covering radius, minus the deviations of the meshes\n" +
+         "passed: how much wider than a thick part (2 voxels or more) a gap must be, so that the "
+         "part passes in contact on both sides\n"
+         "proven: guaranteed distance from the scene in such a gap, for the default covering "
+         "radius; subtract the deviations of the meshes\n" +
          line;
 }
 

@@ -222,7 +222,7 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
              1e3 * h.zero_force_m, 1e3 * h.force_depth_m);
   }
   add_line(text,
-           "  passable gap      %.4g mm wider than the part, if the part is 2 voxels thick or more",
+           "  passable gap      at least %.4g mm wider than a part that is 2 voxels thick or more",
            1e3 * passed_gap_m(h));
   const double separation_m = usual_separation_m(h);
   add_line(

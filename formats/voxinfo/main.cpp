@@ -123,17 +123,18 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   auto* verify =
       app.add_subcommand("verify",
-                         "check the structure, the checksums and the stated facts of a file. Of a "
-                         "scene, also check the voxel counts, the box and the clearances. Layers "
-                         "must have no hole. Each distance must fit its voxel's value and the "
-                         "distances around it. Each object must be in the list of names");
+                         "check the structure, the checksums and the stated facts of a file. In a "
+                         "scene, also check the voxel counts, the box and the clearances, and that "
+                         "layers have no hole, each distance fits its voxel's value and the "
+                         "distances around it, and each nearest object has a name");
   verify->add_option("FILE", path, "a .vox or .pshell file")->required();
   auto* sample =
       app.add_subcommand("sample",
                          "read lines `x y z` in meters. Print for each point the value of its "
                          "voxel (0 to 3) and, if the scene stores them, the smallest and largest "
-                         "distance from the mesh in meters and the nearest object. In a printed "
-                         "line that ends with `hint`, the distance was not measured");
+                         "distance from the mesh in meters and the nearest object. If the line "
+                         "ends with `hint`, the distance of this object was not measured, and "
+                         "another object may be nearer");
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
@@ -148,10 +149,11 @@ int run(int argc, char** argv) {
   path_command->add_option("-o,--output", of_path.output, "write the path to this CSV file");
   path_command->add_option("--resample", of_path.period,
                            "keep all rows, and add rows between them at this period, such as 1ms");
-  path_command->add_option("--part", of_path.shell,
-                           "measure the path of the centroid of this .pshell part (default: of the "
-                           "frame's origin). As in voxcheck, the centroid moves straight between "
-                           "rows");
+  path_command->add_option(
+      "--part", of_path.shell,
+      "measure the path of this .pshell part's centroid, instead of the path of the origin of its "
+      "coordinates. Between rows the measured point moves in a straight line. In voxcheck this "
+      "point is the centroid");
   path_command->add_flag("--reverse", of_path.reverse,
                          "reverse the path: from the last pose to the first");
   of_path.of = "part";

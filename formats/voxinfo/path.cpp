@@ -86,8 +86,8 @@ Status handle_path(const PathRequest& request) {
     center_m = shell->header().center_m;
   } else if (of_part && !request.period.empty() && path_facts(*rows).turn_rad > 0) {
     command::warn(
-        "in the new rows the part's origin follows straight lines, but in voxcheck the part's "
-        "centroid does: add --part to match voxcheck",
+        "in the new rows the part's origin moves in straight lines, but voxcheck moves the part's "
+        "centroid in straight lines; add --part to match voxcheck",
         request.quiet);
   }
   if (!request.output.empty()) {

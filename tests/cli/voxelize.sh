@@ -139,7 +139,7 @@ done
 grep -q '"layers": 0' report.json || fail "a standoff has no layers"
 "$bin/voxinfo" verify near.vox --quiet || fail "a file with a standoff is not valid"
 "$bin/voxinfo" near.vox --json facts.json >facts
-grep -q "standoff          1.3 mm" facts && grep -q "passable gap      2.6 mm wider than the part, if the part is 2 voxels thick or more" facts && grep -q "in the narrowest passable gap" facts ||
+grep -q "standoff          1.3 mm" facts && grep -q "passable gap      at least 2.6 mm wider than a part that is 2 voxels thick or more" facts && grep -q "in the narrowest passable gap" facts ||
   fail "voxinfo does not say the standoff: $(cat facts)"
 python3 - <<'EOF' || fail "the facts of a standoff"
 import json

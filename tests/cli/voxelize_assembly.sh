@@ -81,7 +81,7 @@ PYTHON
   [ "$(cut -f4 out | paste -sd' ')" = "Gearbox/Pin Gearbox/Housing " ] || fail "nearest objects: $(cat out)"
 
   shell cover "$file#Cover"
-  grep -qxF "cover.pshell: at pose 0,0,0 the part is where it is installed in $file" out ||
+  grep -qxF "cover.pshell: pose 0,0,0 is the installed pose of the part in $file" out ||
     fail "no word of where the part stands: $(cat out)"
   python3 - "$("$bin/voxinfo" cover.pshell --json - 2>/dev/null)" <<'PYTHON' || fail "the cover is elsewhere"
 import json, sys

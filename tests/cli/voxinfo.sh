@@ -249,7 +249,7 @@ PYTHON
 "$voxinfo" path pivot.csv --part "$golden/v2.pshell" --resample 500ms -o straight.csv >out 2>err
 expect_equal "no warning" "$(cat err)" ""
 "$voxinfo" path pivot.csv --resample 500ms -o about.csv --json about.json >out 2>err
-grep -q "^voxinfo: warning: in the new rows the part's origin follows straight lines, but .* add --part" err || fail "origin: $(cat err)"
+grep -q "^voxinfo: warning: in the new rows the part's origin moves in straight lines, but .*; add --part" err || fail "origin: $(cat err)"
 grep -q 'add --part to match voxcheck' about.json || fail "the report does not warn"
 expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 [ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
