@@ -151,7 +151,7 @@ std::optional<Error> LevelField::unreadable(const Voxmap& voxmap) {
   if (header.offset_layers == 0) {
     return Error{ErrorCode::kUsage, "", "level field",
                  has_standoff(header)
-                     ? "the standoff of this scene is known only from the stored distances"
+                     ? "needs offset layers, but this scene has a standoff"
                      : "the scene has no offset layers, so its values jump from interior to "
                        "proximity",
                  has_standoff(header)

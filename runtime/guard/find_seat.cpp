@@ -61,8 +61,8 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   return Error{
       ErrorCode::kUsage, "", "start", depth + name_of(object.object) + largest,
       "check --start and both files' units; if voxelize reports a cavity at the start pose, bake "
-      "the scene with --free-seed, --narrow-passages or smaller voxels; if not, with a larger "
-      "--range"};
+      "the scene with --free-seed, --narrow-passages or smaller voxels; if it reports none there, "
+      "bake the scene with a larger --range"};
 }
 
 std::string SeatRule::name_of(std::uint32_t object) const {

@@ -45,9 +45,10 @@ Status check_workspace(const DeviceCapabilities& device, const Pose& device_from
   const glm::dvec3& position_m = device_from_handle.position_m;
   if (!outside_workspace(device, position_m, InputLimits{}.workspace_reach)) return {};
   char text[160];
-  std::snprintf(text, sizeof text,
-                "reports its handle %.4g m from the origin, but its workspace radius is %.4g m",
-                glm::length(position_m), device.workspace_radius_m);
+  std::snprintf(
+      text, sizeof text,
+      "reports a handle position %.4g m from the origin, but its workspace radius is %.4g m",
+      glm::length(position_m), device.workspace_radius_m);
   return Error{ErrorCode::kDeviceRefused, "", device.name, text,
                "check whether the driver gives millimeters; poses must be in meters"};
 }

@@ -126,7 +126,7 @@ void CollectedPoints::clear() noexcept {
 Status ContactQuery::check_size(const Voxmap& voxmap, const Pshell& shell) {
   if (shell.header().bounding_radius_m / voxmap.voxel_size_m() < kMaxRadiusVoxels) return {};
   return Error{ErrorCode::kFilesDoNotMatch, "", "bounding radius",
-               "the part's radius is a million voxel edges or more",
+               "the part's radius is a million voxels or more",
                "check the units that scene and part were baked with"};
 }
 

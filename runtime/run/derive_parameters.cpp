@@ -70,7 +70,7 @@ constexpr ParameterInfo kTable[] = {
      &Parameters::look_ups,
      {1, 10'000}},
     {"recovery_mps",
-     "speed at which a part that starts inside is moved out, m/s",
+     "speed at which a part that starts inside the scene is moved out, m/s",
      &Parameters::recovery_mps,
      {1e-6, 10}},
     {"allowance_j",
@@ -373,7 +373,7 @@ void choose_default_coupling(const RunRequest& request, DerivedParameters& deriv
   const double largest = std::max({inertia.moments.x, inertia.moments.y, inertia.moments.z});
   choose_damping(
       choice, "coupling_nms_per_rad", 2 * std::sqrt(largest * p.coupling_nm_per_rad),
-      "2 sqrt(I k_R) (I: largest moment of inertia): no axis is less than critically damped",
+      "2 sqrt(I k_R) (I: largest moment of inertia): at least critically damped about every axis",
       "damping", device, rotation_damping_bound(request, dt_s));
   // A device that renders none still moves and turns the part: the output stage keeps it at zero.
   const bool forces = p.max_force_n > 0, torques = p.max_torque_nm > 0;
@@ -396,10 +396,11 @@ void choose_guard(const RunRequest& request, DerivedParameters& derived) {
   choice.set("look_ups",
              std::clamp(std::ceil(2 * throw_mps * dt_s / p.voxel_size_m), 2.0,
                         std::max(2.0, std::ceil(8000 * dt_s))),
-             "enough to follow a hand at 3 m/s, but at most 8 motions per millisecond");
+             "enough motions to follow a hand at 3 m/s, but at most 8 in a millisecond");
   choice.set("recovery_mps", kRecoveryMps, "leaves the user time to let go of the handle");
-  choice.set("allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
-             "force limit times voxel size: more energy than climbing a step of one voxel takes");
+  choice.set(
+      "allowance_j", p.coupling_force_limit_n * p.voxel_size_m,
+      "force limit times voxel size: more energy than the part needs to climb a step of one voxel");
   choice.set("allowance_fade_s", kAllowanceFadeS, "the part comes to rest within a second");
 }
 

@@ -312,7 +312,8 @@ Status Run::swap(const std::filesystem::path& scene, const std::filesystem::path
   }
   loop::Servo& servo = parts.started->servo;
   if (servo.swapping()) {
-    return Error{ErrorCode::kUsage, "", "swap", "an earlier swap has not finished yet", ""};
+    return Error{ErrorCode::kUsage, "", "swap", "the files of an earlier swap are not in use yet",
+                 "try again when they are in use"};
   }
   parts.finish_swap();  // one that timed out, and was taken since
   RunRequest request = parts.request;

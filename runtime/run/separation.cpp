@@ -93,7 +93,7 @@ std::string advice(const VoxmapHeader& voxmap, const PshellHeader& shell, double
   }
   return more_layers + ", or bake both from more exact meshes: the scene's meshes deviate by " +
          length_text(voxmap.static_deviation_m) + " and the part's meshes by " +
-         length_text(shell.part_deviation_m) + " (from --mesh-deviation and from the files)";
+         length_text(shell.part_deviation_m) + ", including --mesh-deviation";
 }
 
 }  // namespace

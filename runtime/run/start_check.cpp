@@ -51,7 +51,7 @@ Status check_start(const model::Simulation& simulation, const Pose& world_from_c
   char at[120];
   std::snprintf(
       at, sizeof at,
-      " lies inside the part, at x %.2f, y %.2f, z %.2f mm, where its shell has no points",
+      " lies inside the part at x %.2f, y %.2f, z %.2f mm, where the part has no shell points",
       1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
   return Error{ErrorCode::kUsage, "", "start",
                (name.empty() ? std::string("an object") : std::string(name)) + at,

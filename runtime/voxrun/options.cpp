@@ -55,7 +55,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                      "threads of the contact query, default 1", static_cast<int>(kThreads.smallest),
                      static_cast<int>(kThreads.largest));
   command::add_text(app, "--model", texts_.model,
-                    "dynamic model: default, or paper for the method of 1999");
+                    "dynamic model: 'default', or 'paper' (the method of 1999)");
   command::add_text(app, "--force", texts_.force,
                     "force field: tangent-plane, level or distance; default: the model's own");
   command::add_flag(app, "--as-fast-as-possible", options_.as_fast_as_possible,
@@ -63,10 +63,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the simulated hand");
   command::add_text(
       app, "--pull", texts_.pull,
-      "x,y,z, such as 0,0,60mm: displacement by which the simulated hand pulls the part straight, "
-      "instead of --motion. The hand first rests for 0.3 s. It then moves at 5 cm/s on average, "
-      "but "
-      "for at least two seconds");
+      "x,y,z, such as 0,0,60mm: displacement by which the simulated hand pulls the part along a "
+      "straight line, instead of --motion. The hand first rests for 0.3 s. Its mean speed is then "
+      "5 cm/s, or less if the pull would take less than two seconds");
   command::add_text(app, "--start", texts_.start,
                     "pose world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the pose of "
                     "the hand, or 0,0,0m without a hand");
@@ -82,9 +81,10 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "pose of the device in the scene; default 0,0,0m");
   command::add_texts(
       app, "--fail-on", texts_.fail_on, ',',
-      "end with status 6 if this happened: penetration (always checked), contact (outside of the "
-      "seat), outside (beyond the map), seat (not left at the end) or held (the part did not "
-      "follow --motion or did not reach the end of --pull); repeatable");
+      "end with status 6 on one of these: penetration (always checked), contact (but not with "
+      "objects of the seat until the part has left it), outside (the part went beyond a cropped "
+      "side), seat (the part did not leave its seat) or held (the part did not follow --motion, or "
+      "did not reach the end of --pull); repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
       "a .vox file that replaces the scene during the run. FILE@TIME: at this time, such as 2.5s. "
@@ -112,8 +112,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "start even if no separation is guaranteed");
   command::add_choice(
       app, "--after-trip", texts_.after_trip, {"end", "wait", "rearm"},
-      "after a trip (output zero), end the run, wait for the clutch, or rearm (only for "
-      "simulated hands). Default: rearm for sim and replays, otherwise end");
+      "after a trip, which sets the output to zero: end (the run ends), wait (until the clutch is "
+      "pressed and released) or rearm (without the clutch; only for simulated hands). Default: "
+      "rearm for sim and replays, otherwise end");
   command::add_flag(app, "--quiet", options_.quiet, "no report on the terminal");
   add_settings(app, texts_.settings);
 }

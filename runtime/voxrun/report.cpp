@@ -394,11 +394,13 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
   const auto ratio = penetration_ratio(s);
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
-      text("frames %llu, in the force layer %llu, penetrating %llu, penetration ratio %s\n",
-           static_cast<unsigned long long>(s.frames),
-           static_cast<unsigned long long>(s.force_layer_frames),
-           static_cast<unsigned long long>(s.penetration_frames),
-           ratio ? text("%.3g", *ratio).c_str() : "none") +
+      text(
+          "frames %llu, in the force layer %llu, penetrating %llu (%s of those in the force "
+          "layer)\n",
+          static_cast<unsigned long long>(s.frames),
+          static_cast<unsigned long long>(s.force_layer_frames),
+          static_cast<unsigned long long>(s.penetration_frames),
+          ratio ? text("%.3g", *ratio).c_str() : "none") +
       text("step p50 %.1f us, p99 %.1f us, p99.9 %.1f us, max %.1f us\n",
            us(s.step.quantile_ns(0.5)), us(s.step.quantile_ns(0.99)), us(s.step.quantile_ns(0.999)),
            us(s.step.max_ns())) +

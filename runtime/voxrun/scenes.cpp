@@ -177,7 +177,7 @@ bool SceneChange::is_listed(const std::string& path) const {
 Status SceneChange::wait_until_held(std::unique_lock<std::mutex>& lock) {
   if (!changed_.wait_for(lock, kHoldTimeout, [&] { return ended_ || is_held_; })) {
     return Error{ErrorCode::kDeviceFailed, "", "",
-                 "the device gives no reading, so the part cannot be stopped",
+                 "the part cannot be held still, because the device gives no readings",
                  "try again when the device gives readings"};
   }
   return {};

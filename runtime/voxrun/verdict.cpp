@@ -132,7 +132,7 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   const double mm = std::floor(smallest.clearance_m * 1e6) / 1e3;
   std::string part;
   if (smallest.kind == ClearanceKind::kAtLeast) {
-    part = text("clearance at least %.3f mm, nothing was nearer", mm);
+    part = text("clearance at least %.3f mm (nothing was near enough to measure)", mm);
   } else {
     part = text("least proven clearance %.3f mm%s%s at %.3f s, at x %.2f, y %.2f, z %.2f mm", mm,
                 smallest.object != 0 ? " to " : "",

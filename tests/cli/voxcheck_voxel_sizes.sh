@@ -36,7 +36,7 @@ for size in 0.8 1.6; do
   errs '^voxcheck: slot\.vox: --seat: the part starts .* inside slot; the stored distances allow a seat up to '
 done
 check 2 slot.vox drawer.pshell pulled.csv --clearance 1mm --seat 0,0,0m --felt-seat
-errs '; if voxelize reports a cavity at the start pose, bake the scene with --free-seed, --narrow-passages or smaller voxels; if not'
+errs '; if voxelize reports a cavity at the start pose, bake the scene with --free-seed, --narrow-passages or smaller voxels; if it reports none there, bake'
 if [ -x "$bin/voxplan" ]; then
   plan=("$bin/voxplan" slot.vox --clearance 1mm --seat 0,0,0m --exact slot.obj --units mm --quiet --time 20s -o plan.csv)
   "${plan[@]}" drawer.pshell --part drawer.obj || fail "no path for the drawer"

@@ -229,7 +229,7 @@ PYTHON
 "$bin/pointshell" cube.obj --units mm --voxel-size 1mm -o cube.pshell --quiet
 "$bin/pointshell" nut.obj --units mm --voxel-size 1mm -o nut.pshell --quiet
 run 2 nut.vox cube.pshell --motion rest.csv
-errs 'start: nut lies inside the part, at x [0-9.-]*, y [0-9.-]*, z [0-9.-]* mm, where its shell has no points; bake the scene without this object'
+errs 'start: nut lies inside the part at x [0-9.-]*, y [0-9.-]*, z [0-9.-]* mm, where the part has no shell points; bake the scene without this object'
 run 2 nut_lean.vox cube.pshell --motion rest.csv
 errs 'start: an object lies inside the part'
 run 0 nut.vox cube.pshell --motion rest.csv --start 0,0,60mm

@@ -594,7 +594,7 @@ TEST_P(CInterface, SceneAndPartAreSwappedByAnotherThreadWhileTheLoopRuns) {
     EXPECT_NE(swap("floor.vox", "ball.pshell", higher, 0.01), 0);
     EXPECT_NE(std::string(error).find("not taken"), std::string::npos) << error;
     EXPECT_NE(swap("floor.vox", "ball.pshell", higher), 0);
-    EXPECT_NE(std::string(error).find("not finished yet"), std::string::npos) << error;
+    EXPECT_NE(std::string(error).find("not in use yet"), std::string::npos) << error;
     const int jumps = servo.jumps;
     servo.run();
     ASSERT_TRUE(servo.soon([&] { return servo.jumps > jumps; }));

@@ -216,7 +216,7 @@ Status HidDevice::await_state(HidPort& port, const HidDeviceInfo& info) {
   } else if ((status & kHapticFault) != 0) {
     what = "reports a fault";
   } else if ((status & kHapticWatchdog) != 0) {
-    what = "the watchdog stays tripped after a zero wrench";
+    what = "its watchdog is still tripped, although a zero wrench was sent to reset it";
   }
   return Error{ErrorCode::kDeviceFailed, to_text(info), "", what, "plug it in again"};
 }
