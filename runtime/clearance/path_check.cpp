@@ -244,7 +244,7 @@ Status check_request(const Voxmap& voxmap, const Check& check, const CenterPath&
   }
   if (check.cap_voxels() <= kMaxCapVoxels) return {};
   char what[120], mend[120];
-  std::snprintf(what, sizeof what, "is %.0f voxel edges of this scene, too far to search",
+  std::snprintf(what, sizeof what, "is %.0f voxels of this scene, too many to search",
                 request.required_m / voxmap.voxel_size_m());
   std::snprintf(mend, sizeof mend, "bake scene and part with --voxel-size %.3gmm or more",
                 std::ceil(1e5 * request.required_m / (0.9 * kMaxCapVoxels)) / 100);

@@ -156,10 +156,10 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
   if (!(step.aside_m > std::max(options.clearance_m, scene.header().voxel_size_m) / 10)) return;
   command::warn(
       command::text(
-          "between the rows at %.3f and %.3f s the part turns by %.3g degrees. voxcheck moves its "
-          "centroid straight, by %.3f mm. If the origin of the part's frame moves straight "
-          "instead, the checked positions are up to %.3f mm wrong; add rows in between, or give "
-          "--center 0,0,0m",
+          "between the rows at %.3f and %.3f s the part turns by %.3g degrees. voxcheck moves the "
+          "centroid in a straight line, by %.3f mm. If the part's origin moves in a straight line "
+          "instead, the checked positions are up to %.3f mm wrong; add rows in between, or "
+          "give --center 0,0,0m",
           rows[step.row].time_s, rows[step.row + 1].time_s, glm::degrees(step.turn_rad),
           1e3 * step.shift_m, 1e3 * step.aside_m),
       options.quiet);

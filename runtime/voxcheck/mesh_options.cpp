@@ -28,8 +28,8 @@ void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::s
                     "--sandbox=memory=2GiB,time=30s sets the limits for a file");
   app.add_option(
       "--seat-depth", seat_depth_,
-      "with --exact: how far the part may go into the objects of its seat beyond its installed "
-      "depth and the deviations of the meshes; default: 0");
+      "with --exact: depth allowed in the objects of the seat, in addition to the depth of the "
+      "installed part and the deviations of the meshes; default: 0");
 }
 
 Status MeshOptionParser::finish(MeshOptions& options) const {

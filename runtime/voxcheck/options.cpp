@@ -19,33 +19,35 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   options_.threads = std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
   app.add_option("scene", options_.scene, "the scene, a .vox file")->required();
   app.add_option("part", options_.part, "the moving part, a .pshell file")->required();
-  app.add_option("path", options_.path,
-                 "poses of the part over time: a CSV, a trace or a recording of voxrun. Between "
-                 "two poses the centroid moves straight and the part turns by the smaller angle, "
-                 "both at constant speed")
+  app.add_option(
+         "path", options_.path,
+         "poses of the part over time: a CSV, a trace or a recording of voxrun. Between "
+         "two poses the centroid moves in a straight line and the part turns by the smaller "
+         "angle, both at constant speed")
       ->required();
   app.add_option("--clearance", clearance_,
                  "required distance between the exact surfaces, default 1mm");
   app.add_option(
       "--center", center_,
       "point x,y,z in the part's frame, such as 0,0,0m. Between two poses of the path, this point "
-      "moves straight and the part turns about it; default: the centroid");
+      "moves in a straight line and the part turns about it; default: the centroid");
   app.add_option(
       "--seat", seat_,
       "pose world_from_part in which the part is installed, x,y,z[,qw,qx,qy,qz]. At the "
       "beginning and at the end of the path, the part may be near the objects that it touches in "
       "this pose");
   app.add_flag("--felt-seat", options_.felt_seat,
-               "accept a seat that is not settled, if the shell points find nothing wrong. Shell "
-               "points miss thin walls and rods; the report gives their thickness");
+               "accept a seat that is not settled, if no shell point goes deeper into an object "
+               "than when installed. Shell points miss walls and rods that are thinner than the "
+               "report states");
   app.add_option("--allow", options_.allow,
                  "object that the part may come near: its name, or the end of its name; * and ? "
                  "are wildcards; repeatable")
       ->allow_extra_args(false);
   command::add_choice(
       app, "--fail-on", options_.fail_on, {"far", "nothing"},
-      "far: end with status 6 also if the part is never near the scene, as with a path in a wrong "
-      "unit. nothing: end with status 0 for every answer");
+      "condition for status 6; default: the path is not clear. far: also if the part is never near "
+      "the scene, as with a path in a wrong unit. nothing: never; every answer has status 0");
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. The meshes decide where the baked "
                   "files cannot; repeatable");

@@ -216,7 +216,7 @@ write("fine.csv", [1.25 * n for n in range(121)])
 PYTHON
 check 0 opened.vox cover.pshell pivot.csv --clearance 12.7mm --json pivot.json
 grep '^voxcheck: warning: between the rows ' err.txt >warnings.txt || true
-warns 'between the rows at 0.500 and 1.000 s the part turns by 120 degrees. voxcheck moves its centroid straight, by '
+warns 'between the rows at 0.500 and 1.000 s the part turns by 120 degrees. voxcheck moves the centroid in a straight line, by '
 grep -A 1 '"warnings": \[' pivot.json | grep -q 'turns by 120 degrees' || fail "the report does not warn of a wide step"
 check 0 opened.vox cover.pshell fine.csv --clearance 12.7mm
 ! grep -q 'between the rows' err.txt || fail "warned of small steps: $(cat err.txt)"
@@ -450,7 +450,7 @@ check 2 opened.vox cover.pshell out.csv --clearance 12
 check 2 opened.vox cover.pshell out.csv --seat 0,0,0m --seat-depth 1mm
 errs '--seat-depth: has no effect without --exact'
 check 2 opened.vox cover.pshell out.csv --clearance 1m
-errs 'voxel edges of this scene.*--voxel-size [0-9.]+mm or more'
+errs '[0-9]+ voxels of this scene, too many to search; .*--voxel-size [0-9.]+mm or more'
 check 2 opened.vox cover.pshell out.csv --json out.csv
 check 1 opened.vox cover.pshell none.csv
 check 2 opened.vox cover.pshell opened.vox

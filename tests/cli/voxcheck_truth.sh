@@ -270,7 +270,7 @@ END
   # An object that does not count hides another one from the files, which is reported, and not from the meshes.
   "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
   check 0 ribbed.vox cube4.pshell along.csv --clearance 1mm --allow Floor
-  says '^  not checked: objects less than 12 mm behind an object of the seat or an allowed one; the meshes show them$'
+  says '^  not checked: objects hidden less than 12 mm behind an object of the seat or of --allow; the meshes show them$'
   meshes=(--exact ribbed.json --part cube.obj --part-units mm)
   for rule in "--seat 0,0,0m --felt-seat" "--allow Floor"; do
     check 6 ribbed.vox cube4.pshell along.csv --clearance 1mm $rule "${meshes[@]}"

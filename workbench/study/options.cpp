@@ -63,14 +63,16 @@ OptionParser::OptionParser(CLI::App& study) {
                    "edge of a voxel, such as 1mm. Default: auto. With auto, the study chooses the "
                    "size from the part's size, the smallest gap beside the installed part, and "
                    "--time. It takes smaller voxels if the answer is undecided");
-  study.add_option("--range", options_.range,
-                   "depth to which distances are stored, as in voxelize. Increase it for a part "
-                   "that lies deeper in its seat; default 4 voxels");
+  study.add_option(
+      "--range", options_.range,
+      "depth to which distances are stored, as in voxelize; default 4 voxels. Increase it if the "
+      "installed part goes deeper into an object");
   study.add_option("--path", options_.path,
                    "the path to check: a CSV, a trace or a recording of voxrun");
-  study.add_option("--center", options_.center,
-                   "point of the part that moves straight between two poses of --path, as in "
-                   "voxcheck; default: the centroid");
+  study.add_option(
+      "--center", options_.center,
+      "point of the part that moves in a straight line between two poses of --path, as "
+      "in voxcheck; default: the centroid");
   study.add_option(
       "--pull", options_.pull,
       "x,y,z, such as 0,0,60mm: displacement by which a simulated hand pulls the part, instead of "
@@ -78,8 +80,8 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option(
       "--time", options_.time,
       "time limit of the search for a path (without --path and --pull); default 60s. With "
-      "--voxel-size auto, the bakes take roughly this long at most. If you give --time, it also "
-      "limits each check of the exact meshes");
+      "--voxel-size auto, also the approximate time limit of the bakes. A check of the exact "
+      "meshes has a time limit only if you give --time");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
   study.add_option(
@@ -87,17 +89,19 @@ OptionParser::OptionParser(CLI::App& study) {
       "pose world_from_part in which the part is installed, or the word none; default 0,0,0m");
   study.add_option(
       "--seat-depth", options_.seat_depth,
-      "how far the part may go into the objects of its seat beyond its installed depth and the "
-      "deviations of the meshes; default: 0");
+      "depth allowed in the objects of the seat, in addition to the depth of the installed part "
+      "and the deviations of the meshes; default: 0");
   study.add_option("--allow", options_.allow, "an object that may be near; repeatable")
       ->allow_extra_args(false);
   study
       .add_option("--without", options_.without,
                   "other nodes to leave out of the scene; repeatable")
       ->allow_extra_args(false);
-  command::add_count(study, "--missing-faces", missing_faces_,
-                     "accept up to this many lost faces of a STEP or IGES file, as in voxelize", 0,
-                     1'000'000);
+  command::add_count(
+      study, "--missing-faces", missing_faces_,
+      "accept up to this many lost faces (faces that give no triangles) in a STEP or IGES file, "
+      "as in voxelize",
+      0, 1'000'000);
   study.add_option("--units", options_.units,
                    "unit of the meshes (mm, cm, m, in, ...): required if the format defines no "
                    "unit. If the format defines one, this unit replaces it");

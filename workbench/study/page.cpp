@@ -120,8 +120,8 @@ std::string facts_table(const Page& page) {
                                    name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {
-    table += row("not checked", "objects less than " + mm(v["hidden_within_m"]) +
-                                    " behind the objects on which the part is installed");
+    table += row("not checked", "objects hidden less than " + mm(v["hidden_within_m"]) +
+                                    " behind an object of the seat or of --allow");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
     table += row("faces missing from scene and part",
@@ -232,11 +232,11 @@ Result<std::string> html_of(const Page& page) {
   const std::string text = is_first ? page.text.substr(heading.size()) : "\n" + page.text;
   std::string found;
   if (page.report.is_object()) {
-    found =
-        facts_table(page) + violations_table(page.report["violations"]) +
-        "<h2>Clearance along the path</h2>\n" + page.curve_svg +
-        "<p>The curve is a safe lower bound; the real distance is larger. Dot: the smallest "
-        "distance of the table. Gray: in the seat. Red: less than required, or not decided.</p>\n";
+    found = facts_table(page) + violations_table(page.report["violations"]) +
+            "<h2>Clearance along the path</h2>\n" + page.curve_svg +
+            "<p>The curve is a safe lower bound; the real distance is larger. Dot: the smallest "
+            "distance (see the first table). Gray: in the seat. Red: less than required, or not "
+            "decided.</p>\n";
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +

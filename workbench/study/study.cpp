@@ -748,7 +748,7 @@ std::string Study::open_answer() const {
         depth_m = std::max(depth_m, violation.value("depth_m", 0.0));
       }
       const bool helps = depth_m > 0 && depth_m < *command::parse_length(voxel_size_);
-      return helps ? "the path is too narrow by less than a voxel" : "";
+      return helps ? "the part goes less than a voxel too deep into its seat" : "";
     }
     default:
       return "";

@@ -94,8 +94,9 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
   const double own_bytes = std::max(0.0, look.bytes - kProgramBytes);
   const Bound memory{size_for_m(s, own_bytes, question.memory_bytes / 2 - kProgramBytes),
                      "smaller voxels would take more than half of the memory"};
-  const Bound clearance{question.required_m / kClearanceVoxels,
-                        "with smaller voxels the required clearance is too far to search"};
+  const Bound clearance{
+      question.required_m / kClearanceVoxels,
+      "with smaller voxels the required clearance would have too many voxels to search"};
   const Bound fits{play.play_m * s / look.fits_m, "small enough for the smallest gap"};
   const Bound part{question.part_m / kPartVoxels, "a hundredth of the part's size"};
   const Bound wish = fits.size_m < part.size_m ? fits : part;

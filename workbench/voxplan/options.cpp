@@ -48,8 +48,8 @@ OptionParser::OptionParser(CLI::App& app)
       "the inputs from which the scene was baked; repeatable. A path is written only if the "
       "meshes prove its clearance (see voxcheck)");
   app.add_option("--time", time_,
-                 "time limit of the search; default 60s. Checking the path that it finds may take "
-                 "the same time");
+                 "time limit of the search; default 60s. If the search finds a path, the check of "
+                 "this path may take as long again");
   app.add_option("--seed", options_.seed,
                  "seed of the random numbers; another seed finds another path; default 1")
       ->check(CLI::Range(0u, 1000000000u));

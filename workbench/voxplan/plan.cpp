@@ -71,9 +71,9 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
                              object.empty() ? "the scene" : escaped(object).c_str(),
                              std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
-               "use a smaller --clearance, name that object in --allow, or bake with smaller "
-               "voxels, because up to 1.7 voxels of the distance to an object of the seat are not "
-               "proven"};
+               "use a smaller --clearance, name this object in --allow, or bake with smaller "
+               "voxels: the proven distance to an object of the seat is up to 1.7 voxels less than "
+               "the true distance"};
 }
 
 // The first of the worst poses of a path that is not proven clear, of the centroid frame.

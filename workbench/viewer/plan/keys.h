@@ -21,7 +21,7 @@ inline constexpr std::array<std::string_view, 9> kKeyLines = {
     "the strip: go there",
     "left right: one frame back or forward (shift: ten)   home end: first, last   n: next "
     "contact   shift-n: previous",
-    "g: next cut by the guard   shift-g: previous   h: these keys   "
+    "g: next motion that the guard shortened   shift-g: previous   h: these keys   "
     "q: end"};
 
 }  // namespace forcelayer::viewer

@@ -97,9 +97,8 @@ void add_moment(const PicturePlan& plan, const ViewScene& scene, std::vector<Leg
     legend.push_back({Swatch::kArrow, kContactColor, 1,
                       text_of("contact force on the part (%g x the depth)", arrows.per_depth)});
     if (arrows.left_out > 0) {
-      legend.push_back(
-          {Swatch::kDot, kContactColor, 1,
-           text_of("%zu contacts have no arrow: the others are deeper", arrows.left_out)});
+      legend.push_back({Swatch::kDot, kContactColor, 1,
+                        text_of("%zu shallower contacts have no arrow", arrows.left_out)});
     }
     legend.push_back({Swatch::kDot, kForceLayerColor, 1, "point in the force layer, depth 0"});
     legend.push_back({Swatch::kSmallSquare, kProximityColor, 1, "point in proximity"});

@@ -127,7 +127,7 @@ void ViewOptionParser::add_draw_options(CLI::App& app) {
       "--frame-times", options_.frame_times,
       "turn the scene once in the window, write the frame times to this file (JSON), and end");
   app.add_option("--pixels-per-voxel", texts_.pixels_per_voxel,
-                 "scale of the picture; default: the part or scene of --focus fills it")
+                 "scale of the picture. By default, the part or scene of --focus fills the picture")
       ->check(CLI::Range(1, 1000));
   app.add_option("--measure", texts_.measure,
                  "x0,y0,z0 (part), x1,y1,z1 (scene): draw the distance between these points");

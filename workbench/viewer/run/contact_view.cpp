@@ -19,7 +19,7 @@ const char* frame_kind_name(FrameKind kind) {
     case FrameKind::kContact:
       return "contact";
     case FrameKind::kGuardCut:
-      return "contact, motion cut by the guard";
+      return "contact, motion shortened by the guard";
     case FrameKind::kPenetration:
       return "PENETRATION";
   }
