@@ -249,7 +249,7 @@ forcelayer.Error: nowhere.vox: no such file; check the path
 )")
       .def_property_readonly(
           "origin_voxel", [](const Scene& s) { return s.map.header().origin_voxel; },
-          R"(Low corner of the box of `dims_voxels`, in voxels from the world's origin.
+          R"(Low corner of the box of voxels that are not free, in voxels from the world's origin.
 
 >>> len(forcelayer.Scene("bay.vox").origin_voxel)
 3
@@ -366,8 +366,8 @@ for each pose:
                       be much larger
     nearest_object    number of the object nearest to `nearest_point_m`, see `objects`; 0: not known
     nearest_point_m   the nearest shell point, world; NaN where not measured
-    interior, surface, proximity, outside_map   as for query(); with a standoff counted by
-                      distance, not by voxel value
+    interior, surface, proximity, outside_map   as for query(). If the scene has a standoff, the
+                      points are counted by distance, not by voxel value
 
 `threads`: 0 means all cores. Other Python threads run meanwhile.
 
@@ -385,12 +385,12 @@ forcelayer.Error: poses: row 0 is not a pose: give finite x, y, z (m) and a nonz
            given("felt_seat") = false,
            R"(Checks, as `voxcheck` does, whether the part keeps a clearance along a path.
 
-`t_s`: times, ascending, one for each pose. Between poses the centroid moves straight and the
-orientation turns at constant speed; the answer covers this motion, too. `allow`: names of objects
+`t_s`: times, ascending, one for each pose. Between poses the centroid moves in a straight line and
+the part turns, both at constant speed; the answer covers this motion, too. `allow`: names of objects
 that may be near. `world_from_seat`: the pose in which the part is installed. While the part is in
-its seat, the shell points can miss features narrower than twice the covering radius. So the verdict
-about a path with a seat is "not clear". If `felt_seat` is true, the shell points suffice. Returns a
-dict:
+its seat, the shell points can miss features narrower than twice the covering radius. So a path with
+a seat gets the verdict "not clear", unless `felt_seat` is true. Then the seat is accepted if no
+shell point goes deeper into an object than when installed. Returns a dict:
 
     verdict           "clear" or "not clear"
     clearance_m       proven along the whole path, in meters; objects of the seat do not count while
@@ -398,8 +398,9 @@ dict:
     min_clearance     where this clearance occurs: clearance_m, at_most_m (upper bound of the exact
                       clearance; None: not known), t_s, object, point_m; None if nothing is near
     violations        a list of dicts: from_s, to_s, clearance_m (proven between them), worst (as
-                      min_clearance), pushed_into_seat, seat_not_settled, object_inside (the part
-                      contains this object from the beginning on)
+                      min_clearance), pushed_into_seat (the part goes deeper into its seat than
+                      when installed), seat_not_settled (shell points may miss what blocks the
+                      part), object_inside (the part contains this object from the beginning on)
     seated            a list of dicts, one for each stretch in which only objects of the seat are
                       nearer than required: from_s, to_s, travel_m (no point of the part moves
                       farther in the stretch), clearance_m (proven for the stretch), nearest (as

@@ -409,9 +409,9 @@ True
   py::class_<Stepper>(module, "Simulation", R"(A part in a scene, moved by a hand, frame by frame.
 
 `model`: "default", or "paper" for the method of 1999. `force`: "distance", "level" or
-"tangent-plane"; None for the best that the scene's file allows. `settings`: physical parameters by
-the names of `parameters`; the others are derived from voxel size, part and rate. Files
-without a guarantee of separation are refused, unless `without_guarantee` is set.
+"tangent-plane"; None for the best that the scene's file allows. `settings`: a dict of physical
+parameters, named as in `parameters`. Parameters not given are derived from voxel size, part and
+rate. Files without a guarantee of separation are refused, unless `without_guarantee` is set.
 
 The hand holds a simulated device of 15 N and 0.1 N m, as in the paper.
 
@@ -470,13 +470,16 @@ Returns a structured array with a row for each frame:
 
     t_s                 time since start()
     world_from_handle, world_from_part   x y z qw qx qy qz
-    force_n, torque_nm  on the hand, world axes; the torque is about the part's centroid ("max_torque_nm"
-                        of the report is about the handle)
+    force_n, torque_nm  on the hand, world axes; the torque is about the part's centroid (the
+                        report's "max_torque_nm" is about the handle)
     clearance_m, measured, nearest_object, nearest_point_m   as in Scene.clearance()
-    depth_m             of the deepest contact
-    interior, surface, proximity, contacts, guard_cuts, barred, seated   counts
-    faults              0: none
-    outside_map, seat_open, saturated   True or False
+    depth_m             depth of the deepest contact
+    interior, surface, proximity, contacts, barred, seated   numbers of points
+    guard_cuts          number of motions that the guard shortened
+    faults              0: the frame has no fault; otherwise a sum of fault bits
+    outside_map         True: a point lies beyond a side at which the scene was cropped
+    seat_open           True: the part has not left its seat
+    saturated           True: the virtual coupling is at its limit
 
 If a pose is invalid, the simulation does not change. Other Python threads run meanwhile.
 
@@ -505,7 +508,7 @@ True
           R"(The report of the run since start(): a dict with the keys of `voxrun --json`;
 docs/voxrun_report.md in the sources explains them.
 
-"max_torque_nm" is the torque about the handle, "torque_nm" of a frame about the part's centroid.
+"max_torque_nm" is a torque about the handle. A frame's "torque_nm" is about the part's centroid.
 The two torques differ by the force times the arm from the handle to the centroid.
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
@@ -545,10 +548,11 @@ The two torques differ by the force times the arm from the handle to the centroi
 )")
       .def_property_readonly(
           "guarantee", [](const Stepper& s) { return guarantee_of(s.opened().guarantee()); },
-          R"(The distance in meters that the exact surfaces keep, unless `report` says otherwise.
+          R"(The distance in meters that is guaranteed between the exact surfaces.
 
-A dict: "tested_m" holds in every frame, "swept_m" also between two frames. A value is None if nothing
-is guaranteed.
+A dict: "tested_m" is guaranteed in every frame, "swept_m" also between two frames. A value is None
+if nothing is guaranteed. Nothing is guaranteed before "guarantee_from_s" of `report`, nor in frames
+that it counts as "penetration_frames", "barred_frames" or "outside_map_frames".
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.guarantee["tested_m"] > simulation.guarantee["swept_m"] > 0
