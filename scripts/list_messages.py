@@ -4,7 +4,8 @@
   scripts/list_messages.py [--sample N --seed S]
 
 Takes the string literals of the product's sources. Adjacent literals are one message, a value that the program puts in
-is shown as {}. Tags of HTML and SVG, and literals of fewer than three words (names, formats, keys) are left out.
+is shown as {}. The parts of an error are one line, as the user reads them: where, what is wrong, how to mend it. Tags of
+HTML and SVG, and literals of fewer than three words (names, formats, keys) are left out.
 """
 import argparse
 import pathlib
@@ -18,6 +19,8 @@ TOKEN = re.compile(
     r'|#\s*include[^\n]*|\s+|::|<<|.', re.DOTALL)
 # A tag of HTML or SVG, and a style sheet.
 TAG = re.compile(r"<style>.*?</style>|<[/?!]?[a-z][^<>]*>", re.DOTALL | re.IGNORECASE)
+# Calls and types whose arguments are the parts of one error.
+ERRORS = set("Error usage wrong fail fail_read fail_at refuse change untrue require entry_error".split())
 ESCAPES = {r"\n": "\n", r"\"": '"', r"\\": "\\", r"\t": " "}
 
 
@@ -28,7 +31,11 @@ def value_text(code, literals):
 
 
 def messages_of(text):
-    """Yields (line, message) for each run of adjacent literals, and of literals joined by + or <<."""
+    """Yields (line, message, error) for each run of adjacent literals, and of literals joined by + or <<.
+
+    `error` is the same number for all parts of one error, and None for another message.
+    """
+    brackets, name, errors, error = [], "", 0, None
     line, start, parts, between, depth, before, call_end, nested = 1, 0, [], "", 0, "", "", []
     for token in TOKEN.finditer(text):
         word = token.group(0)
@@ -39,10 +46,11 @@ def messages_of(text):
             if parts and depth > 0:  # within a value
                 between += "_"
                 nested.append(literal)
-                yield line, literal
+                yield line, literal, None
             else:
                 if not parts:
                     start, call_end = line, r"\)?" if before == "(" else ""  # `string("a") + value`
+                    error = next((number for number in reversed(brackets) if number), None)
                 if between or (not parts and before in ("+", "<<")):
                     parts.append(value_text(between, nested))
                 parts.append(literal)
@@ -55,14 +63,39 @@ def messages_of(text):
             between += word
             if not joined or ends:
                 ends_in_value = re.match(call_end + r"(\+|<<)", between)
-                yield start, "".join(parts) + (value_text(between, nested) if ends_in_value else "")
+                yield start, "".join(parts) + (value_text(between, nested) if ends_in_value else ""), error
                 start, parts, between, depth, before, nested = 0, [], "", 0, word, []
             depth = 0 if between == ")" else depth
         elif not word.isspace():
             before = word
+        if word in ("(", "[", "{"):
+            errors += name in ERRORS
+            brackets.append(errors if name in ERRORS else 0)
+        elif word in (")", "]", "}") and brackets:
+            brackets.pop()
+        name = name + word if re.fullmatch(r"\w", word) else ""
         line += word.count("\n")
     if parts:
-        yield start, "".join(parts)
+        yield start, "".join(parts), error
+
+
+def whole_messages_of(text):
+    """Yields (line, message), the parts of an error in one."""
+    parts, first, error = [], 0, None
+    for line, part, of in messages_of(text):
+        if not part:
+            continue
+        if parts and (of is None or of != error):
+            yield first, "".join(parts)
+            parts = []
+        if parts:
+            is_where = len(parts) == 1 and " " not in parts[0]
+            part = (": " if is_where else "; ") + part
+        else:
+            first, error = line, of
+        parts.append(part)
+    if parts:
+        yield first, "".join(parts)
 
 
 def list_messages(root):
@@ -70,7 +103,7 @@ def list_messages(root):
         for path in sorted((root / room).rglob("*")):
             if path.suffix not in (".h", ".cpp", ".c"):
                 continue
-            for line, message in messages_of(path.read_text()):
+            for line, message in whole_messages_of(path.read_text()):
                 text = " ".join(TAG.sub(" ", message).split())
                 if len(re.findall(r"[A-Za-z]{2,}", text)) >= 3 and " " in text:
                     yield f"{path.relative_to(root)}:{line}", text
