@@ -185,8 +185,9 @@ Result<std::array<double, 4>> parse_quaternion(std::span<const std::string_view>
     norm2 += number->number * number->number;
   }
   if (!(norm2 > 1e-24) || !std::isfinite(norm2)) {
-    return usage("the quaternion of pose " + quoted(pose) + " has an invalid length",
-                 "write 1,0,0,0 for no rotation");
+    return usage(
+        "the quaternion of pose " + quoted(pose) + " has a norm that is 0, too small or not finite",
+        "write 1,0,0,0 for no rotation");
   }
   for (double& component : wxyz) component /= std::sqrt(norm2);
   return wxyz;

@@ -191,7 +191,7 @@ Status AtomicFile::commit(ReaderCheck check) {
 
 Error AtomicFile::refused(std::string_view why) const {
   return {ErrorCode::kInternal, shown_.string(), "",
-          "was not written, because its new content could not be read: " + std::string(why),
+          "was not written, because its new content would not be a valid file: " + std::string(why),
           "report this error with the input file"};
 }
 

@@ -197,7 +197,7 @@ Status SceneReader::check_up() const {
     if (placing.up.value_or(reading_.up) == up_of(placing.named.path)) continue;
     return Error{ErrorCode::kSceneInvalid, placing.named.path, placing.stated_in,
                  "the scene uses this file with two different \"up\" axes",
-                 "state the same \"up\" in all parts that use this file"};
+                 "give the same \"up\" to all entries of \"parts\" that use this file"};
   }
   return {};
 }

@@ -154,7 +154,7 @@ std::array<double, 9> rotation(const Json& json, const std::string& key) {
   const double norm = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
   // Below the least normal double nothing is left of its digits.
   if (!(norm >= std::numeric_limits<double>::min()) || !std::isfinite(norm))
-    throw BadKey{key, "is a quaternion (w, x, y, z) with an invalid length", ""};
+    throw BadKey{key, "is a quaternion (w, x, y, z) whose norm is 0, too small or not finite", ""};
   for (double& c : q) c /= norm;
   const auto [w, x, y, z] = q;
   return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),

@@ -182,7 +182,7 @@ void add_missing_faces(std::string& text, std::string_view provenance) {
 
 std::string cropped_text(std::uint32_t sides) {
   if (sides == 0) return "everywhere";
-  std::string text = "up to the cropped sides";
+  std::string text = "not beyond the cropped sides";
   for (const auto& name : cropped_side_names(sides)) text += " " + name.get<std::string>();
   return text;
 }

@@ -271,8 +271,9 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   const Bound bound = stiffness_bound(request, dt_s);
   const double borne = kBoundFraction * bound.value;
   choice.set("coupling_n_per_m", std::min(comfortable, borne),
-             borne < comfortable ? borne_reason(kLinear, device, bound)
-                                 : "(m / 16 dt^2): comfortably stable at this rate (paper 5.1)");
+             borne < comfortable
+                 ? borne_reason(kLinear, device, bound)
+                 : "m / (16 dt^2): stable at this rate with a wide margin (paper 5.1)");
   choice.set("coupling_ns_per_m", 2 * std::sqrt(p.mass_kg * p.coupling_n_per_m),
              "2 sqrt(m k_T): critically damped (paper 5.1)");
   const Bound bound_rot = rotation_bound(device, dt_s);

@@ -272,12 +272,12 @@ Status OptionParser::check(const Options& options) const {
                                "--seat",  "--grip",  "--world-from-device"};
   for (const char* option : fixed) {
     if (command::is_given(app_, option)) {
-      return usage(option, "is part of the recording", "with --replay, leave it out");
+      return usage(option, "is part of the recording", "leave this option out with --replay");
     }
   }
   if (!options.run.settings.empty() || !options.run.braking) {
     return usage("--set", "sets a parameter that the recording already sets",
-                 "with --replay, leave it out");
+                 "leave this option out with --replay");
   }
   return {};
 }

@@ -97,7 +97,7 @@ Status read_settings(const std::string& texts, Options& options) {
   const bool is_recorded = loop[kRate] != kNotSet || loop[kMotionScale] != kNotSet;
   if (is_recorded && !options.replay.empty()) {
     return Error{ErrorCode::kUsage, "", "--set", "sets a parameter that the recording already sets",
-                 "with --replay, leave it out"};
+                 "leave this option out with --replay"};
   }
   if (loop[kRate] != kNotSet) options.run.rate_hz = loop[kRate];
   if (loop[kMotionScale] != kNotSet) options.run.placement.motion_scale = loop[kMotionScale];

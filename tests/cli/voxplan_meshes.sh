@@ -75,7 +75,7 @@ plan() {
 "$bin/pointshell" clip.obj --units mm --voxel-size 1mm -o clip.pshell --quiet
 meshes=(--exact tab.obj --part clip.obj --units mm)
 plan 0 tab.vox clip.pshell --clearance 2mm "${meshes[@]}" --threads 2 -o up.csv --json up.json
-grep -q '^  contact was checked with the meshes: no surface passes through another$' out.txt || fail "$(cat out.txt)"
+grep -q '^  in contact, no surface passes through another: this was checked with the meshes$' out.txt || fail "$(cat out.txt)"
 python3 - <<'END' || fail "not straight up: $(cat up.csv)"
 import json
 assert json.load(open("up.json"))["settled_by"] == "meshes"

@@ -96,7 +96,7 @@ assert lowest[0] > lowest[1] + 0.0002, lowest
 PYTHON
 done
 expect 2 'replaces the device' floor.vox ball.pshell --replay run.flr --device sim:hand=firm
-expect 2 'already sets; with --replay, leave it out' floor.vox ball.pshell --replay run.flr --set motion_scale=2
+expect 2 'already sets; leave this option out with --replay' floor.vox ball.pshell --replay run.flr --set motion_scale=2
 expect 2 "--device: hand 'soft' is not known; write 'firm' or 'loose'" floor.vox ball.pshell --device sim:hand=soft
 
 # The clock: half a second in real time, neither much less nor more.

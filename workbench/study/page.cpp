@@ -147,8 +147,8 @@ std::string violations_table(const Json& violations) {
   std::string table = "<h2>Positions that are ";
   table += std::all_of(violations.begin(), violations.end(), is_open) ? "not decided" : "too near";
   table +=
-      "</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th><th>to</th><th>nearest "
-      "after</th><th>place</th></tr>\n";
+      "</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th><th>object</th><th>worst "
+      "after</th><th>position</th></tr>\n";
   for (const Json& v : violations) {
     std::string how = clearance(v);
     if (v.contains("exact_m") && v["exact_m"] == 0) {

@@ -94,8 +94,8 @@ Status plan_for(const Options& options) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Searches for a path of a part, out of its installed position or to a pose, with a clearance "
-      "that is proven for the whole path",
+      "Searches for a path that takes a part out of its installed position, or to a pose. The "
+      "clearance is proven for the whole path",
       "voxplan"};
   app.footer("Exit status 0: a path was found; 6: no path was found within --time.");
   command::set_version(app, "OMPL " FORCELAYER_OMPL_VERSION);

@@ -39,7 +39,7 @@ command::Verdict found_verdict(const Report& report) {
         report.options.meshes.empty()
             ? "contact was checked with shell points only: voxcheck --exact checks it with the "
               "meshes"
-            : "contact was checked with the meshes: no surface passes through another");
+            : "in contact, no surface passes through another: this was checked with the meshes");
   }
   if (const double within_m = hidden_within_m(report); within_m > 0) {
     verdict.notes.push_back(voxcheck::hidden_text(within_m) +

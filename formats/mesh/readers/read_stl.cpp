@@ -60,7 +60,7 @@ void check_binary_size(const SourceFile& file) {
   }
   fail_read(file, ErrorCode::kMeshIncomplete, at_byte(expected),
             "binary STL has bytes after its last triangle: " + counts,
-            "export the mesh again; the count may be wrong");
+            "export the mesh again; the number of triangles in its header may be wrong");
 }
 
 Mesh read_binary(const SourceFile& file) {

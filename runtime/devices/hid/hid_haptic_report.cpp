@@ -107,7 +107,7 @@ const char* to_text(HapticDefect defect) {
     case HapticDefect::kChecksum:
       return "wrong checksum";
     case HapticDefect::kVersion:
-      return "the layout has another version";
+      return "the layout has a version that is not supported";
     case HapticDefect::kKind:
       return "unknown kind";
     case HapticDefect::kReserved:
