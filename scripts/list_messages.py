@@ -19,6 +19,7 @@ TOKEN = re.compile(
     r'|#\s*include[^\n]*|\s+|::|<<|.', re.DOTALL)
 # A tag of HTML or SVG, and a style sheet.
 TAG = re.compile(r"<style>.*?</style>|<[/?!]?[a-z][^<>]*>", re.DOTALL | re.IGNORECASE)
+COLUMNS = re.compile(r"(?<=\S) {3,}(?=\S)")  # between the parts of a line
 # Calls and types whose arguments are the parts of one error.
 ERRORS = set("Error usage wrong fail fail_read fail_at refuse change untrue require entry_error".split())
 ESCAPES = {r"\n": "\n", r"\"": '"', r"\\": "\\", r"\t": " "}
@@ -31,9 +32,9 @@ def value_text(code, literals):
 
 
 def messages_of(text):
-    """Yields (line, message, error) for each run of adjacent literals, and of literals joined by + or <<.
+    """Yields (line, message, error, end) for each run of adjacent literals, and of literals joined by + or <<.
 
-    `error` is the same number for all parts of one error, and None for another message.
+    `error` is the same number for all parts of one error, and None for another message. `end` is the character behind it.
     """
     brackets, name, errors, error = [], "", 0, None
     line, start, parts, between, depth, before, call_end, nested = 1, 0, [], "", 0, "", "", []
@@ -46,7 +47,7 @@ def messages_of(text):
             if parts and depth > 0:  # within a value
                 between += "_"
                 nested.append(literal)
-                yield line, literal, None
+                yield line, literal, None, ""
             else:
                 if not parts:
                     start, call_end = line, r"\)?" if before == "(" else ""  # `string("a") + value`
@@ -63,7 +64,7 @@ def messages_of(text):
             between += word
             if not joined or ends:
                 ends_in_value = re.match(call_end + r"(\+|<<)", between)
-                yield start, "".join(parts) + (value_text(between, nested) if ends_in_value else ""), error
+                yield start, "".join(parts) + (value_text(between, nested) if ends_in_value else ""), error, word
                 start, parts, between, depth, before, nested = 0, [], "", 0, word, []
             depth = 0 if between == ")" else depth
         elif not word.isspace():
@@ -76,13 +77,13 @@ def messages_of(text):
         name = name + word if re.fullmatch(r"\w", word) else ""
         line += word.count("\n")
     if parts:
-        yield start, "".join(parts), error
+        yield start, "".join(parts), error, ""
 
 
 def whole_messages_of(text):
-    """Yields (line, message), the parts of an error in one."""
-    parts, first, error = [], 0, None
-    for line, part, of in messages_of(text):
+    """Yields (line, message), the parts of an error in one; of two texts, one of which is a part, with a slash."""
+    parts, first, error, before = [], 0, None, ""
+    for line, part, of, end in messages_of(text):
         if not part:
             continue
         if parts and (of is None or of != error):
@@ -90,10 +91,11 @@ def whole_messages_of(text):
             parts = []
         if parts:
             is_where = len(parts) == 1 and " " not in parts[0]
-            part = (": " if is_where else "; ") + part
+            part = (" / " if before == ":" else ": " if is_where else "; ") + part
         else:
             first, error = line, of
         parts.append(part)
+        before = end
     if parts:
         yield first, "".join(parts)
 
@@ -104,7 +106,7 @@ def list_messages(root):
             if path.suffix not in (".h", ".cpp", ".c"):
                 continue
             for line, message in whole_messages_of(path.read_text()):
-                text = " ".join(TAG.sub(" ", message).split())
+                text = " ".join(COLUMNS.sub(" | ", TAG.sub(" ", message).strip()).split())
                 if len(re.findall(r"[A-Za-z]{2,}", text)) >= 3 and " " in text:
                     yield f"{path.relative_to(root)}:{line}", text
 

@@ -122,7 +122,7 @@ Status keep_parts(const NamedFile& named, Manifest& manifest) {
       }
       return Error{ErrorCode::kSceneInvalid, named.path, "#" + name,
                    "no entry under \"parts\" has this \"name\"",
-                   parts.empty() ? "give a \"name\" to the entries under \"parts\"" : parts};
+                   parts.empty() ? "give the wanted entry this \"name\"" : parts};
     }
   }
   std::size_t n = 0;

@@ -209,7 +209,7 @@ Status PathWriter::add(const PathRow& row) {
     text_ += ',';
   }
   if (!readable)
-    return file_.refused("a pose is not finite, too far away, or not later than the pose before");
+    return file_.refused("a pose is too far away, not finite, or not later than the pose before");
   text_.back() = '\n';
   return text_.size() < kFlushBytes ? Status{} : flush();
 }

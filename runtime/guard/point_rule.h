@@ -1,5 +1,5 @@
 // The guard's threshold, its comparison, and its decision to accept a pose. The proof is in
-// runtime/guard/README.md.
+// docs/proofs.md, section 4.
 #pragma once
 
 #include <cstdint>

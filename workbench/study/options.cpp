@@ -69,10 +69,9 @@ OptionParser::OptionParser(CLI::App& study) {
       "installed part goes deeper into an object");
   study.add_option("--path", options_.path,
                    "the path to check: a CSV, a trace or a recording of voxrun");
-  study.add_option(
-      "--center", options_.center,
-      "point of the part that moves in a straight line between two poses of --path, as "
-      "in voxcheck; default: the centroid");
+  study.add_option("--center", options_.center,
+                   "the part's point that moves in a straight line between two poses of --path, as "
+                   "in voxcheck; default: the centroid");
   study.add_option(
       "--pull", options_.pull,
       "x,y,z, such as 0,0,60mm: displacement by which a simulated hand pulls the part, instead of "

@@ -69,9 +69,10 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "If the format defines one, this unit replaces it");
   app.add_option("--part-units", texts_.part_units,
                  "unit of the mesh of --part, if it differs from --units");
-  app.add_option("--screenshot", options_.screenshot,
-                 "write a picture (PNG) and end. turntable:FILE: write an animated PNG in which "
-                 "the camera goes once around z");
+  app.add_option(
+      "--screenshot", options_.screenshot,
+      "write a picture (PNG) and end. With turntable:FILE, an animated PNG is written, in which "
+      "the camera goes once around z");
   app.add_option("--json", options_.json, "write the facts of the picture as numbers to this file");
   app.add_option(
          "--size", texts_.size,
