@@ -54,9 +54,9 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
     if (there.is_barred[i] == 0) continue;
     const std::string object = seat_.name_of(object_of(i));
     return Error{ErrorCode::kUsage, "", "start",
-                 "the part starts outside its seat, and is inside " + object + " or nearer to " +
-                     object + " than the guard allows",
-                 "start the part clear of the scene (--start), or leave out --seat"};
+                 "outside its seat, the part is inside " + object + " or nearer to " + object +
+                     " than the guard allows",
+                 "start clear of the scene (--start), or leave out --seat: the start is then the seat"};
   }
   return {};
 }

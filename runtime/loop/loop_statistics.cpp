@@ -41,7 +41,7 @@ const char* to_text(MissCause cause) {
     case MissCause::kBlocked:
       return "blocked";
     case MissCause::kStoodStill:
-      return "core stood still";
+      return "CPU core stalled";
     case MissCause::kMinorFault:
       return "new pages";
     case MissCause::kLongTick:

@@ -402,8 +402,8 @@ shell point goes deeper into an object than when installed. Returns a dict:
                       when installed), seat_not_settled (shell points may miss what blocks the
                       part), object_inside (the part contains this object from the beginning on)
     seated            a list of dicts, one for each stretch in which only objects of the seat are
-                      nearer than required: from_s, to_s, travel_m (no point of the part moves
-                      farther in the stretch), clearance_m (proven for the stretch), nearest (as
+                      nearer than required: from_s, to_s, travel_m (in the stretch, no point
+                      moves farther than this), clearance_m (proven for the stretch), nearest (as
                       min_clearance)
     curve             a structured array: from_s, to_s, clearance_m (to all objects, also in the seat)
 

@@ -470,8 +470,8 @@ Returns a structured array with a row for each frame:
 
     t_s                 time since start()
     world_from_handle, world_from_part   x y z qw qx qy qz
-    force_n, torque_nm  on the hand, in world axes; the torque is about the part's centroid.
-                        "max_torque_nm" of the report is about the handle
+    force_n, torque_nm  on the hand, in world axes; torque about the part's centroid (but the
+                        report's "max_torque_nm" about the handle)
     clearance_m, measured, nearest_object, nearest_point_m   as in Scene.clearance()
     depth_m             depth of the deepest contact
     interior, surface, proximity, contacts, barred, seated   numbers of points

@@ -46,8 +46,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
       ->allow_extra_args(false);
   command::add_choice(
       app, "--fail-on", options_.fail_on, {"far", "nothing"},
-      "condition for status 6; default: the path is not clear. far: also if the part is never near "
-      "the scene, as with a path in a wrong unit. nothing: never; every answer has status 0");
+      "answers that get status 6. Default: the path is not clear. With far, also: the part is "
+      "never "
+      "near the scene, as with a path in a wrong unit. With nothing, every answer gets status 0");
   meshes_.declare(app, options_,
                   "the inputs from which the scene was baked. The meshes decide where the baked "
                   "files cannot; repeatable");
@@ -61,12 +62,12 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   command::name_value(
       command::add_texts(
           app, "--report", reports_, '\n',
-          "report for another program; repeatable. csv:FILE: the proven clearance over time. "
-          "junit:FILE: the verdict as a test result, XML. gitlab:FILE: violations and warnings for "
-          "a GitLab merge request, JSON. github: violations and warnings as lines that GitHub "
-          "shows beside the path file. "
-          "picture:FILE: the worst moment as a PNG, drawn by voxview with the meshes of "
-          "--exact"),
+          "write a report for another program: csv:FILE (the proven clearance over time), "
+          "junit:FILE (the verdict as a test result, XML), gitlab:FILE (violations and warnings "
+          "for a GitLab merge request, JSON), github (violations and warnings as lines that GitHub "
+          "shows beside the path file) or picture:FILE (the worst moment as a PNG, drawn by "
+          "voxview "
+          "with the meshes of --exact); repeatable"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }

@@ -87,9 +87,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "did not reach the end of --pull); repeatable");
   command::add_texts(
       app, "--scene-next", texts_.scene_next, '\n',
-      "a .vox file that replaces the scene during the run. FILE@TIME: at this time, such as 2.5s. "
-      "FILE: when the scene button of --device is pressed, or at the signal SIGUSR1. The force "
-      "fades out and in. Repeatable");
+      "a .vox file that replaces the scene during the run. With FILE@TIME, at this time, such as "
+      "2.5s. With FILE alone, when the scene button of --device is pressed, or at the signal "
+      "SIGUSR1. The force fades out and in. Repeatable");
   command::add_text(
       app, "--guide", options_.guide,
       "a path of the part, such as a path that voxplan wrote. A weak spring pulls the "
@@ -103,8 +103,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
                     "write the part's path, a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
   command::add_text(app, "--replay", options_.replay,
-                    "recording to repeat bit for bit; no device is used. inputs:FILE: replay only "
-                    "the recording's inputs, on another bake");
+                    "recording to repeat bit for bit, without a device. With inputs:FILE, only the "
+                    "recording's inputs are repeated, on another bake");
   command::add_text(app, "--udp", options_.udp,
                     "send the pose stream to [HOST:]PORT[@RATE], RATE datagrams a second, default "
                     "60 (1 to 100000)");

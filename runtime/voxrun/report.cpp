@@ -381,10 +381,12 @@ std::string start_text(const Scenes& scenes, const RunFacts& facts) {
          text("part: %llu points, covering radius %.4g mm, %.4g mm across\n",
               static_cast<unsigned long long>(shell.point_count), shell.covering_radius_m * 1000,
               2000 * shell.bounding_radius_m) +
-         text("model %s, force %s, %.6g Hz, device %s: coupling %.4g N/m, field %.4g N/m, %.3g g\n",
-              std::string(to_text(p.model)).c_str(), std::string(to_text(p.force)).c_str(),
-              p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
-              p.mass_kg * 1000) +
+         text(
+             "model %s, force %s, %.6g Hz, device %s: coupling %.4g N/m, field %.4g N/m, mass %.3g "
+             "g\n",
+             std::string(to_text(p.model)).c_str(), std::string(to_text(p.force)).c_str(),
+             p.rate_hz, facts.device.c_str(), p.coupling_n_per_m, p.field_n_per_m,
+             p.mass_kg * 1000) +
          (facts.capabilities ? capabilities_text(*facts.capabilities) : std::string()) +
          seated_text(scenes, facts) + guarantee_title(scenes) + guarantee_text(scenes.guarantee()) +
          "\n";

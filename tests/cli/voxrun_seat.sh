@@ -202,7 +202,7 @@ errs 'the part starts inside the scene, and a scene without stored distances can
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,0mm
 says '^the part was never in its seat: no separation from Gearbox/Housing is guaranteed'
 run 2 opened.vox cover.pshell --motion rest.csv --start 0,0,-1mm --seat 0,0,0mm
-errs 'the part starts outside its seat, and is inside .* or nearer to .* than the guard allows; start the part clear'
+errs 'outside its seat, the part is inside .* or nearer to .* than the guard allows; start clear'
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm
 errs 'the part touches nothing where it is installed \(--seat\)'
 

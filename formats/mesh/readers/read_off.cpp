@@ -151,8 +151,8 @@ class OffReader {
     if (cursor_.at_end()) return;
     cursor_.fail(ErrorCode::kMeshIncomplete,
                  "the file has more data than the " + counted(face_count_, "face") +
-                     " that the header announces",
-                 "export the mesh again; the count may be wrong");
+                     " that the header announces: the count may be wrong",
+                 "export the mesh again");
   }
 
   const SourceFile& file_;

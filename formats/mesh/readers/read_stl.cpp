@@ -59,8 +59,9 @@ void check_binary_size(const SourceFile& file) {
               "copy or export the file again");
   }
   fail_read(file, ErrorCode::kMeshIncomplete, at_byte(expected),
-            "binary STL has bytes after its last triangle: " + counts,
-            "export the mesh again; the number of triangles in its header may be wrong");
+            "binary STL has bytes after its last triangle: " + counts +
+                "; the number in the header may be wrong",
+            "export the mesh again");
 }
 
 Mesh read_binary(const SourceFile& file) {

@@ -140,7 +140,7 @@ const forcelayer_plugin* load(const char* library, PluginLink& link) {
     fail(link, "does not support version 1 of the interface");
   } else if (plugin->open == nullptr || plugin->close == nullptr ||
              (plugin->run == nullptr && (plugin->read == nullptr || plugin->write == nullptr))) {
-    fail(link, "must have open() and close(), and either run() or read() with write()");
+    fail(link, "must have open() and close(), and either run(), or read() and write()");
     return nullptr;
   }
   return plugin;
