@@ -53,10 +53,11 @@ Status PoseGuard::check_clear(const Pose& world_from_center) {
   for (std::uint32_t i = 0; i < there.count; ++i) {
     if (there.is_barred[i] == 0) continue;
     const std::string object = seat_.name_of(object_of(i));
-    return Error{ErrorCode::kUsage, "", "start",
-                 "outside its seat, the part is inside " + object + " or nearer to " + object +
-                     " than the guard allows",
-                 "start clear of the scene (--start), or leave out --seat: the start is then the seat"};
+    return Error{
+        ErrorCode::kUsage, "", "start",
+        "outside its seat, the part is inside " + object + " or nearer to " + object +
+            " than the guard allows",
+        "start clear of the scene (--start), or leave out --seat: the start is then the seat"};
   }
   return {};
 }
