@@ -438,8 +438,9 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
   const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
   choice.set("field_n_per_m", std::max(hold, stiff),
-             hold > stiff ? "one point at a depth of 0.15 voxel pushes with the coupling's force limit"
-                          : "5 k_T: the part sinks in by at most a fifth of the hand's motion");
+             hold > stiff
+                 ? "one point at a depth of 0.15 voxel pushes with the coupling's force limit"
+                 : "5 k_T: the part sinks in by at most a fifth of the hand's motion");
 }
 
 }  // namespace
