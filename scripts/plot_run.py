@@ -109,9 +109,9 @@ def thinned(times, values):
     return [times[n] for n in kept], [values[n] for n in kept]
 
 
-def percentile(values, share):
+def percentile(values, fraction):
     ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, math.ceil(share * len(ordered)) - 1)]
+    return ordered[min(len(ordered) - 1, math.ceil(fraction * len(ordered)) - 1)]
 
 
 def plot_vector(axes, trace, names, unit, what):

@@ -186,7 +186,7 @@ std::string doubt_text(const Scenes& scenes, const Outcome& outcome, const LoopS
   }
   if (s.first_outside_map) {
     add(text(
-        "from %.3f s on the part was beyond a cropped side of the scene, where nothing is known",
+        "the part was beyond a cropped side of the scene from %.3f s on; nothing is known there",
         s.first_outside_map->time_s));
   }
   if (s.barred_frames > 0) add("the part was nearer than the guard allows");

@@ -14,8 +14,8 @@ import numpy as np
 def straight(start, end):
     """The path from `start` to `end`: a function of the number of stations."""
     def stations(count):
-        share = np.linspace(0, 1, count)[:, None]
-        return np.asarray(start, float) * (1 - share) + np.asarray(end, float) * share
+        fraction = np.linspace(0, 1, count)[:, None]
+        return np.asarray(start, float) * (1 - fraction) + np.asarray(end, float) * fraction
     return stations
 
 

@@ -39,15 +39,15 @@ LIFT = [
 
 
 def _ease(t):
-    """Minimum-jerk share of the way: at rest at both ends."""
+    """Minimum-jerk fraction of the way: at rest at both ends."""
     return t * t * t * (10 - 15 * t + 6 * t * t)
 
 
 def _pose_at(keys, time_s):
     for before, after in zip(keys, keys[1:]):
         if time_s <= after[0]:
-            share = _ease((time_s - before[0]) / (after[0] - before[0]))
-            mix = lambda a, b: a + (b - a) * share
+            fraction = _ease((time_s - before[0]) / (after[0] - before[0]))
+            mix = lambda a, b: a + (b - a) * fraction
             position = [mix(a, b) for a, b in zip(before[1], after[1])]
             return position, mix(before[2], after[2]), mix(before[3], after[3])
     raise ValueError(f"no key after {time_s} s")

@@ -86,7 +86,7 @@ class Assembly:
         return row, ""
 
     def outcome(self, part):
-        depths, voxels, clearance = list(RANGES), [self.voxel_mm * share for share in SMALLER], self.clearance
+        depths, voxels, clearance = list(RANGES), [self.voxel_mm * fraction for fraction in SMALLER], self.clearance
         while True:
             row, refused = self.attempt(part, clearance, depths[0], voxels[0])
             near = "than --clearance" in refused

@@ -70,7 +70,7 @@ def tail(k, n, p):
 
 
 def fraction_95(k, n):
-    """Clopper and Pearson's interval of a share."""
+    """Clopper and Pearson's interval of a fraction."""
     def where(count, wanted):
         low, high = 0.0, 1.0
         for _ in range(50):
@@ -81,7 +81,7 @@ def fraction_95(k, n):
 
 
 def binomial(events, of):
-    """For a share of independent trials; a new run's own interval must meet it."""
+    """For a fraction of independent trials; a new run's own interval must meet it."""
     def interval(_figure, row):
         low, high = fraction_95(row[events], row[of])
         return low, high, f"95%, {row[of]} trials"

@@ -177,7 +177,7 @@ errs 'cover.pshell: at 0\.[0-9]{3} s: penetrates: in [0-9]+ of [0-9]+ frames a p
 # Beyond a cropped side nothing is known.
 "$bin/voxelize" "$gearbox" --without Lid --voxel-size 1mm --roi=-1m,-1m,-1m,1m,1m,45mm -o cropped.vox --quiet
 run 0 cropped.vox cover.pshell --motion out.csv --json run.json
-first '^Undecided: from 0\.[0-9]{3} s on the part was beyond a cropped side of the scene, where nothing is known'
+first '^Undecided: the part was beyond a cropped side of the scene from 0\.[0-9]{3} s on; nothing is known there'
 says 'the part was beyond a cropped side of the scene in [0-9]+ frames?, the first at 0\.[0-9]{3} s; '
 grep -q '"verdict": "unknown"' run.json || fail "a verdict on what is not known"
 run 6 cropped.vox cover.pshell --motion out.csv --fail-on outside

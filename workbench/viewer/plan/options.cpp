@@ -76,8 +76,8 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   app.add_option("--json", options_.json, "write the facts of the picture as numbers to this file");
   app.add_option(
          "--size", texts_.size,
-         "size of the picture in pixels. WIDTHxHEIGHT@SCALE also scales text and marks, such as @2 "
-         "for 192 pixels an inch. Default SCALE: the screen's Xft.dpi / 96 for a window, 1 for a "
+         "size of the picture in pixels. WIDTHxHEIGHT@SCALE also scales text and marks (@2 suits "
+         "192 pixels an inch). Default SCALE: the screen's Xft.dpi / 96 for a window, 1 for a "
          "file")
       ->capture_default_str();
   auto* run =
