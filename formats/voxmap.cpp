@@ -171,7 +171,7 @@ std::string describe_bad_entry(std::uint32_t entry, const EntryRule& rule) {
     return "value " + std::to_string(value) + " is above " + std::to_string(rule.max_value);
   }
   return rule.clearance_mask != 0 && value != 0
-             ? "reserved bits are not zero in an entry of voxels that are not free"
+             ? "reserved bits are set in an entry of voxels that are not free"
              : "reserved bits are not zero";
 }
 

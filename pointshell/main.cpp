@@ -67,9 +67,7 @@ void declare_bake(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the .pshell file to write");
   app.add_option("--voxel-size", arguments.voxel_size,
                  "voxel size of the scene in which the part will move, such as 5mm");
-  app.add_option("--units", arguments.units,
-                 "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if the "
-                 "format defines no unit. If the format defines one, this unit replaces it");
+  app.add_option("--units", arguments.units, command::kUnitsHelp);
   app.add_option("--method", arguments.method,
                  "surface (default), fast (less time, but more points), or voxel-centers (the "
                  "method of the 1999 paper)")

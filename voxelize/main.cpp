@@ -69,10 +69,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output, "the .vox file to write");
   app.add_option("--voxel-size", arguments.voxel_size,
                  "edge of a voxel, such as 5mm (default: the manifest's)");
-  app.add_option(
-      "--units", arguments.units,
-      "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. If the "
-      "format defines one, this unit replaces it");
+  app.add_option("--units", arguments.units, command::kUnitsHelp);
   mesh::declare_up(app, arguments.up);
   app.add_option(
       "--layers", arguments.layers,

@@ -18,6 +18,11 @@ class Option;
 
 namespace forcelayer::command {
 
+// The help of --units.
+inline constexpr char kUnitsHelp[] =
+    "unit of the meshes (nm, um, mm, cm, dm, m, km, in, ft, yd): required if their format has no "
+    "unit. It replaces the unit of a format that has one";
+
 // A command's parser of its command line.
 std::shared_ptr<CLI::App> make_app(const char* description, const char* name, const char* footer);
 

@@ -17,9 +17,7 @@ void MeshOptionParser::declare(CLI::App& app, MeshOptions& options, const std::s
   app.add_option("--without", options.without,
                  "nodes that were left out when the scene was baked; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--units", options.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. "
-                 "If the format defines one, this unit replaces it");
+  app.add_option("--units", options.units, command::kUnitsHelp);
   app.add_option("--part-units", options.part_units, "unit of --part, if it differs from --units");
   app.add_flag("--allow-outside", options.allow_outside,
                "allow meshes outside the manifest's folder");

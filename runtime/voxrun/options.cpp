@@ -63,8 +63,9 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(app, "--motion", options_.motion, "CSV of hand poses for the simulated hand");
   command::add_text(
       app, "--pull", texts_.pull,
-      "x,y,z, such as 0,0,60mm: displacement by which the simulated hand pulls the part along a "
-      "straight line, instead of --motion. The hand first rests for 0.3 s. Its mean speed is then "
+      "x,y,z, such as 0,0,60mm: instead of --motion, the displacement by which the simulated hand "
+      "pulls the part along a straight line. The hand first rests for 0.3 s. Its mean speed is "
+      "then "
       "5 cm/s, or less if the pull would take less than two seconds");
   command::add_text(app, "--start", texts_.start,
                     "pose world_from_part at the start: x,y,z[,qw,qx,qy,qz]; default: the pose of "
@@ -100,7 +101,7 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
   command::add_text(app, "--json", options_.json, "write a report to this file");
   command::add_text(app, "--trace", options_.trace, "write a CSV with one line for each frame");
   command::add_text(app, "--save-path", options_.save_path,
-                    "write the part's path, a CSV for voxcheck");
+                    "write the part's path as a CSV for voxcheck");
   command::add_text(app, "--record", options_.record, "write a recording for --replay");
   command::add_text(app, "--replay", options_.replay,
                     "recording to repeat bit for bit, without a device. With inputs:FILE, only the "

@@ -397,8 +397,8 @@ std::string end_text(const Scenes& scenes, const RunFacts& facts, const loop::Lo
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) / 1000; };
   std::string lines =
       text(
-          "frames %llu, in the force layer %llu, penetrating %llu (%s of those in the force "
-          "layer)\n",
+          "frames %llu, in the force layer %llu, penetrating %llu (%s of the force-layer "
+          "frames)\n",
           static_cast<unsigned long long>(s.frames),
           static_cast<unsigned long long>(s.force_layer_frames),
           static_cast<unsigned long long>(s.penetration_frames),

@@ -24,7 +24,7 @@ expect() {
 fast=(--motion press.csv --as-fast-as-possible)
 expect 0 'guaranteed separation: [0-9.]+ mm' floor.vox ball.pshell "${fast[@]}" \
   --json run.json --trace run.csv --record run.flr
-expect 0 'penetrating [0-9]+ \(([0-9.e-]+|none) of those in the force layer\)' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
+expect 0 'penetrating [0-9]+ \(([0-9.e-]+|none) of the force-layer frames\)' floor.vox ball.pshell --replay run.flr --as-fast-as-possible --threads 2 \
   --json again.json --trace again.csv
 # The memory of the scene is one number.
 grep -qE '^scene in memory [0-9.]+ MiB$' out.txt || { cat out.txt; fail "the memory of the scene"; }

@@ -72,10 +72,10 @@ OptionParser::OptionParser(CLI::App& study) {
   study.add_option("--center", options_.center,
                    "the part's point that moves in a straight line between two poses of --path, as "
                    "in voxcheck; default: the centroid");
-  study.add_option(
-      "--pull", options_.pull,
-      "x,y,z, such as 0,0,60mm: displacement by which a simulated hand pulls the part, instead of "
-      "a path");
+  study.add_option("--pull", options_.pull,
+                   "x,y,z, such as 0,0,60mm: instead of a path, the displacement by which a "
+                   "simulated hand pulls "
+                   "the part");
   study.add_option(
       "--time", options_.time,
       "time limit of the search for a path (without --path and --pull); default 60s. With "
@@ -101,9 +101,7 @@ OptionParser::OptionParser(CLI::App& study) {
       "accept up to this many lost faces (faces that give no triangles) in a STEP or IGES file, "
       "as in voxelize",
       0, 1'000'000);
-  study.add_option("--units", options_.units,
-                   "unit of the meshes (mm, cm, m, in, ...): required if the format defines no "
-                   "unit. If the format defines one, this unit replaces it");
+  study.add_option("--units", options_.units, command::kUnitsHelp);
   study
       .add_option(
           "--up", options_.up,

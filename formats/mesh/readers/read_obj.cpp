@@ -133,8 +133,8 @@ class ObjReader {
   }
 
   [[noreturn]] void fail_corner(std::uint64_t place) {
-    cursor_.fail_at(place, ErrorCode::kMeshUnreadable, "a corner of a face is not a vertex number",
-                    "export the mesh again");
+    cursor_.fail_at(place, ErrorCode::kMeshUnreadable,
+                    "a corner of a face has no valid vertex number", "export the mesh again");
   }
 
   void check_indices() {

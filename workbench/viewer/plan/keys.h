@@ -15,8 +15,8 @@ inline constexpr std::array<std::string_view, 9> kKeyLines = {
     "(shift: ten)",
     "m: first point of a measurement   m again: second point   shift-m: stop",
     "o: show or hide the tree of objects   up down: choose   return: open or close   v: hide or "
-    "show   i: show only this object, or all   a: show all   (tree hidden: v and i act at the "
-    "pointer)",
+    "show   i: show only this object, or all   a: show all   (without the tree, v and i apply "
+    "to the object under the pointer)",
     "space: play or pause   - +: slower, faster   (or the buttons in the strip)   click or drag in "
     "the strip: go there",
     "left right: one frame back or forward (shift: ten)   home end: first, last   n: next "

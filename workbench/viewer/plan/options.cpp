@@ -64,9 +64,7 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   app.add_option("--compare", options_.inputs.before,
                  "an earlier .vox: show where the force layer has grown or shrunk since then");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
-  app.add_option("--units", texts_.units,
-                 "unit of the meshes (mm, cm, m, in, ...): required if the format defines no unit. "
-                 "If the format defines one, this unit replaces it");
+  app.add_option("--units", texts_.units, command::kUnitsHelp);
   app.add_option("--part-units", texts_.part_units,
                  "unit of the mesh of --part, if it differs from --units");
   app.add_option(
