@@ -91,7 +91,7 @@ void check_box_fields(const VoxmapHeader& h, FieldChecks& checks) {
     const std::int64_t low = h.directory_origin[axis];
     const std::int64_t extent = std::int64_t{h.directory_dims[axis]} * kUpperNodeEdge;
     checks.require(origin >= low && origin < low + extent, origin_at, "origin_voxel",
-                   "lies outside the directory");
+                   "is outside the nodes of the directory");
     checks.require(dims[axis] > 0, dims_at, "dims_voxels", "is zero on some axes only");
     if (!checks.status()) return;
     checks.require(dims[axis] <= static_cast<std::uint64_t>(low + extent - origin), dims_at,

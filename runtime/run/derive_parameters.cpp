@@ -281,7 +281,7 @@ void choose_coupling(const RunRequest& request, DerivedParameters& derived) {
   const double same_frequency = p.coupling_n_per_m * inertia_kgm2 / p.mass_kg;
   choice.set("coupling_nm_per_rad", std::min(same_frequency, borne_rot),
              borne_rot < same_frequency ? borne_reason("stiffness", device, bound_rot)
-                                        : "k_T I / m: the same frequency as the translation");
+                                        : "k_T I / m: rotation gets the frequency of translation");
   choice.set("coupling_nms_per_rad", 2 * std::sqrt(inertia_kgm2 * p.coupling_nm_per_rad),
              "2 sqrt(I k_R): critically damped (paper 5.1)");
   warn_of_coupling(request, derived);

@@ -96,8 +96,8 @@ OptionParser::OptionParser(CLI::App& app) : app_(app) {
       "a path of the part, such as a path that voxplan wrote. A weak spring pulls the "
       "hand to the path and along the path, until the guide is switched off");
   command::add_texts(app, "--expect", texts_.expect, ',',
-                     "expected SHA-256 of a baked file, as sha256sum and voxinfo print it. Give "
-                     "one digest for the scene and one for the part; repeatable");
+                     "expected SHA-256 of a baked file, as sha256sum and voxinfo print it. Repeat "
+                     "the option: one digest for the scene, one for the part");
   command::add_text(app, "--json", options_.json, "write a report to this file");
   command::add_text(app, "--trace", options_.trace, "write a CSV with one line for each frame");
   command::add_text(app, "--save-path", options_.save_path,
