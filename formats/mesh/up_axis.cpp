@@ -9,8 +9,7 @@ namespace forcelayer::mesh {
 void declare_up(CLI::App& app, Up& up) {
   app.add_option_function<std::string>(
          "--up", [&up](const std::string& name) { up = up_named(name); },
-         "y keeps the axes of glTF files, which are y-up; z turns them so that z is up, as in STEP "
-         "files (default z)")
+         "y keeps glTF files y-up; z turns them to z-up, as STEP files are (default z)")
       ->check(CLI::IsMember({"z", "y"}));
 }
 

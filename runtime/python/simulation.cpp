@@ -552,7 +552,7 @@ The two torques differ by the force times the arm from the handle to the centroi
 
 A dict: "tested_m" is guaranteed in every frame, "swept_m" also between two frames. A value is None
 if nothing is guaranteed. Nothing is guaranteed before "guarantee_from_s" of `report`, nor in frames
-that it counts as "penetration_frames", "barred_frames" or "outside_map_frames".
+counted there as "penetration_frames", "barred_frames" or "outside_map_frames".
 
 >>> simulation = forcelayer.Simulation(forcelayer.Scene("bay.vox"), forcelayer.Part("part.pshell"))
 >>> simulation.guarantee["tested_m"] > simulation.guarantee["swept_m"] > 0

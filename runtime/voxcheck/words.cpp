@@ -52,7 +52,7 @@ double hidden_within_m(const Voxmap& scene, const clearance::CheckResult& result
 
 std::string hidden_text(double within_m) {
   return text(
-      "not checked: objects hidden less than %.4g mm behind an object of the seat or of --allow",
+      "not checked: hidden objects less than %.4g mm behind an object of the seat or of --allow",
       1e3 * within_m);
 }
 

@@ -159,7 +159,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 4 "${dented[@]}" --exact deepened_room.json
   errs "dented\.vox: --exact: was not baked from these meshes: 'floor' has another shape, size or position; "
   check 4 room.vox part.pshell over.csv --clearance 5mm --exact room.json --part part.obj --part-units in
-  errs 'with the same --without and units, or bake again$'
+  errs 'give the same inputs, --without and units as for the bake, or bake again$'
 
   # However large the voxels, a path that passes by a few micrometers passes.
   "$bin/pointshell" part.obj --units mm --voxel-size 5mm --quiet -o large.pshell
@@ -270,7 +270,7 @@ END
   # An object that does not count hides another one from the files, which is reported, and not from the meshes.
   "$bin/voxelize" ribbed.json --voxel-size 4mm --quiet -o ribbed.vox
   check 0 ribbed.vox cube4.pshell along.csv --clearance 1mm --allow Floor
-  says '^  not checked: objects hidden less than 12 mm behind an object of the seat or of --allow; the meshes show them$'
+  says '^  not checked: hidden objects less than 12 mm behind an object of the seat or of --allow; the meshes show them$'
   meshes=(--exact ribbed.json --part cube.obj --part-units mm)
   for rule in "--seat 0,0,0m --felt-seat" "--allow Floor"; do
     check 6 ribbed.vox cube4.pshell along.csv --clearance 1mm $rule "${meshes[@]}"

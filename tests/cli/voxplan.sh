@@ -20,7 +20,7 @@ plan 0 opened.vox cover.pshell --clearance 2mm -o up.csv --json up.json --thread
 grep -qE '^Comes out, .*: (slides along Gearbox/Housing.* for|leaves Gearbox/Housing.* within) the first [0-9.]+ mm, otherwise stays [0-9.]+ mm away or more \((proven; nearest to Gearbox/[A-Za-z/]+, after [0-9.]+ of [0-9.]+ mm|nothing is nearer); 2 mm required\)\.$' out.txt || fail "$(cat out.txt)"
 grep -qE '^  found in [0-9.]+ s$' out.txt || fail "$(cat out.txt)"
 grep -qE '^  in its seat from 0\.0 to [0-9.]+ mm along the path: at least 0 mm .* to Gearbox/' out.txt || fail "$(cat out.txt)"
-grep -qE '^  not checked: objects hidden less than 6 mm behind an object of the seat or of --allow; check the path with voxcheck --exact$' out.txt || fail "$(cat out.txt)"
+grep -qE '^  not checked: hidden objects less than 6 mm behind an object of the seat or of --allow; check the path with voxcheck --exact$' out.txt || fail "$(cat out.txt)"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --felt-seat --quiet --json check.json ||
   fail "by files alone"
 "$bin/voxcheck" opened.vox cover.pshell up.csv --clearance 2mm --seat 0,0,0m --quiet \

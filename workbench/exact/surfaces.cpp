@@ -35,7 +35,7 @@ Result<mesh::SceneReading> reading_of(const voxcheck::ExactRequest& request, dou
 Error other_meshes(const std::string& file, std::string why) {
   return {ErrorCode::kFilesDoNotMatch, file, "--exact",
           "was not baked from these meshes: " + std::move(why),
-          "give the inputs of the bake with the same --without and units, or bake again"};
+          "give the same inputs, --without and units as for the bake, or bake again"};
 }
 
 Surface surface_of(const mesh::Scene& scene) {

@@ -103,10 +103,8 @@ OptionParser::OptionParser(CLI::App& study) {
       0, 1'000'000);
   study.add_option("--units", options_.units, command::kUnitsHelp);
   study
-      .add_option(
-          "--up", options_.up,
-          "y keeps the axes of glTF files, which are y-up; z turns them so that z is up, as in "
-          "voxelize (default z)")
+      .add_option("--up", options_.up,
+                  "y keeps glTF files y-up; z turns them to z-up, as in voxelize (default z)")
       ->check(CLI::IsMember({"z", "y"}));
   study.add_flag(
       "--files-alone", options_.files_alone,

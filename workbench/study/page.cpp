@@ -120,7 +120,7 @@ std::string facts_table(const Page& page) {
                                    name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {
-    table += row("not checked", "objects hidden less than " + mm(v["hidden_within_m"]) +
+    table += row("not checked", "hidden objects less than " + mm(v["hidden_within_m"]) +
                                     " behind an object of the seat or of --allow");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {

@@ -234,7 +234,7 @@ Result<ViewOptions> ViewOptionParser::finish() const {
     options.screenshot.clear();
   }
   if (options.inputs.inputs.empty()) {
-    return usage("", "no file to show is given", "name meshes, a manifest, a .vox or a .pshell");
+    return usage("", "no file to show is given", "give meshes, a manifest, a .vox or a .pshell");
   }
   if (!options.json.empty() && options.screenshot.empty()) {
     return usage("--json", "has no effect without --screenshot", "give both");
