@@ -47,7 +47,7 @@ TEST(DamagedObj, NamesTheLineOfABadFace) {
   expect_error(kVertices + "f\n", ".obj", kUnreadable, "line 4", "0 corners do not make a face");
   expect_error(kVertices + "f a b c\n", ".obj", kUnreadable, "line 4", "no valid vertex number");
   expect_error(kVertices + "f 1.5 2 3\n", ".obj", kUnreadable, "line 4", "no valid vertex number");
-  expect_error(kVertices + "f 1/1/1/1 2 3\n", ".obj", kUnreadable, "line 4", "not a vertex");
+  expect_error(kVertices + "f 1/1/1/1 2 3\n", ".obj", kUnreadable, "line 4", "no valid vertex");
   expect_error(kVertices + "f 1 2 99999999999999999999\n", ".obj", kUnreadable, "line 4",
                "no valid vertex number");
   expect_error(kVertices + "f 1 2 4294967297\n", ".obj", kUnreadable, "line 4", "vertex");

@@ -392,9 +392,9 @@ void SearchWorker::Parts::leave_seat(const std::vector<Pose>& path) {
   plan_beyond(in_seat.back());
 }
 
-// Finds the shortest straight motion out of the seat. It tries directions along the floors and the
-// axes of the world first, because people pull that way and the meshes prove such motions fast.
-// Then it tries slides near the axes and some other directions. Returns whether it found one.
+// Finds a short straight motion out of the seat: the shortest along the axes of the world, because
+// people pull that way; else along the floors; else along the flat sides of the meshes, which are
+// many, and each takes time; else of slides in some directions. Returns whether it found one.
 bool SearchWorker::Parts::leave_seat_straight() {
   const Pose& start = problem.world_from_start;
   const Box& bounds = goal.bounds();
@@ -408,11 +408,16 @@ bool SearchWorker::Parts::leave_seat_straight() {
     nearest_m = travel_m;
   };
   const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
-  for (const glm::dvec3& d : free_directions(check->floors(start))) go(along(d), Turns::kNever);
-  if (problem.seat_meshes != nullptr) {
-    for (const glm::dvec3& d : problem.seat_meshes->directions()) go(along(d), Turns::kNever);
+  std::vector<glm::dvec3> axes;
+  for (int n = 0; n < kAxes; ++n) axes.push_back(direction(n));
+  std::vector<glm::dvec3> of_floors = free_directions(check->floors(start)), of_meshes;
+  if (problem.seat_meshes != nullptr) of_meshes = problem.seat_meshes->directions();
+  check->test_meshes_every(kSlideVoxels);  // a part in its bore touches it all along
+  for (const auto* directions : {&axes, &of_floors, &of_meshes}) {
+    for (const glm::dvec3& d : *directions) go(along(d), Turns::kNever);
+    if (!nearest.empty()) break;
   }
-  for (int n = 0; n < kAxes; ++n) go(along(direction(n)), Turns::kNever);
+  check->test_meshes_every(PoseCheck::kMeshStepVoxels);
   if (!nearest.empty()) {
     leave_seat({start, nearest.back()});
     return true;

@@ -15,9 +15,6 @@ using clearance::Moment;
 using clearance::SeatStretch;
 
 constexpr double kRefusedVoxels = 1;  // of travel around a refused pose
-// Distance between two poses at which the meshes are tested for contact. Thinner walls may be
-// missed here, but the meshes prove the whole path before it is taken.
-constexpr double kMeshStepVoxels = 1.0 / 16;
 
 // The distance up to which check_path() searches. With a smaller cap some distances would come out
 // smaller, and the start itself could be refused.
@@ -190,7 +187,7 @@ double PoseCheck::fraction_by_proofs(Rule rule, const Pose& from, const Pose& to
 // shorter than the step between two tests.
 double PoseCheck::fraction_by_meshes(const Pose& from, const Pose& to, double largest) {
   const double travel_m = travel_between_m(problem_, from, to);
-  const double step_m = kMeshStepVoxels * problem_.scene.voxel_size_m();
+  const double step_m = mesh_step_voxels_ * problem_.scene.voxel_size_m();
   double kept = 0;
   for (double fraction = 0;;) {
     ++tested_;

@@ -35,6 +35,11 @@ class PoseCheck {
   // was not proven clear. The start stays allowed.
   void refuse(const Pose& pose);
 
+  // How far apart in travel the poses are at which the meshes are tested for contact. Thinner walls
+  // may be missed, but the meshes prove the whole path before it is taken.
+  static constexpr double kMeshStepVoxels = 1.0 / 16;
+  void test_meshes_every(double voxels) { mesh_step_voxels_ = voxels; }
+
   // The fraction of the motion, from its beginning, that keeps the rule: 1 if all of it does.
   double fraction_kept(Rule rule, const Pose& from, const Pose& to);
   // Whether the whole motion keeps the rule. Faster than fraction_kept() if it does not.
@@ -94,6 +99,7 @@ class PoseCheck {
   std::uint64_t tested_ = 0;  // poses, without those that the seat tested
   std::uint64_t motions_tested_ = 0, motions_kept_ = 0;
   double kept_m_ = 0;
+  double mesh_step_voxels_ = kMeshStepVoxels;
 };
 
 }  // namespace forcelayer::voxplan
