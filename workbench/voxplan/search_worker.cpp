@@ -301,6 +301,7 @@ struct SearchWorker::Parts {
   glm::dvec3 direction(int n);
   std::vector<Pose> off_the_floors(const std::vector<Pose>& path);
   void take_to_goal();
+  bool is_farther(const Pose& pose);
   void note_farthest();
 
   const Problem& problem;
@@ -366,14 +367,19 @@ void SearchWorker::Parts::plan_beyond(const Pose& from) {
 }
 
 // In the tree that grows from the start, which may be the end of the seat.
+// Whether a pose is farther from the start than all before. Notes how far.
+bool SearchWorker::Parts::is_farther(const Pose& pose) {
+  const double travel_m = glm::length(pose.position_m - problem.world_from_start.position_m);
+  if (travel_m <= out_m) return false;
+  out_m = travel_m;
+  return true;
+}
+
 void SearchWorker::Parts::note_farthest() {
   if (planner == nullptr) return;  // the time was over before
   const glm::dvec3& start_m = problem.world_from_start.position_m;
   const std::vector<Pose> path = farthest_path(*planner, start_m);
-  if (path.empty()) return;
-  const double travel_m = glm::length(path.back().position_m - start_m);
-  if (travel_m <= out_m) return;
-  out_m = travel_m;
+  if (path.empty() || !is_farther(path.back())) return;
   farthest = rule == Rule::kInSeat ? std::vector<Pose>() : in_seat;
   if (!farthest.empty()) farthest.pop_back();  // the root of the tree
   farthest.insert(farthest.end(), path.begin(), path.end());
@@ -402,6 +408,7 @@ bool SearchWorker::Parts::leave_seat_straight() {
   double nearest_m = glm::length(bounds.high - bounds.low);
   const auto go = [&](const Twist6& motion, Turns turns) {
     std::vector<Pose> trail = slid(*check, start, motion, nearest_m, turns);
+    if (is_farther(trail.back())) farthest = trail;
     const double travel_m = travel_between_m(problem, start, trail.back());
     if (travel_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
     nearest = std::move(trail);
