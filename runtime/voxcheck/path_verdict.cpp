@@ -238,7 +238,12 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
     for (const std::uint32_t object : checked.result.seat_objects) {
       const ExactSeat* const exact = exact_seat(checked, object);
       const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
-      (is_passed ? slide.passed : slide.objects).push_back(object_name(checked.scene, object));
+      const bool is_left =
+          exact != nullptr && exact->middle_m > kRoundingM && exact->middle_m >= checked.required_m;
+      (is_passed ? slide.passed
+       : is_left ? slide.left
+                 : slide.objects)
+          .push_back(object_name(checked.scene, object));
       if (is_passed) slide.gap_m = std::min(slide.gap_m, exact->nearest_m + kDecimalM);
       const bool overlaps = exact != nullptr && exact->installed_m > checked.exact->margin_m;
       if (overlaps) slide.overlap_m = std::max(slide.overlap_m, exact->installed_m);
@@ -316,7 +321,7 @@ const Violation& worst_of(const CheckedPath& checked) {
 
 std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
   constexpr double kStraight = 1.001, kTurnRad = 0.02, kAlong = 0.9999, kToward = 0.9;
-  constexpr double kStandsM = 1e-6;
+  constexpr double kStandsM = 1e-6, kOffFraction = 1e-4;
   const auto& c = part.header().center_m;
   const PathFacts facts = path_facts(rows, c);
   const auto centroid = [&](const PathRow& row) {
@@ -326,7 +331,14 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
   const double chord = glm::length(chord_m);
   if (facts.length_m < kStandsM) return facts.turn_rad > kTurnRad ? "turning in place" : "";
   if (chord < kStandsM) return "along a path that ends where it begins";
-  const bool is_straight = facts.length_m <= kStraight * chord;
+  // It must not leave the line either: a jog to the side hardly makes a path longer.
+  double off_m = 0;
+  for (const PathRow& row : rows) {
+    const glm::dvec3 from_first_m = centroid(row) - centroid(rows.front());
+    off_m = std::max(off_m, glm::length(glm::cross(from_first_m, chord_m)) / chord);
+  }
+  const bool is_straight =
+      facts.length_m <= kStraight * chord && off_m <= std::max(kStandsM, kOffFraction * chord);
   std::string along;
   for (int axis = 0; axis < 3; ++axis) {
     const double cosine = chord_m[axis] / chord;

@@ -152,7 +152,10 @@ std::string seat_depth_text(const Report& report) {
   // The deepest position of some moments is known. That none is deeper than allowed is proven.
   const std::string found = length_text(std::max(0.0, deeper(*deepest)));
   if (deeper(*deepest) <= allowed_m) {
-    const std::string depth = ". The largest depth found is " + found + ", into " + object;
+    const std::string depth =
+        deeper(*deepest) < kRoundingM
+            ? ". No deeper position was found"
+            : ". The deepest position found is " + found + " deeper than installed, in " + object;
     if (!report.options.seat_depth_m) {
       return "in its seat, the part goes no deeper than installed. This is proven to within " +
              length_text(allowed_m) + ", the deviations and cracks of the two meshes" + depth;

@@ -108,7 +108,7 @@ study 0 "${bore[@]}" -o boreauto
 grep -q '^\$' out.txt && fail "auto chooses again: $(cat out.txt)"
 study 0 'bore.json#pin' --plan --clearance 1mm -o plan --json plan.json
 [ ! -e plan/report.html ] || fail "--plan leaves a page"
-grep -q '^smallest measured gap: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
+grep -q '^smallest gap when installed: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
 python3 - <<'END' || fail "the same answer at each size: $(cat bore*/verdict.txt)"
 import csv, json, re
 from bore import PLAY_MM
@@ -130,7 +130,7 @@ assert report["voxel_size_why"] in plan["words"] and report["play"] == plan["pla
 assert abs(1e3 * report["play"]["smallest_m"] - PLAY_MM) < 1e-5 and report["play"]["object"] == "plate"
 assert abs(plan["plan"][-1]["voxel_size_m"] - report["smallest_voxel_size_m"]) < 1e-12 and report["smallest_voxel_size_m"] < report["voxel_size_m"]
 words = open("boreauto/verdict.txt").read()
-assert "  smallest measured gap: 0.098 mm, to plate\n  voxels of " in words and words.strip() in re.sub("<[^>]*>", "", open("boreauto/report.html").read())
+assert "  smallest gap when installed: 0.098 mm, to plate\n  voxels of " in words and words.strip() in re.sub("<[^>]*>", "", open("boreauto/report.html").read())
 END
 # Where an answer stays open, smaller voxels are tried, and the verdict says where that ends.
 if [ -x "$bin/voxplan" ]; then
@@ -211,7 +211,7 @@ fi
 
 # A cover that bolts hold does not come out; by a path through them it is not clear. The page says so.
 study 6 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held --json held.json
-grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: .* deep .* (too deep from the start, worst after .* of 60 mm); blocked by Gearbox/Lid/Bolt, Gearbox/Lid/Bolt\[2\], Gearbox/Lid/Bolt\[3\] and Gearbox/Lid/Bolt\[4\]; see held/report.html$' err.txt ||
+grep -q '^forcelayer: gearbox.glb: Cover: Does not come out, straight along +z: .* deep .* (too deep from the start, worst after .* of 60 mm); also blocked by Gearbox/Lid/Bolt, Gearbox/Lid/Bolt\[2\] and Gearbox/Lid/Bolt\[4\]; see held/report.html$' err.txt ||
   fail "$(cat err.txt)"
 grep -q 'class="verdict no"><strong>Does not come out' held/report.html || fail "the page of what is held"
 says_no held/verdict.xml held/straight.csv
@@ -366,7 +366,7 @@ python3 -c 'import json; assert json.load(open("sunk/verdict.json"))["required_c
   fail "the default of --clearance: $(cat sunk/verdict.json)"
 # A measurement needs no folder, and is no answer.
 study 0 'gearbox.glb#Cover' --plan --clearance 12.7mm
-grep -q '^smallest measured gap: ' out.txt && [ ! -s err.txt ] || fail "a measurement: $(cat out.txt err.txt)"
+grep -q '^smallest gap when installed: ' out.txt && [ ! -s err.txt ] || fail "a measurement: $(cat out.txt err.txt)"
 study 2 'gearbox.glb#Cover'
 grep -q '^forcelayer: --output: is required; see forcelayer study --help$' err.txt || fail "no folder: $(cat err.txt)"
 

@@ -94,7 +94,7 @@ TEST(StudyVoxels, PlayIsTheSmallestGapThatIsNoContact) {
   const Play play = play_of(report);
   EXPECT_EQ(play.play_m, 0.0001);
   EXPECT_EQ(play_text(play),
-            "smallest measured gap: 0.1 mm, to near; in contact with pressed, flush");
+            "smallest gap when installed: 0.1 mm, to near; in contact with pressed, flush");
   EXPECT_FALSE(play_of(nlohmann::json::object()).is_measured);
 }
 

@@ -187,6 +187,17 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_NE(sentence(v).find(": slides along A, overlapping by at least 0.1 mm when installed, for "
                              "the last 2.1 mm, otherwise"),
             std::string::npos);
+  // Something that it leaves at once, while it slides along something else.
+  v.slides[0] = {0, 0.0516, {"B"}, {}, 0, 0, {"A"}};
+  EXPECT_NE(sentence(v).find(": leaves A and slides along B for the first 51.6 mm, otherwise"),
+            std::string::npos);
+  v.slides[0] = {0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}};
+  EXPECT_NE(
+      sentence(v).find(": leaves A and passes C with a gap of 0.096 mm for the first 51.6 mm"),
+      std::string::npos);
+  v.slides[0] = {0, 0.0019, {"B"}, {}, 0, 0, {"A"}};
+  EXPECT_NE(sentence(v).find(": leaves B and A within the first 1.9 mm, otherwise"),
+            std::string::npos);
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
   v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};
@@ -209,6 +220,17 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v),
             "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (too near from "
             "22 mm on, worst after 51.6 of 60 mm).");
+  // The object that the finding names is not named twice.
+  v.nearest.object = "Wall";
+  v.blocked_by = {"Post", "Wall"};
+  EXPECT_EQ(sentence(v),
+            "Does not come out, straight along +z: meets Wall, at least 0.2 mm deep (too near from "
+            "22 mm on, worst after 51.6 of 60 mm); also blocked by Post.");
+  v.blocked_by = {"Post"};
+  EXPECT_NE(sentence(v).find("; blocked by Post."), std::string::npos);
+  v.blocked_by = {"Wall"};
+  EXPECT_EQ(sentence(v).find("blocked by"), std::string::npos);
+  v.blocked_by.clear();
   v.begin.reset();
   v.slides[0].to_m = 0.06;
   v.kind = VerdictKind::kStaysInstalled;

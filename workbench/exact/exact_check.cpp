@@ -669,6 +669,11 @@ class ExactCheck {
       seat.deepest_m = std::max(0.0, deepest->second.found_m);
     }
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.distance);
+    if (!seated_stretches_.empty()) {
+      const auto& [from_s, to_s] = seated_stretches_.front();
+      const Pose middle = path_.world_from_center(path_.at((from_s + to_s) / 2));
+      seat.middle_m = object.distance.at(middle, voxcheck::kNothingM).distance_m;
+    }
     answer.moments += walk.measured();
     answer.seat.push_back(seat);
   }

@@ -777,7 +777,7 @@ void Study::note_voxel_size() {
   const double size_m = *command::parse_length(voxel_size_);
   std::string line = "voxels of " + command::length_text(size_m) + ", ";
   if (!no_finer_.empty()) {
-    line += "the smallest that gave an answer; " + no_finer_;
+    line += "the smallest that gave an answer" + (open_answer().empty() ? "" : "; " + no_finer_);
   } else if (tried_.empty()) {
     line += "chosen: " + choice_.why_first;
   } else {

@@ -126,7 +126,7 @@ std::string play_text(const Play& play) {
   if (!play.is_measured) return "no gap was measured, because the meshes were not used";
   std::string line = play.object.empty()
                          ? "no other object is nearer than the required clearance"
-                         : "smallest measured gap: " + length_text(play.play_m + kDecimalM) +
+                         : "smallest gap when installed: " + length_text(play.play_m + kDecimalM) +
                                ", to " + escaped(play.object);
   std::string touched;
   for (std::size_t n = 0; n < play.touched.size() && n <= kListed; ++n) {

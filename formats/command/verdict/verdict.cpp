@@ -81,7 +81,7 @@ std::string finding_position_text(const Verdict& v) {
 bool is_off_or_onto(const Verdict& v, const VerdictSlide& slide) {
   constexpr double kTimes = 2;
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
-  return begins != ends && !slide.objects.empty() &&
+  return begins != ends && !(slide.objects.empty() && slide.left.empty()) &&
          slide.to_m - slide.from_m <= kTimes * v.required_m;
 }
 
@@ -99,8 +99,12 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   }
   std::string line;
   const bool is_short = is_off_or_onto(v, slide);
-  if (!slide.objects.empty()) {
-    line = (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(slide.objects);
+  if (!slide.left.empty() && !is_short) line = "leaves " + listed(slide.left);
+  std::vector<std::string> touched = slide.objects;
+  if (is_short) touched.insert(touched.end(), slide.left.begin(), slide.left.end());
+  if (!touched.empty()) {
+    line += line.empty() ? "" : " and ";
+    line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(touched);
   }
   if (slide.overlap_m > 0) {
     line += ", overlapping by at least " + length_text(slide.overlap_m) + " when installed,";
@@ -169,13 +173,15 @@ std::string answer_text(const Verdict& v) {
                                            : distance_text(v, "comes as near as ", "");
 }
 
-// The same, and the objects behind it. A single one is not named twice.
+// The same, and the objects behind it. The one that the finding names is not named twice.
 std::string reason_text(const Verdict& v) {
   const std::string reason = answer_text(v);
-  if (v.blocked_by.empty()) return reason;
-  const bool is_said = reason.find(printed(v.blocked_by.front())) != std::string::npos;
-  if (v.blocked_by.size() == 1 && is_said) return reason;
-  return reason + "; blocked by " + listed(v.blocked_by);
+  std::vector<std::string> others = v.blocked_by;
+  const bool names_one = !v.finding.empty() && v.nearest.known != Known::kNot;
+  if (names_one) std::erase(others, v.nearest.object);
+  if (others.empty()) return reason;
+  const bool also = others.size() < v.blocked_by.size();
+  return reason + (also ? "; also blocked by " : "; blocked by ") + listed(others);
 }
 
 std::string head_of(const Verdict& v) {

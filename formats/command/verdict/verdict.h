@@ -63,11 +63,12 @@ struct VerdictDistance {
 
 // A stretch of the path in which the part is in its seat.
 struct VerdictSlide {
-  double from_m = 0, to_m = 0;       // of the path
-  std::vector<std::string> objects;  // that it touches, or may touch
-  std::vector<std::string> passed;   // that it does not touch,
-  double gap_m = 0;                  // and how near it comes to them
-  double overlap_m = 0;              // of the part and what it touches, as installed
+  double from_m = 0, to_m = 0;         // of the path
+  std::vector<std::string> objects;    // that it touches, or may touch
+  std::vector<std::string> passed;     // that it does not touch,
+  double gap_m = 0;                    // and how near it comes to them
+  double overlap_m = 0;                // of the part and what it touches, as installed
+  std::vector<std::string> left = {};  // that it touches at one end, and not halfway through
 };
 
 // Where along the path a collision begins, and how: "too near" or, in a seat, "too deep".
