@@ -777,7 +777,9 @@ void Study::note_voxel_size() {
   const double size_m = *command::parse_length(voxel_size_);
   std::string line = "voxels of " + command::length_text(size_m) + ", ";
   if (!no_finer_.empty()) {
-    line += "the smallest that gave an answer" + (open_answer().empty() ? "" : "; " + no_finer_);
+    // Where the meshes have settled the answer, smaller voxels would not change it.
+    const bool matters = options_.files_alone || !open_answer().empty();
+    line += "the smallest that gave an answer" + (matters ? "; " + no_finer_ : "");
   } else if (tried_.empty()) {
     line += "chosen: " + choice_.why_first;
   } else {
