@@ -43,7 +43,7 @@ std::vector<std::string> overlap_texts(const Report& report) {
     if (seat.installed_m <= report.exact->margin_m) continue;
     texts.push_back("where the part is installed, it overlaps " +
                     escaped(object_name(report.checked.scene, seat.object)) + " by at least " +
-                    length_text(seat.installed_m));
+                    length_text(seat.installed_m) + "; the force that this takes is not computed");
   }
   return texts;
 }

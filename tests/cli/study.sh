@@ -308,7 +308,7 @@ python3 -c 'import json; assert json.load(open("leaky/verdict.json"))["exit_stat
   fail "the status in a report of a study"
 study 0 'press.json#thick' --pull 0,0,100mm --no-pictures -o press
 grep -q '^Comes out, straight along +z: slides along plate, overlapping by at least 0\.3 mm when installed, for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
-  grep -q '^  where the part is installed, it overlaps plate by at least 0\.3 mm$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
+  grep -q '^  where the part is installed, it overlaps plate by at least 0\.3 mm; the force that this takes is not computed$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
 if [ -x "$bin/voxplan" ]; then
   study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
   grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to near, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
