@@ -98,6 +98,8 @@ path("through", (0, -100, 0, 0), (1, 100, 0, 0))
 path("skin", (0, 0, 0, 49), (1, 10, 0, 49))
 path("between", (0, 35, 0, 0), (1, 36, 0, 0))
 path("down", (0, .3, .2, 18.1), (1, .3, .2, 7.4), (2, .3, .2, 18.1))
+path("jog", (0, 0, 0, 20), (1, 0.008, 0, 40), (2, 0, 0, 80))  # off a line of 60 mm by more than 6 um
+path("line", (0, 0, 0, 20), (1, 0.004, 0, 40), (2, 0, 0, 80))
 path("side", (0, 0, 0, 30), (1, 0, 0, 12), (2, 15, 0, 12), (3, 15, 0, 30))
 END
 fine=(--voxel-size 1mm --quiet)
@@ -121,6 +123,10 @@ says '^Keeps the clearance, .*: stays [0-9.]+ mm away or more \(nothing is neare
 "$bin/voxelize" room.json "${fine[@]}" --roi -40mm,-40mm,-20mm,20mm,40mm,80mm -o cropped.vox || fail "bake cropped"
 check 6 cropped.vox part.pshell side.csv --clearance 1mm
 says '^Undecided, .*: comes within 0 mm of a cropped side of the scene; nothing is known beyond that side \(after 33 of 51 mm; 1 mm required\)\.$'
+check 0 room.vox part.pshell jog.csv --clearance 1mm
+says '^Keeps the clearance, along a bent path toward \+z: '
+check 0 room.vox part.pshell line.csv --clearance 1mm
+says '^Keeps the clearance, straight along \+z: '
 check 0 room.vox part.pshell over.csv --clearance 1mm --allow floor --allow wall --json all.json
 says '^Keeps the clearance, .*: stays [0-9.]+ mm away or more \(nothing is nearer; 1 mm required\)\.$'
 python3 -c 'import json; assert json.load(open("all.json"))["min_clearance"]["at_least"]' || fail "all are allowed, and one is near"

@@ -95,6 +95,23 @@ cmp up.csv again.csv || fail "the same seed, another path"
 plan 6 caged.vox clip.pshell --clearance 0.2mm --exact tab.obj --exact cage.obj --part clip.obj --units mm --time 3s -o no.csv
 [ ! -e no.csv ] && grep -q 'no path found' err.txt || fail "$(cat out.txt err.txt)"
 
+# A pin that touches its bore all around, along 40 voxels of 0.5 mm: it slides straight up in a few seconds. Below a stop
+# it slides for 7 mm, and the stop is what blocks it, not the bore.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support PYTHONDONTWRITEBYTECODE=1 python3 - <<'END'
+from boxes import boxes
+boxes("pin.obj", ((-2, -2, 0), (2, 2, 20)))
+boxes("bore.obj", ((-8, -8, 0), (-2, 8, 20)), ((2, -8, 0), (8, 8, 20)), ((-2, -8, 0), (2, -2, 20)), ((-2, 2, 0), (2, 8, 20)),
+      ((-8, -8, -6), (8, 8, 0)))
+boxes("stop.obj", ((-8, -8, 27), (8, 8, 30)))
+END
+"$bin/voxelize" bore.obj --units mm --voxel-size 0.5mm -o bore.vox --quiet
+"$bin/voxelize" bore.obj stop.obj --units mm --voxel-size 0.5mm -o stopped.vox --quiet
+"$bin/pointshell" pin.obj --units mm --voxel-size 0.5mm -o pin.pshell --quiet
+plan 0 bore.vox pin.pshell --clearance 0.5mm --exact bore.obj --part pin.obj --units mm --threads 2 -o pin.csv
+grep -q '^Comes out, .*+z: slides along bore for the first 20' out.txt || fail "$(cat out.txt)"
+plan 6 stopped.vox pin.pshell --clearance 0.5mm --exact bore.obj --exact stop.obj --part pin.obj --units mm --time 4s -o no.csv
+grep -qE 'the search moved the part at most [4-7](\.[0-9]+)? mm from its start .*; blocked by stop and bore;' err.txt || fail "$(cat err.txt)"
+
 # A study searches by the meshes, and its verdict is theirs.
 "$bin/forcelayer" study 'rig.gltf#Clip' --voxel-size 1mm --clearance 2mm -o study >out.txt 2>err.txt ||
   fail "the study: $(cat out.txt err.txt)"

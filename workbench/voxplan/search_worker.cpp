@@ -578,7 +578,7 @@ std::uint64_t SearchWorker::motions_kept() const { return parts_->check->motions
 double SearchWorker::kept_m() const { return parts_->check->kept_m(); }
 
 // Tries motions of a planner's length from the farthest pose: away from the start, and in random
-// directions, with and without turns.
+// directions, with and without turns. The object that ends the way so far counts most.
 std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   Parts& p = *parts_;
   const double radius_m = p.problem.part.header().bounding_radius_m;
@@ -591,11 +591,12 @@ std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   }
   Random random(1);
   for (int n = 0; n < kHeldBy; ++n) motions.push_back(random_twist(1, random));
-  std::map<std::uint32_t, int> refused;
+  std::map<std::uint32_t, std::size_t> refused;
   try {
-    for (const Twist6& motion : motions) {
-      const Pose there = moved(farthest, of_length(motion, 2 * radius_m), radius_m);
-      ++refused[p.check->met(p.rule, farthest, there)];
+    for (std::size_t n = 0; n < motions.size(); ++n) {
+      const Pose there = moved(farthest, of_length(motions[n], 2 * radius_m), radius_m);
+      const bool goes_on = n == 0 && p.out_m > 0;
+      refused[p.check->met(p.rule, farthest, there)] += goes_on ? motions.size() : 1;
     }
   } catch (const exact::Stopped&) {
     // The time is over: the objects that were met by then are known.
