@@ -79,7 +79,7 @@ assert mm(verdict["min_clearance"]["exact_m"]) + " measured" in said
 [seated] = verdict["seated"]
 width = float(re.search(r'x="64.0" y="16" width="([0-9.]+)" [^>]*class="seat"', page)[1]) / (900 - 64 - 16)
 assert "position along the path, mm" in said and abs(width - seated["to_m"] / verdict["travel_m"]) < 1e-3, width
-assert "smallest distance while not in contact" in said and "Comes out, straight along +z" in said
+assert "smallest distance while not in its seat" in said and "Comes out, straight along +z" in said
 assert f"0.0 mm to {1e3 * seated['to_m']:.1f} mm of a path of {1e3 * verdict['travel_m']:.1f} mm; {mm(seated['exact_m'])} measured to " in said
 assert re.match("Comes out, straight along [+]z: passes .* with a gap of ", verdict["sentence"]), verdict["sentence"]
 assert f" for the first {round(1e3 * seated['to_m'], 1):g} mm" in verdict["sentence"], verdict["sentence"]

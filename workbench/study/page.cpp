@@ -98,10 +98,13 @@ std::string facts_table(const Page& page) {
   std::string table = "<table>\n" + row("required", mm(v["required_clearance_m"]));
   const bool at_least = smallest.value("at_least", false);
   const bool is_seated = !v["seated"].empty();
-  table += row(is_seated ? "smallest distance while not in contact" : "smallest distance",
-               at_least ? "at least " + mm(smallest["clearance_m"])
-                        : clearance(smallest) + " to " + name_of(smallest["object"]));
-  if (!at_least) {
+  const bool is_near = !v["violations"].empty();  // then their table says where it is worst
+  if (!is_near) {
+    table += row(is_seated ? "smallest distance while not in its seat" : "smallest distance",
+                 at_least ? "at least " + mm(smallest["clearance_m"])
+                          : clearance(smallest) + " to " + name_of(smallest["object"]));
+  }
+  if (!is_near && !at_least) {
     table += row("position", "after " + along(smallest["along_path_m"]) + " of the path, at " +
                                  place(smallest["point_m"]));
   }
@@ -115,9 +118,9 @@ std::string facts_table(const Page& page) {
                      "; allowed: " + mm(s["allowed_m"]));
   }
   for (const Json& s : v["seated"]) {
-    table += row("in contact", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
-                                   along(v["path_m"]) + "; " + clearance(s) + " to " +
-                                   name_of(s["object"]));
+    table += row("in its seat", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
+                                    along(v["path_m"]) + "; " + clearance(s) + " to " +
+                                    name_of(s["object"]));
   }
   if (v.contains("hidden_within_m")) {
     table += row("not checked", "hidden objects less than " + mm(v["hidden_within_m"]) +
