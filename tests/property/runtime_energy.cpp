@@ -51,10 +51,12 @@ class Episodes {
   double peak_j_ = 0, fastest_mps_ = 0;
 };
 
-// A floor, a wall and a low step, the block above them.
+// A floor, a wall and a low step, the block above them. They go on beyond every place to which a
+// loose hand flies: a solid that the map's edge cuts has no force layer on the cut, and a part that
+// comes back there stops dead.
 VoxelScene corner() {
   return distance_scene(
-      kS, {-40, -40, -14}, {80, 80, 60},
+      kS, {-40, -40, -14}, {80, 112, 60},
       [](const glm::dvec3& p) {
         const double step = std::max(p.z - 5.3 * kS, 12.6 * kS - p.y);
         return std::min({p.z - 0.3 * kS, 30.6 * kS - p.x, step});
