@@ -10,9 +10,8 @@
 namespace forcelayer::field {
 namespace {
 
-// Least and largest weight of a point. A shell may hold points of almost no area at its edges,
-// which must still hold the part off.
-constexpr float kMinWeight = 0.25f, kMaxWeight = 4.0f;
+// Least weight of a point: a shell may hold points of no area at its edges.
+constexpr float kMinWeight = 1e-3f;
 
 }  // namespace
 
@@ -31,7 +30,7 @@ FieldProbe::FieldProbe(query::ContactQuery& query, const ForceField& field,
   const auto mean_m2 = static_cast<float>(mean_point_area_m2(query.shell()));
   const float* weight_m2 = query.shell().view().weight_m2;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
-    weight_[i] = std::clamp(weight_m2[i] / mean_m2, kMinWeight, kMaxWeight);
+    weight_[i] = std::max(weight_m2[i] / mean_m2, kMinWeight);
   }
 }
 

@@ -15,13 +15,10 @@
 namespace forcelayer::model {
 namespace {
 
-constexpr double kAveragingStart = 10;      // contacts from which forces are averaged (paper 5.2)
-constexpr double kFullDepthVoxels = 0.125;  // depth from which a contact counts fully
-
 // Arguments of spring_row() beside the contact.
 struct SpringStep {
   const field::ForceCurve& curve;
-  double average, by_area;  // of LoadSharing
+  double min_areas;
   double dt_s;
   double stiffness_n_per_m;  // of one point of mean area
   double damping_ns_per_m;   // of the same
@@ -79,47 +76,38 @@ HWY_INLINE VD lane_by_lane(VD v, const F& of) {
   return hn::Load(kD, lanes);
 }
 
-void totals_on_target(const field::ContactSet& set, double full_m, const field::ForceCurve& curve,
-                      ContactTotals& out) {
-  HWY_ALIGN double sharing[kColumns], alone[kColumns], rest[kColumns], deepest[kColumns];
-  const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5), one = hn::Set(kD, 1.0);
-  const VD per_full_1pm = hn::Set(kD, 1 / full_m);
+void totals_on_target(const field::ContactSet& set, double min_areas,
+                      const field::ForceCurve& curve, ContactTotals& out) {
+  HWY_ALIGN double energies[kColumns], deepest[kColumns];
+  const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5), least = hn::Set(kD, min_areas);
   std::size_t touching = 0;
   for (std::size_t first = 0; first < kColumns; first += kLanes) {
-    VD sum_sharing = zero, sum_alone = zero, sum_rest = zero, largest = zero;
+    VD sum = zero, largest = zero;
     for (std::size_t i = first; i < set.count; i += kColumns) {
       const VD signed_depth = load(set.depth_m, i);
       const auto touches = hn::And(hn::Gt(signed_depth, zero), hn::FirstN(kD, set.count - i));
       const VD depth = hn::IfThenElseZero(touches, signed_depth);
-      const VD weight = hn::IfThenElse(touches, load(set.weight, i), one);
+      const VD areas = hn::IfThenElseZero(touches, hn::Max(least, load(set.weight, i)));
       touching += hn::CountTrue(kD, touches);
       largest = hn::Max(largest, depth);
-      const VD counted = hn::Min(hn::Mul(depth, per_full_1pm), one);
-      sum_sharing = hn::Add(sum_sharing, hn::Mul(weight, counted));
-      const VD by_itself = hn::Max(one, weight);
       VD energy = hn::Mul(depth, hn::Mul(half, depth));
       if (!curve.is_straight()) {
         energy = lane_by_lane(depth, [&](double depth_m) { return curve.energy_m2(depth_m); });
       }
-      sum_alone = hn::Add(sum_alone, hn::Mul(by_itself, energy));
-      sum_rest = hn::Add(sum_rest, hn::Mul(hn::Sub(weight, by_itself), energy));
+      sum = hn::Add(sum, hn::Mul(areas, energy));
     }
-    hn::Store(sum_sharing, kD, sharing + first);
-    hn::Store(sum_alone, kD, alone + first);
-    hn::Store(sum_rest, kD, rest + first);
+    hn::Store(sum, kD, energies + first);
     hn::Store(largest, kD, deepest + first);
   }
   out.count = static_cast<std::uint32_t>(touching);
   out.depth_m = static_cast<float>(*std::max_element(deepest, deepest + kColumns));
-  out.sharing = sum_of_columns(sharing);
-  out.alone_m2 = sum_of_columns(alone);
-  out.rest_m2 = sum_of_columns(rest);
+  out.energy_m2 = sum_of_columns(energies);
 }
 
 // Writes the rows of the contacts [0, count) behind each other; how many.
 std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t count,
                                   const SpringStep& step, const ContactRowColumns& out) {
-  const VD zero = hn::Zero(kD), one = hn::Set(kD, 1.0), dt_s = hn::Set(kD, step.dt_s);
+  const VD zero = hn::Zero(kD), dt_s = hn::Set(kD, step.dt_s);
   std::size_t rows = 0;
   for (std::size_t i = 0; i < count; i += kLanes) {
     const VD depth = load(set.depth_m, i);
@@ -128,17 +116,14 @@ std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t coun
     if (hn::AllFalse(kD, kept)) continue;
     VD column[8];
     separation_rows(set, i, column);
-    const VD weight = load(set.weight, i), alone = hn::Max(one, weight);
-    const VD fraction =
-        hn::Mul(hn::Set(kD, step.average),
-                hn::Add(alone, hn::Mul(hn::Set(kD, step.by_area), hn::Sub(weight, alone))));
-    const VD per_step = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), fraction));
+    const VD areas = hn::Max(hn::Set(kD, step.min_areas), load(set.weight, i));
+    const VD per_step = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), areas));
     VD force = depth;
     if (!step.curve.is_straight()) {
       force = lane_by_lane(depth, [&](double depth_m) { return step.curve.force_m(depth_m); });
     }
-    const VD damping = hn::IfThenElseZero(hn::Gt(force, zero),
-                                          hn::Mul(hn::Set(kD, step.damping_ns_per_m), fraction));
+    const VD damping =
+        hn::IfThenElseZero(hn::Gt(force, zero), hn::Mul(hn::Set(kD, step.damping_ns_per_m), areas));
     column[6] = hn::Mul(dt_s, hn::Add(per_step, damping));
     column[7] = hn::Div(hn::Mul(per_step, force), column[6]);
     if (hn::AllTrue(kD, kept)) {
@@ -203,27 +188,19 @@ HWY_EXPORT(brake_sum_on_target);
 
 ContactTotals contact_totals(const field::ContactSet& set, const ContactLaw& law) noexcept {
   ContactTotals totals;
-  HWY_DYNAMIC_DISPATCH(totals_on_target)
-  (set, kFullDepthVoxels * law.voxel_size_m, law.curve, totals);
+  HWY_DYNAMIC_DISPATCH(totals_on_target)(set, law.min_areas, law.curve, totals);
   return totals;
 }
 
-LoadSharing::LoadSharing(const ContactTotals& totals) noexcept {
-  average_ = kAveragingStart / std::max(kAveragingStart, totals.sharing);
-  by_area_ = std::clamp((totals.sharing - 1) / (kAveragingStart - 1), 0.0, 1.0);
+double contact_energy_j(const ContactTotals& totals, const ContactLaw& law) noexcept {
+  return law.stiffness_n_per_m * totals.energy_m2;
 }
 
-double contact_energy_j(const ContactTotals& totals, const LoadSharing& load,
-                        const ContactLaw& law) noexcept {
-  return law.stiffness_n_per_m * load.average() *
-         (totals.alone_m2 + load.by_area() * totals.rest_m2);
-}
-
-ContactRow spring_row(const field::Contact& contact, double force_m, const LoadSharing& load,
-                      const ContactLaw& law, double dt_s) noexcept {
-  const double fraction = load.fraction(contact);
-  const double stiffness = law.stiffness_n_per_m * fraction;
-  const double damping = force_m > 0 ? law.damping_ns_per_m * fraction : 0;
+ContactRow spring_row(const field::Contact& contact, double force_m, const ContactLaw& law,
+                      double dt_s) noexcept {
+  const double areas = law.areas_of(contact);
+  const double stiffness = law.stiffness_n_per_m * areas;
+  const double damping = force_m > 0 ? law.damping_ns_per_m * areas : 0;
   ContactRow row;
   row.j = separation_row(contact);
   row.weight = dt_s * (dt_s * stiffness + damping);
@@ -231,10 +208,9 @@ ContactRow spring_row(const field::Contact& contact, double force_m, const LoadS
   return row;
 }
 
-void add_contact_rows(const field::ContactSet& set, const LoadSharing& load, const ContactLaw& law,
-                      double dt_s, double reach_m, ContactRows& rows) noexcept {
-  const SpringStep step{law.curve, load.average(),        load.by_area(),
-                        dt_s,      law.stiffness_n_per_m, law.damping_ns_per_m,
+void add_contact_rows(const field::ContactSet& set, const ContactLaw& law, double dt_s,
+                      double reach_m, ContactRows& rows) noexcept {
+  const SpringStep step{law.curve, law.min_areas, dt_s, law.stiffness_n_per_m, law.damping_ns_per_m,
                         -reach_m};
   const std::size_t count = std::min<std::size_t>(set.count, rows.room());
   rows.added(HWY_DYNAMIC_DISPATCH(spring_rows_on_target)(set, count, step, rows.next()));

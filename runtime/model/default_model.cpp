@@ -46,6 +46,14 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
   return tensor_of(inertia);
 }
 
+// The damping of one contact point of mean area. Damping over stiffness, which is the time in which
+// a contact gives way, is that of the point alone, or that of the coupling where the coupling is
+// the stiffer: a soft covering gives way as fast for many points of little area as for a few.
+double contact_damping_ns_per_m(const Parameters& p) {
+  const double stiffness_n_per_m = std::max(p.field_n_per_m, p.coupling_n_per_m);
+  return p.contact_damping_ratio * std::sqrt(p.mass_kg / stiffness_n_per_m) * p.field_n_per_m;
+}
+
 // Mean velocity of the part over a frame: of its grip, world axes.
 Twist mean_velocity(const coupling::GripTarget& target, const Pose& from, const Pose& to,
                     double dt_s) {
@@ -87,10 +95,8 @@ DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& pr
                            std::uint64_t points, const field::ForceCurve& curve)
     : parameters_(parameters), probe_(probe) {
   mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
-  contact_ = {
-      parameters.field_n_per_m,
-      parameters.contact_damping_ratio * std::sqrt(parameters.field_n_per_m * parameters.mass_kg),
-      parameters.voxel_size_m, curve};
+  contact_ = {parameters.field_n_per_m, contact_damping_ns_per_m(parameters),
+              curve.is_straight() ? 1.0 : 0.0, curve};
   translation_ = {parameters.coupling_n_per_m, glm::dmat3(parameters.coupling_ns_per_m),
                   parameters.coupling_force_limit_n};
   rotation_ = {parameters.coupling_nm_per_rad, glm::dmat3(0), parameters.coupling_torque_limit_nm};
@@ -136,7 +142,7 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.seat_open = state.seat != kSeatClosed ? 1 : 0;
   report_distance(report);
   const StoppedBy stop{state.stopped_by, -result.at_handle.force_n};
-  report_touched(here_, here_.totals, here_.load, contact_, probe_, stop, report);
+  report_touched(here_, here_.totals, contact_, probe_, stop, report);
   return result;
 }
 
@@ -160,8 +166,7 @@ void DefaultModel::open_seat(bool open) noexcept {
 void DefaultModel::query_pose(const Pose& pose, LookUp& out) noexcept {
   probe_.query_pose(pose, out);
   out.totals = contact_totals(out, contact_);
-  out.load = LoadSharing(out.totals);
-  out.energy_j = contact_energy_j(out.totals, out.load, contact_);
+  out.energy_j = contact_energy_j(out.totals, contact_);
 }
 
 void DefaultModel::query_here(const Pose& pose) noexcept {
@@ -264,7 +269,7 @@ void DefaultModel::choose(Motion& motion, const State& state, double remaining_s
 void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
   motion.system.dt_s = dt_s;
   rows_.clear();
-  add_contact_rows(here_, here_.load, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  add_contact_rows(here_, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
   ContactRow brake;
   if (parameters_.braking && braking_row(here_, motion.system.inertia, motion.start, dt_s, brake)) {
     rows_.add(brake);
@@ -353,7 +358,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     const double separation = coupling::dot(separation_row(c), motion.velocity);
     if (!c.barred) {
       const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
-      rows_.add(spring_row(c, force_m, there_.load, contact_, dt_s));
+      rows_.add(spring_row(c, force_m, contact_, dt_s));
       continue;
     }
     ContactRow row;

@@ -32,7 +32,6 @@ class DefaultModel {
   // The contacts at one pose, and what follows from them.
   struct LookUp : field::ContactSet {
     ContactTotals totals;
-    LoadSharing load;
     double energy_j = 0;  // of the contact springs
   };
 

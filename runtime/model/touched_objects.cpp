@@ -41,8 +41,7 @@ class ObjectForces {
 }  // namespace
 
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
-                    const LoadSharing& load, const ContactLaw& law,
-                    const field::ContactProbe& probe, const StoppedBy& stop,
+                    const ContactLaw& law, const field::ContactProbe& probe, const StoppedBy& stop,
                     StepReport& report) noexcept {
   const std::uint32_t run = (totals.count + kAskedContacts - 1) / kAskedContacts;
   ObjectForces forces;
@@ -52,7 +51,7 @@ void report_touched(const field::ContactSet& set, const ContactTotals& totals,
   for (std::uint32_t i = 0; i < set.count && seen < totals.count; ++i) {
     if (!(set.depth_m[i] > 0)) continue;
     const field::Contact contact = set[i];
-    force_n += law.stiffness_n_per_m * load.fraction(contact) *
+    force_n += law.stiffness_n_per_m * law.areas_of(contact) *
                law.curve.force_m(double{contact.depth_m}) * glm::dvec3(contact.direction);
     if (set.seat_open && set.of_seat[i] != 0) ++report.seat_contacts;
     if (in_run == 0 || set.depth_m[i] > set.depth_m[deepest]) deepest = i;

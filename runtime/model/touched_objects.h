@@ -17,12 +17,11 @@ struct StoppedBy {
   glm::dvec3 pull_n{0};
 };
 
-// Sets StepReport::touched and seat_contacts from the contacts of `set`, whose totals and sharing
-// are given, at the pose `report.world_from_center`. What the contacts leave of the pull, the
+// Sets StepReport::touched and seat_contacts from the contacts of `set`, whose totals are given, at
+// the pose `report.world_from_center`. What the contacts leave of the pull, the
 // object that stops the part bears.
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
-                    const LoadSharing& load, const ContactLaw& law,
-                    const field::ContactProbe& probe, const StoppedBy& stop,
+                    const ContactLaw& law, const field::ContactProbe& probe, const StoppedBy& stop,
                     StepReport& report) noexcept;
 
 }  // namespace forcelayer::model

@@ -72,7 +72,7 @@ def query(rows):
 # Ours in blue; peers that share our query in orange and red, mesh colliders in green.
 WRENCH_LOOKS = {
     "default, distances": dict(color="#08519c", marker="o", label="Forcelayer: stored distances (default)"),
-    "default as voxrun runs it": dict(color="#00acc1", marker="h", label="the same as voxrun runs it: load shared"),
+    "default as voxrun runs it": dict(color="#00acc1", marker="h", label="the same as voxrun runs it"),
     "default, Euclidean layers": dict(color="#4292c6", marker="s", label="Forcelayer: Euclidean layers (--kind lean)"),
     "default, Chebyshev layers": dict(color="#9ecae1", marker="v", label="Forcelayer: Chebyshev layers"),
     "paper: tangent plane, N/10": dict(color="#969696", marker="P", label="the paper's model"),

@@ -31,7 +31,8 @@ ModelFrame::ModelFrame(const Voxmap& voxmap, const Pshell& shell, const field::F
   points_.reserve(shell.header().point_count);
   samples_.reserve(shell.header().point_count);
   set_.reserve(shell.header().point_count);
-  law_ = {1, 0, voxmap.voxel_size_m(), field::ForceCurve(voxmap)};
+  const field::ForceCurve curve(voxmap);
+  law_ = {1, 0, curve.is_straight() ? 1.0 : 0.0, curve};
   rows_.reserve(shell.header().point_count);
 }
 
@@ -48,9 +49,8 @@ void ModelFrame::weigh_by_area() {
 // push with these impulses.
 Wrench ModelFrame::shared() noexcept {
   constexpr double kStepS = 1e-3;
-  const model::LoadSharing load(model::contact_totals(set_, law_));
   rows_.clear();
-  model::add_contact_rows(set_, load, law_, kStepS, 0, rows_);
+  model::add_contact_rows(set_, law_, kStepS, 0, rows_);
   rows_.energy_j({});
   const coupling::Vector6 impulse = rows_.pushing().impulse;
   return {coupling::linear_part(impulse) / kStepS, coupling::angular_part(impulse) / kStepS};

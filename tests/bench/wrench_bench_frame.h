@@ -14,8 +14,8 @@ namespace forcelayer::bench {
 Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
 
 // Averaging of contacts: none, by query and field alone; the default model's look-up, which
-// averages directions where the field asks for it; the same, and the load shared as the default
-// model's step does it; or of the force, by N/10 (paper 5.2).
+// averages directions where the field asks for it; the same, with the contact rows of the default
+// model's step; or of the force, by N/10 (paper 5.2).
 enum class Averaging { kNone, kDirections, kShared, kByTen };
 
 // Query, field and sum over the whole shell.

@@ -172,12 +172,12 @@ void expect_motion(Voxmap voxmap, ForceKind force, std::uint64_t with_fma,
 }
 
 TEST_P(DefaultGolden, MotionOverStoredDistancesKeepsItsBits) {
-  expect_motion(map_with_distances(), ForceKind::kDistance, 406902614602964982u,
-                6533393034572486503u);
+  expect_motion(map_with_distances(), ForceKind::kDistance, 2215155518966604185u,
+                15183519394237055388u);
 }
 
 TEST_P(DefaultGolden, MotionOverTwoBitsKeepsItsBits) {
-  expect_motion(map_of_two_bits(), ForceKind::kLevel, 4234726369002238227u, 12766419821503228606u);
+  expect_motion(map_of_two_bits(), ForceKind::kLevel, 16421272363196204810u, 97001755497834435u);
 }
 
 }  // namespace
