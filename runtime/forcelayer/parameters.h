@@ -54,13 +54,14 @@ struct Parameters {
   double coupling_nms_per_rad = 0;    // b_R; default model: about the axis of the largest moment
   double coupling_force_limit_n = 0;  // clamp of the coupling's force (paper: spring only, k_T s/2)
   double coupling_torque_limit_nm = 0;  // clamp of its torque (paper: infinite)
-  double field_n_per_m = 0;             // K_ff
+  double field_n_per_m = 0;             // K_ff, of one contact point (default: of mean area)
 
   // The default model alone.
-  double contact_damping_ratio = 0;  // of a contact: damping over sqrt(K_ff m)
-  double look_ups = 0;               // most motions in a frame, of at most s/2 each
-  double recovery_mps = 0;           // at which a part that started inside is led out
-  double allowance_j = 0;  // energy that a part may gain from the scene while the hand moves it
+  // Damping of a contact over K_ff sqrt(m / K), with the larger of K_ff and k_T as K.
+  double contact_damping_ratio = 0;
+  double look_ups = 0;      // most motions in a frame, of at most s/2 each
+  double recovery_mps = 0;  // at which a part that started inside is led out
+  double allowance_j = 0;   // energy that a part may gain from the scene while the hand moves it
   double allowance_fade_s = 0;  // time constant with which that fades while the hand rests
 
   double passivity_damping_ns_per_m = 0;  // most that the passivity controller injects; 0: none

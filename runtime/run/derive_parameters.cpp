@@ -27,6 +27,7 @@ constexpr double kBoundFraction = 0.9;
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
 // For a device without motors, or without those of an axis: the paper's (5).
 constexpr double kUnratedForceN = 15, kUnratedTorqueNm = 0.1;
+constexpr double kHoldDepthVoxels = 0.15;  // the field has s/8 at a convex corner, s/2 at a face
 constexpr double kFieldOverCoupling = 150;
 constexpr double kContactDampingRatio = 0.6;
 constexpr double kThrowMps = 3;
@@ -61,7 +62,7 @@ constexpr ParameterInfo kTable[] = {
      true},
     {"field_n_per_m", "force field stiffness K_ff, N/m", &Parameters::field_n_per_m, {1e-3, 1e8}},
     {"contact_damping_ratio",
-     "damping of a contact divided by sqrt(K_ff m)",
+     "damping of a contact divided by K_ff sqrt(m / K), where K is the larger of K_ff and k_T",
      &Parameters::contact_damping_ratio,
      {1e-3, 100}},
     {"look_ups",
@@ -434,8 +435,13 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
     choice.set("field_n_per_m", covering, "the steepest slope of the scene's compliance");
     return;
   }
-  choice.set("field_n_per_m", kFieldOverCoupling * p.coupling_n_per_m,
-             "150 k_T: behind the coupling, one contact point feels within 0.7% as stiff as many");
+  const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
+  const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
+  choice.set(
+      "field_n_per_m", std::max(hold, stiff),
+      hold > stiff
+          ? "one point at a depth of 0.15 voxel balances the coupling's force limit"
+          : "150 k_T: behind the coupling, one contact point feels within 0.7% as stiff as many");
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ constexpr Contender kContenders[] = {
     {"FCL distance", "by a tree", VoxelKind::kFull, 2, false}};
 enum Name : std::size_t {
   kDistances,
-  kShared,
+  kAsRun,
   kEuclidean,
   kChebyshev,
   kPaper,
@@ -166,7 +166,7 @@ class MapFrames {
     usual_ = std::move(*usual);
     if (kind == VoxelKind::kFull) {
       add(kDistances, *usual_, Averaging::kDirections);
-      add(kShared, *usual_, Averaging::kShared);
+      add(kAsRun, *usual_, Averaging::kStep);
     }
     if (kind == VoxelKind::kLean) add(kEuclidean, *usual_, Averaging::kDirections);
     if (kind != VoxelKind::kChebyshev) return;
@@ -179,7 +179,7 @@ class MapFrames {
     auto& frame =
         frames_.emplace(method, std::make_unique<ModelFrame>(voxmap_, shell_, field, averaging))
             .first->second;
-    if (averaging != Averaging::kByTen && averaging != Averaging::kShared) frame->weigh_by_area();
+    if (averaging != Averaging::kByTen && averaging != Averaging::kStep) frame->weigh_by_area();
   }
   const std::map<std::size_t, std::unique_ptr<ModelFrame>>& all() const { return frames_; }
 
@@ -476,6 +476,7 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
                                           {"unsolved", hand.unsolved()},
                                           {"outside", hand.outside()},
                                           {"many_contacts", hand.many()},
+                                          {"step_p50_us", hand.step_us()},
                                           {"off_max", off}});
 }
 

@@ -47,7 +47,7 @@ void ModelFrame::weigh_by_area() {
 
 // The contacts as rows of the step's solve (DefaultModel::solve_motion); of a part at rest they
 // push with these impulses.
-Wrench ModelFrame::shared() noexcept {
+Wrench ModelFrame::of_step() noexcept {
   constexpr double kStepS = 1e-3;
   rows_.clear();
   model::add_contact_rows(set_, law_, kStepS, 0, rows_);
@@ -57,9 +57,9 @@ Wrench ModelFrame::shared() noexcept {
 }
 
 Wrench ModelFrame::at(const Pose& world_from_center) {
-  if (averaging_ == Averaging::kShared) {
+  if (averaging_ == Averaging::kStep) {
     probe_.query_pose(world_from_center, set_);
-    return shared();
+    return of_step();
   }
   const bool averaged = averaging_ == Averaging::kDirections;
   if (averaged) {

@@ -16,7 +16,7 @@ Pshell pshell_of(const AnalyticShell& shell, double voxel_size_m);
 // Averaging of contacts: none, by query and field alone; the default model's look-up, which
 // averages directions where the field asks for it; the same, with the contact rows of the default
 // model's step; or of the force, by N/10 (paper 5.2).
-enum class Averaging { kNone, kDirections, kShared, kByTen };
+enum class Averaging { kNone, kDirections, kStep, kByTen };
 
 // Query, field and sum over the whole shell.
 class ModelFrame {
@@ -26,14 +26,14 @@ class ModelFrame {
              Averaging averaging);
   ModelFrame(const ModelFrame&) = delete;  // the probe knows the other members
 
-  // Every point counts by its area over the mean; without this, all count alike. Of kShared the
+  // Every point counts by its area over the mean; without this, all count alike. Of kStep the
   // look-up says by what they count.
   void weigh_by_area();
 
   Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the center, world axes
 
  private:
-  Wrench shared() noexcept;  // of set_
+  Wrench of_step() noexcept;  // of set_
 
   query::ContactQuery query_;
   const field::ForceField& field_;
@@ -44,7 +44,7 @@ class ModelFrame {
   field::FieldSamples samples_;
   guard::PoseGuard probe_;
   field::ContactSet set_;
-  model::ContactLaw law_;  // of kShared, with 1 N/m
+  model::ContactLaw law_;  // of kStep, with 1 N/m
   model::ContactRows rows_;
 };
 

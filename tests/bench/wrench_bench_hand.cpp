@@ -1,6 +1,7 @@
 #include "tests/bench/wrench_bench_hand.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -91,6 +92,8 @@ class Session {
 
 }  // namespace
 
+double Hand::step_us() const { return step_us_.empty() ? NAN : spread(step_us_).p50; }
+
 void Hand::see(const HandCase& contact, std::uint64_t seed) {
   std::array<std::size_t, kMotions> before;
   for (std::size_t motion = 0; motion < kMotions; ++motion) before[motion] = errors_[motion].size();
@@ -111,7 +114,7 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
       field::make_force_field(Model::kDefault, p.force, session.simulation().voxmap());
   if (!field) throw std::runtime_error(to_line(field.error()));
   ModelFrame frame(session.simulation().voxmap(), session.simulation().shell(), **field,
-                   Averaging::kShared);
+                   Averaging::kStep);
   const auto compare = [&](std::size_t motion) {
     if (session.result.report.outside_map != 0) {
       ++outside_;
@@ -163,7 +166,11 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
   for (std::size_t slide = 0; slide < std::size(kSlideMps); ++slide) {
     for (int i = 1; i <= kSlideFrames; ++i) {
       session.handle.position_m += kSlideMps[slide] * kDtS * contact.along;
+      const auto start_time = std::chrono::steady_clock::now();
       session.step();
+      const std::chrono::duration<double, std::micro> took =
+          std::chrono::steady_clock::now() - start_time;
+      step_us_.push_back(took.count());
       if (i % kSampleFrames == 0) compare(1 + slide);
     }
   }

@@ -60,12 +60,14 @@ class Hand {
   const std::vector<double>& off() const { return off_; }
   std::size_t many() const { return many_; }  // of these, with more than ten contacts
 
+  double step_us() const;  // median of the steps while sliding; NaN where there are none
+
  private:
   void press(const HandCase& contact, std::uint64_t seed);
 
   std::array<std::vector<double>, kMotions> errors_;
   std::vector<Each> each_;
-  std::vector<double> off_;
+  std::vector<double> off_, step_us_;
   std::size_t many_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
 };
 

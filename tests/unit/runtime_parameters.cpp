@@ -223,6 +223,23 @@ TEST_F(ParametersTest, WarnOfEveryBoundOfTheDeviceLoop) {
   }
 }
 
+// One contact point, however small the voxels: much stiffer than the coupling, so that the hand
+// feels the coupling alone, and the force limit is reached before the guard stops the part.
+TEST_F(ParametersTest, OneContactPointHoldsTheHand) {
+  for (const double voxel_m : {0.02, 0.005, 0.001, 0.0002}) {
+    voxmap_ = make_voxmap(
+        offset_scene(voxel_m, {0, 0, 0}, {16, 16, 16}, 2, [](Voxel v) { return v[2] == 4; }));
+    for (const double scale : {0.1, 1.0, 10.0}) {
+      RunRequest request;
+      request.placement.motion_scale = scale;
+      const Parameters p = derive(request).values;
+      EXPECT_GE(p.field_n_per_m, 149.999 * p.coupling_n_per_m) << voxel_m << " " << scale;
+      EXPECT_GE(p.field_n_per_m * 0.1501 * voxel_m, p.coupling_force_limit_n)
+          << voxel_m << " " << scale;
+    }
+  }
+}
+
 // The steepest slope of a soft covering is the field's stiffness, unless the user scales it; the
 // paper's model says that it leaves the covering out.
 TEST_F(ParametersTest, FollowASoftCovering) {
