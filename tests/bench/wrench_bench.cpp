@@ -466,8 +466,8 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
   const double off = hand.off().empty() ? 0 : *std::ranges::max_element(hand.off());
   std::printf(
       "  E_hand %s: %zu cases, %zu not at rest; %zu poses unsolved, %zu outside the map; off by "
-      "at most %.1g, %zu of more than ten contacts\n",
-      group, hand.seen(), hand.restless(), hand.unsolved(), hand.outside(), off, hand.many());
+      "at most %.1g, %zu of three contacts or more\n",
+      group, hand.seen(), hand.restless(), hand.unsolved(), hand.outside(), off, hand.flush());
   results["wrench_hand_cases"].push_back({{"voxel_m", voxel_m},
                                           {"covering_voxels", covering_voxels},
                                           {"contacts", group},
@@ -475,7 +475,7 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
                                           {"restless", hand.restless()},
                                           {"unsolved", hand.unsolved()},
                                           {"outside", hand.outside()},
-                                          {"many_contacts", hand.many()},
+                                          {"three_contacts", hand.flush()},
                                           {"step_p50_us", hand.step_us()},
                                           {"off_max", off}});
 }

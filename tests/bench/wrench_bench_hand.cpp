@@ -160,7 +160,7 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
   const double torque_off = glm::length(k * there.torque_nm - session.result.wrench.torque_nm) /
                             (force_n * p.part_radius_m);
   off_.push_back(std::max(off, torque_off));
-  many_ += session.result.report.contacts > 10;
+  flush_ += session.result.report.contacts >= 3;
 
   compare(0);
   for (std::size_t slide = 0; slide < std::size(kSlideMps); ++slide) {

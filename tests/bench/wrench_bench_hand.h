@@ -55,10 +55,10 @@ class Hand {
 
   // For each case at rest: the felt force's difference from the sum of the contacts' forces at that
   // pose, over it, or that of the torques, over force and radius, where it is larger. While the
-  // hand rests, a motion that hardly lowers the energy is not made (DefaultModel::affordable), so
-  // the part stays a little beside where forces balance.
+  // hand rests, a motion that hardly lowers the energy is not made (DefaultModel::affordable), and
+  // depths are rounded to floats, so the part stays a little beside where forces balance.
   const std::vector<double>& off() const { return off_; }
-  std::size_t many() const { return many_; }  // of these, with more than ten contacts
+  std::size_t flush() const { return flush_; }  // of these, with three contacts or more
 
   double step_us() const;  // median of the steps while sliding; NaN where there are none
 
@@ -68,7 +68,7 @@ class Hand {
   std::array<std::vector<double>, kMotions> errors_;
   std::vector<Each> each_;
   std::vector<double> off_, step_us_;
-  std::size_t many_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
+  std::size_t flush_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
 };
 
 }  // namespace forcelayer::bench
