@@ -8,9 +8,10 @@ namespace forcelayer::stress {
 
 namespace {
 
-// Three voxels of soft foam over a firmer layer, whose foot holds a device's 15 N at one point.
+// Three voxels of soft foam over a firmer layer. Its foot holds a device's 15 N at four points, and
+// 15 N push a peg of hundreds of points into a hole that is lined with it.
 voxelize::Compliance covering(double voxel_size_m) {
-  return {{1.5 * voxel_size_m, 1}, {2.5 * voxel_size_m, 6}, {3 * voxel_size_m, 20}};
+  return {{1.5 * voxel_size_m, 0.2}, {2.5 * voxel_size_m, 1.2}, {3 * voxel_size_m, 4}};
 }
 
 void set_standoff(voxelize::BakeOptions& options, double standoff_m) {
