@@ -152,7 +152,6 @@ def force(readme, contacts):
     ours, peers = "default, distances", (("default, Chebyshev layers", "`--kind paper`"),
                                          ("dense float distances, our query", "dense floats"), ("FCL distance", "FCL distance"))
     return [of(ours, "error", "force", median), of(ours, "error, raw", "raw force", median),
-            of("default as voxrun runs it", "error, as `voxrun` runs it", "force", median),
             *(of(method, f"error, {name}", "force", median) for method, name in peers),
             *(of(ours, f"time over that of {name}", "frame, us", factor(1.6), over={"method": method}) for method, name in peers)]
 
@@ -166,6 +165,7 @@ WALL, ALL = "contact query, 10^6 points against a wall", "contact query, 10^6 po
 ENGINE = "bake of the engine, 1024 voxels across, whole command"
 LARGE, PAPER = "bake of 10.5 million triangles, 4,000 voxels across", "bake of the paper's 593,409 polygons at 5 mm"
 FRAMES, REST = "frames with a point behind the force layer, of a million in contact", "presses that come to rest"
+HAND = "force error on a hand, 5 mm voxels"
 LOOP = "30 minutes at 1 kHz, all cores busy: late frames"
 CORES = "8 threads instead of 1: times as fast"
 ENGINE_ROW = {"model": "engine", "voxels": 1024, "kind": "full"}
@@ -181,6 +181,9 @@ FIGURES = [
            over={"kind": "lean, chebyshev"}),
     *bake_of(LARGE, 10500000), *bake_of(PAPER, 593409),
     *force("force error, smooth contacts, 5 mm voxels", "flush and smooth"), *force("force error, mesh pairs, 5 mm voxels", "mesh pairs"),
+    *(Figure(HAND, f"median at rest, {contacts}", "wrench", "wrench_hand",
+             {"voxel_m": 0.005, "covering_voxels": 0.8661, "contacts": contacts, "motion": "at rest"}, "p50", factor(1.6))
+      for contacts in ("flush and smooth", "corners and wedges", "mesh pairs")),
     Figure(FRAMES, "trials of `default` with one", "stability", "stability", {"campaign": "table2", "model": "default"},
            "penetrating_trials", binomial("penetrating_trials", "trials"), over_column="trials"),
     Figure(FRAMES, "trials of the paper's model with one", "stability", "stability",

@@ -116,13 +116,24 @@ def summary():
 
         def half(method, figure):
             return f"{figure.removesuffix(' force')} {percent(of[method][figure]['p50'])}"
-        ours, run = of["default, distances"], "default as voxrun runs it"
+        ours = of["default, distances"]
         return [f"{label}, {ours['force']['n']} cases",
-                f"field: {said('default, distances')}, {half('default, distances', 'raw force')}; as `voxrun` runs it: "
-                f"{median_of(of[run]['force'])}, {half(run, 'touching')}, {half(run, 'raw force')}; `--kind paper`: "
+                f"field: {said('default, distances')}, {half('default, distances', 'raw force')}; `--kind paper`: "
                 f"{said('default, Chebyshev layers')}",
                 f"dense floats, our query: {said('dense float distances, our query')}; FCL distance: {said('FCL distance')}, "
                 f"{half('FCL distance', 'touching')}", "wrench", measured("wrench", ours["force"])]
+
+    def hand_row():
+        of_size = where(voxel_m=0.005, covering_voxels=0.8661)
+        groups = {row["contacts"]: row["of"] for row in by("motion", ("contacts",), of_size(rows("wrench_hand")))}
+        cases = sum(row["cases"] for row in of_size(rows("wrench_hand_cases")))
+
+        def said(group, name):
+            at_rest = groups[group]["at rest"]
+            return f"{name}: {percent(at_rest['p50'])}, p95 {percent(at_rest['p95'])}"
+        names = {"flush and smooth": "smooth contacts", "corners and wedges": "corners and wedges", "mesh pairs": "mesh pairs"}
+        return [f"{readme_figures.HAND}, {cases} cases", "; ".join(said(*name) for name in names.items()), "", "wrench",
+                measured("wrench_hand", groups["mesh pairs"]["at rest"])]
     lines = [
         ["contact query, 10^6 points against a wall", f"{digits(ours['p50_us'])} us, p99 {digits(ours['p99_us'])} us",
          f"OpenVDB `ValueAccessor`, every point: {digits(vdb['p50_us'])} us; FCL contacts: {digits(fcl['p50_us'])} us, "
@@ -139,6 +150,7 @@ def summary():
          "bake", measured("bake_full", paper_bay["full"])],
         wrench_row("flush and smooth", "force error, smooth contacts, 5 mm voxels"),
         wrench_row("mesh pairs", "force error, mesh pairs, 5 mm voxels"),
+        hand_row(),
         [readme_figures.FRAMES, penetrating("default"),
          f"the paper's model: {penetrating('paper, braking')}; {percent(min(by_stiffness))} to "
          f"{percent(max(by_stiffness))} depending on the stiffness of its field", "stability", measured("stability", table2["default"])],

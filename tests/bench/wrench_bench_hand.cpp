@@ -98,7 +98,7 @@ void Hand::see(const HandCase& contact, std::uint64_t seed) {
   std::array<std::size_t, kMotions> before;
   for (std::size_t motion = 0; motion < kMotions; ++motion) before[motion] = errors_[motion].size();
   press(contact, seed);
-  Each& each = each_.emplace_back(contact.name);
+  Each& each = each_.emplace_back(Each{contact.name, {}});
   for (std::size_t motion = 0; motion < kMotions; ++motion) {
     const auto first = errors_[motion].begin() + static_cast<std::ptrdiff_t>(before[motion]);
     std::vector<double> errors(first, errors_[motion].end());
