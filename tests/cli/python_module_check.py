@@ -187,7 +187,7 @@ def check_paths(scene, part, run):
     frames = run.frames[::5]
     rows = numpy.column_stack([frames["t_s"], frames["world_from_part"]])
     numpy.savetxt("path.csv", rows, "%.17g", ",", header="t_s,x_m,y_m,z_m,qw,qx,qy,qz", comments="")
-    for required_m, allow, status in ((0.005, [], 0), (0.0119, [], 6), (0.0119, ["hydraulic_line"], 6)):
+    for required_m, allow, status in ((0.005, [], 0), (0.0121, [], 6), (0.0121, ["hydraulic_line"], 6)):
         told = subprocess.run([BIN / "voxcheck", "bay.vox", "part.pshell", "path.csv", "--clearance", f"{required_m}m",
                                "--quiet", "--json", "check.json", *[f"--allow={name}" for name in allow]],
                               capture_output=True, text=True)
