@@ -440,7 +440,7 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   choice.set(
       "field_n_per_m", std::max(hold, stiff),
       hold > stiff
-          ? "one point at a depth of 0.15 voxel balances the coupling's force limit"
+          ? "one point at a depth of 0.15 voxel pushes with the coupling's force limit"
           : "150 k_T: behind the coupling, one contact point feels within 0.7% as stiff as many");
 }
 
