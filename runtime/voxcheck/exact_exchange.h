@@ -87,7 +87,9 @@ struct ExactSeat {
   double allowed_m = 0;    // how deep they may
   double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
   double nearest_m = 0;    // how near they come then; 0 where they touch
-  double middle_m = 0;     // how far they are apart halfway through the first stretch in the seat
+  // How far they are apart once the part has moved out of its seat by twice the required clearance
+  // and twice `installed_m`.
+  double soon_m = 0;
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;

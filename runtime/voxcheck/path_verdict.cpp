@@ -239,7 +239,7 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
       const ExactSeat* const exact = exact_seat(checked, object);
       const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
       const bool is_left =
-          exact != nullptr && exact->middle_m > kRoundingM && exact->middle_m >= checked.required_m;
+          exact != nullptr && exact->soon_m > kRoundingM && exact->soon_m >= checked.required_m;
       (is_passed ? slide.passed
        : is_left ? slide.left
                  : slide.objects)
@@ -362,7 +362,11 @@ std::string place_text(const glm::dvec3& point_m) {
 }
 
 std::string violation_text(const CheckedPath& checked, const Violation& v) {
-  std::string line = stretch_text(checked, v.from_s, v.to_s) + ": " + finding_text(checked, v);
+  // Surfaces that meet are too near before they do.
+  const ExactViolation* exact = exact_of(checked, v);
+  const std::string line = (exact != nullptr && exact->meets() ? "too near from " : "") +
+                           stretch_text(checked, v.from_s, v.to_s) + ": " +
+                           finding_text(checked, v);
   const bool is_somewhere = !v.unsettled_seat && !v.out_of_time;
   return is_somewhere ? line + ", " + where_text(checked, v.worst) : line;
 }

@@ -669,13 +669,27 @@ class ExactCheck {
       seat.deepest_m = std::max(0.0, deepest->second.found_m);
     }
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.distance);
-    if (!seated_stretches_.empty()) {
-      const auto& [from_s, to_s] = seated_stretches_.front();
-      const Pose middle = path_.world_from_center(path_.at((from_s + to_s) / 2));
-      seat.middle_m = object.distance.at(middle, voxcheck::kNothingM).distance_m;
+    if (const auto pose = soon_out(2 * (request_.required_m + seat.installed_m))) {
+      seat.soon_m = object.distance.at(*pose, voxcheck::kNothingM).distance_m;
     }
     answer.moments += walk.measured();
     answer.seat.push_back(seat);
+  }
+
+  // The first pose of some at which the part has moved so far, out of its seat or back from it;
+  // none where it does not move so far.
+  std::optional<Pose> soon_out(double far_m) const {
+    if (seated_stretches_.empty()) return std::nullopt;
+    constexpr int kSteps = 256;
+    auto [at_s, end_s] = seated_stretches_.front();
+    if (at_s > request_.stretches.front().from_s) std::swap(at_s, end_s);  // it goes in
+    const Pose seated = path_.world_from_center(path_.at(at_s));
+    for (int n = 1; n <= kSteps; ++n) {
+      const Pose pose = path_.world_from_center(path_.at(at_s + (end_s - at_s) * n / kSteps));
+      const double moved_m = glm::length(pose.position_m - seated.position_m);
+      if (moved_m >= far_m) return pose;
+    }
+    return std::nullopt;
   }
 
   // How near an object comes while the part is in its seat.

@@ -99,7 +99,8 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   }
   std::string line;
   const bool is_short = is_off_or_onto(v, slide);
-  if (!slide.left.empty() && !is_short) line = "leaves " + listed(slide.left);
+  if (!slide.left.empty() && !is_short)
+    line = (ends && !begins ? "reaches " : "leaves ") + listed(slide.left) + " at once";
   std::vector<std::string> touched = slide.objects;
   if (is_short) touched.insert(touched.end(), slide.left.begin(), slide.left.end());
   if (!touched.empty()) {

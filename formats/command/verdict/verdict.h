@@ -68,7 +68,7 @@ struct VerdictSlide {
   std::vector<std::string> passed;     // that it does not touch,
   double gap_m = 0;                    // and how near it comes to them
   double overlap_m = 0;                // of the part and what it touches, as installed
-  std::vector<std::string> left = {};  // that it touches at one end, and not halfway through
+  std::vector<std::string> left = {};  // that it touches at one end alone
 };
 
 // Where along the path a collision begins, and how: "too near" or, in a seat, "too deep".
