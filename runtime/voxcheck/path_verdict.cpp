@@ -239,7 +239,7 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
       const ExactSeat* const exact = exact_seat(checked, object);
       const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
       const bool is_left =
-          exact != nullptr && exact->soon_m > kRoundingM && exact->soon_m >= checked.required_m;
+          exact != nullptr && checked.required_m > 0 && exact->soon_m >= checked.required_m;
       (is_passed ? slide.passed
        : is_left ? slide.left
                  : slide.objects)

@@ -6,7 +6,7 @@ target_compile_options(forcelayer_options INTERFACE
   $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off>
   # Nobody reads errno after a square root, which is one instruction without it.
   $<BUILD_INTERFACE:-fno-math-errno>
-  # gcc 12 sees overlapping copies in `"text" + std::string` where there are none (its bug 105651).
+  # gcc 12 wrongly sees overlapping copies in `"text" + std::string` (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:$<BUILD_INTERFACE:-Wno-restrict>>
   $<$<BOOL:${FORCELAYER_WARNINGS_AS_ERRORS}>:-Werror>
   # The same bytes wherever the sources lie.

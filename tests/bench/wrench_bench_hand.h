@@ -41,7 +41,7 @@ class Hand {
 
   const std::vector<double>& errors(std::size_t motion) const { return errors_[motion]; }
 
-  // The errors of one case: the median over the poses of each motion; NaN where there are none.
+  // The errors of one case: the median over the poses of each motion; NaN without poses.
   struct Each {
     std::string contact;
     std::array<double, kMotions> median;
@@ -60,7 +60,7 @@ class Hand {
   const std::vector<double>& off() const { return off_; }
   std::size_t flush() const { return flush_; }  // of these, with three contacts or more
 
-  double step_us() const;  // median of the steps while sliding; NaN where there are none
+  double step_us() const;  // median of the steps while sliding; NaN without steps
 
  private:
   void press(const HandCase& contact, std::uint64_t seed);

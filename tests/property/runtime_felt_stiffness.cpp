@@ -79,9 +79,9 @@ TEST(FeltStiffness, IsTheSameForAnyNumberOfPointsAndVoxelSize) {
       felt.push_back(felt_stiffness(scene, disc(0.02, count, voxel_m), 6 * voxel_m));
     }
   }
-  const auto [least, most] = std::minmax_element(felt.begin(), felt.end());
-  EXPECT_GT(*least, 0.99 * *most);
-  EXPECT_GT(*least, 50.0 / 51);  // no contact is softer than 50 times the coupling
+  const auto [min, max] = std::minmax_element(felt.begin(), felt.end());
+  EXPECT_GT(*min, 0.99 * *max);
+  EXPECT_GT(*min, 50.0 / 51);  // no contact is softer than 50 times the coupling
 }
 
 // Foam of half the points presses with half the force at one depth: it rests on each at the depth

@@ -170,35 +170,25 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
             "nearest to Clip/Half, after 51.6 of 60 mm; 1 mm "
             "required).");
   // It moves off what it touches, or onto it, where the clearance is gained or lost within twice
-  // its length.
-  v.slides[0].to_m = 0.0021;
-  EXPECT_NE(sentence(v).find(": slides along A and passes B with a gap of 0.096 mm for the first "
-                             "2.1 mm, otherwise"),
-            std::string::npos);
-  v.slides[0].to_m = 0.0019;
-  EXPECT_NE(sentence(v).find(": leaves A and passes B with a gap of 0.096 mm within the first "
-                             "1.9 mm, otherwise"),
-            std::string::npos);
-  v.slides[0] = {0.0581, 0.06, {"A"}, {}, 0, 1e-4};
-  EXPECT_NE(sentence(v).find(": reaches A, overlapping by at least 0.1 mm when installed, within "
-                             "the last 1.9 mm, otherwise"),
-            std::string::npos);
-  v.slides[0].from_m = 0.0579;
-  EXPECT_NE(sentence(v).find(": slides along A, overlapping by at least 0.1 mm when installed, for "
-                             "the last 2.1 mm, otherwise"),
-            std::string::npos);
-  // Something that it leaves at once, while it slides along something else.
-  v.slides[0] = {0, 0.0516, {"B"}, {}, 0, 0, {"A"}};
-  EXPECT_NE(
-      sentence(v).find(": leaves A at once and slides along B for the first 51.6 mm, otherwise"),
-      std::string::npos);
-  v.slides[0] = {0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}};
-  EXPECT_NE(sentence(v).find(
-                ": leaves A at once and passes C with a gap of 0.096 mm for the first 51.6 mm"),
-            std::string::npos);
-  v.slides[0] = {0, 0.0019, {"B"}, {}, 0, 0, {"A"}};
-  EXPECT_NE(sentence(v).find(": leaves B and A within the first 1.9 mm, otherwise"),
-            std::string::npos);
+  // its length. It may leave one thing at once while it slides along another.
+  const auto says = [&](const VerdictSlide& slide, const std::string& words) {
+    v.slides[0] = slide;
+    EXPECT_NE(sentence(v).find(": " + words + ", otherwise stays"), std::string::npos)
+        << sentence(v);
+  };
+  says({0, 0.0021, {"A"}, {"B"}, 96e-6},
+       "slides along A and passes B with a gap of 0.096 mm for the first 2.1 mm");
+  says({0, 0.0019, {"A"}, {"B"}, 96e-6},
+       "leaves A and passes B with a gap of 0.096 mm within the first 1.9 mm");
+  says({0.0581, 0.06, {"A"}, {}, 0, 1e-4},
+       "reaches A, overlapping by at least 0.1 mm when installed, within the last 1.9 mm");
+  says({0.0579, 0.06, {"A"}, {}, 0, 1e-4},
+       "slides along A, overlapping by at least 0.1 mm when installed, for the last 2.1 mm");
+  says({0, 0.0516, {"B"}, {}, 0, 0, {"A"}},
+       "leaves A at once and slides along B for the first 51.6 mm");
+  says({0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}},
+       "leaves A at once and passes C with a gap of 0.096 mm for the first 51.6 mm");
+  says({0, 0.0019, {"B"}, {}, 0, 0, {"A"}}, "leaves B and A within the first 1.9 mm");
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
   v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};

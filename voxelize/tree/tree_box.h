@@ -15,8 +15,8 @@ namespace forcelayer::tree {
 // for entries that reach beyond one.
 void clip_clearance(BuiltTree& tree, const masks::KeptBox& kept);
 
-// The smallest box of all voxels that are not free, counted from the scene's origin; empty where
-// there are none.
+// The smallest box of all voxels that are not free, counted from the scene's origin; empty if all
+// voxels are free.
 masks::VoxelBox tight_box(const VoxelTree& tree,
                           const std::array<std::uint32_t, 3>& directory_dims);
 

@@ -75,7 +75,8 @@ class ExactWalk {
   // Until when the last search has looked at its pieces, which follow each other.
   double reached_s() const { return reached_s_; }
 
-  // The sample with the least distance of those between two moments; none where there are none.
+  // The sample with the least distance of those between two moments; nothing if no sample lies
+  // there.
   std::optional<Sample> nearest_between(const Moment& from, const Moment& to, bool seated) const;
 
   double time_s(const Moment& moment) const { return path_.time_s(moment); }

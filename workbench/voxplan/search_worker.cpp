@@ -366,7 +366,6 @@ void SearchWorker::Parts::plan_beyond(const Pose& from) {
   planner->setup();
 }
 
-// In the tree that grows from the start, which may be the end of the seat.
 // Whether a pose is farther from the start than all before. Notes how far.
 bool SearchWorker::Parts::is_farther(const Pose& pose) {
   const double travel_m = glm::length(pose.position_m - problem.world_from_start.position_m);
@@ -375,6 +374,7 @@ bool SearchWorker::Parts::is_farther(const Pose& pose) {
   return true;
 }
 
+// In the tree that grows from the start, which may be the end of the seat.
 void SearchWorker::Parts::note_farthest() {
   if (planner == nullptr) return;  // the time was over before
   const glm::dvec3& start_m = problem.world_from_start.position_m;

@@ -277,7 +277,7 @@ void Stage::build_scene(const PicturePlan& plan) {
   actors_->missing_faces = add_missing_faces(scene_.missing_faces);
 }
 
-// The edges of a cube around each, seen through all else; null where there are none.
+// The edges of a cube around each, seen through all else; null without cubes.
 Actor Stage::add_missing_faces(std::span<const ViewMesh> cubes) {
   if (cubes.empty()) return nullptr;
   vtkNew<vtkAppendPolyData> frames;

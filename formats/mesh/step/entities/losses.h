@@ -10,7 +10,7 @@
 namespace forcelayer::mesh {
 
 // The damaged entities of the file that was read in `session`, as "2 damaged entities: #16
-// CLOSED_SHELL, ..."; "" where there are none. They refer to what is not there or make no sense, so
+// CLOSED_SHELL, ..."; "" if nothing was lost. They refer to what is not there or make no sense, so
 // that OpenCASCADE may crash on them, or place shapes wrong without a word.
 std::string find_step_damage(const Handle(XSControl_WorkSession) & session);
 

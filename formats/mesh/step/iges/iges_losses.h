@@ -22,7 +22,7 @@ std::string entity_name(const Handle(Interface_InterfaceModel) & model,
                         const Handle(Standard_Transient) & entity);
 
 // The damaged entities of faces, and the placings that cannot be settled, of the file that was read
-// in `session`, as "1 damaged entity: D45 (type 510)"; "" where there are none. They refer to what
+// in `session`, as "1 damaged entity: D45 (type 510)"; "" if nothing is damaged. They refer to what
 // is not there or make no sense: OpenCASCADE may crash on them, or read something else. `text`: the
 // file.
 std::string find_iges_damage(const Handle(XSControl_WorkSession) & session, std::string_view text);
