@@ -99,6 +99,7 @@ bool Body::close_cracks(double max_m) {
   std::vector<part::Edge> open;
   const std::map<part::Edge, int> balance = part::open_edges_of(part_.triangles);
   for (const auto& [edge, sum] : balance) open.push_back(edge);
+  if (open.empty()) return true;  // some faces were turned, no more
   const part::Part caps = part::caps_of(part_, balance);
   const part::TriangleTree tree(caps);
   const certificate::WindingNumber winding(tree);
