@@ -46,6 +46,7 @@ const Kind& kind_of(FileKind kind) {
         "from_s,to_s,clearance_m,from_m,to_m\n"}},
       {"a recording", ".flr", {"\211FLR"}},
       {"a picture", ".png", {"\211PNG"}},
+      {"an animation", ".glb", {"{\"asset\":{\"version\":\"2.0\",\"generator\":\"Forcelayer"}},
       {"an export",
        "",
        {"i,j,k,value\n",
@@ -94,6 +95,9 @@ std::string beginning_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));
+  // The two headers of a GLB file state its size. The text behind them says who wrote it.
+  constexpr std::size_t kGlbHeaders = 20;
+  if (bytes.starts_with("glTF") && bytes.size() > kGlbHeaders) bytes.erase(0, kGlbHeaders);
   return bytes;
 }
 

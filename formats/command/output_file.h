@@ -10,7 +10,16 @@
 
 namespace forcelayer::command {
 
-enum class FileKind { kVoxmap, kPshell, kReport, kTable, kRecording, kPicture, kExport };
+enum class FileKind {
+  kVoxmap,
+  kPshell,
+  kReport,
+  kTable,
+  kRecording,
+  kPicture,
+  kAnimation,
+  kExport
+};
 
 // A file that the user asked for.
 struct OutputFile {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "formats/path/quaternion.h"
 
@@ -162,6 +163,41 @@ std::vector<PathRow> resampled(std::span<const PathRow> rows, double period_s,
     samples.push_back(row);
   }
   return samples;
+}
+
+std::vector<PathRow> thinned(std::span<const PathRow> rows, const std::array<double, 3>& center_m,
+                             double radius_m, double within_m) {
+  // Douglas and Peucker: between two kept rows, the row that is off farthest is kept, if it is off
+  // by too much, and then the same on both sides of it.
+  std::vector<bool> is_kept(rows.size());
+  is_kept.front() = is_kept.back() = true;
+  std::vector<std::pair<std::size_t, std::size_t>> spans{{0, rows.size() - 1}};
+  while (!spans.empty()) {
+    const auto [first, last] = spans.back();
+    spans.pop_back();
+    const PathRow ends[] = {rows[first], rows[last]};
+    double farthest_m = within_m;
+    std::size_t farthest = first;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const PathRow there = pose_at(ends, rows[i].time_s, center_m);
+      const double shift_m =
+          length(difference(center_of(there, center_m), center_of(rows[i], center_m)));
+      const double turn_rad = angle_between(there.orientation_wxyz, rows[i].orientation_wxyz);
+      const double off_m = shift_m + turn_rad * radius_m;
+      if (!(off_m > farthest_m)) continue;
+      farthest_m = off_m;
+      farthest = i;
+    }
+    if (farthest == first) continue;
+    is_kept[farthest] = true;
+    spans.push_back({first, farthest});
+    spans.push_back({farthest, last});
+  }
+  std::vector<PathRow> kept;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (is_kept[i]) kept.push_back(rows[i]);
+  }
+  return kept;
 }
 
 std::vector<PathRow> reversed(std::span<const PathRow> rows) {

@@ -55,6 +55,11 @@ Result<std::vector<PathRow>> turned_about(std::span<const PathRow> rows,
                                           const std::array<double, 3>& pivot_m,
                                           const std::array<double, 3>& center_m, double within_m);
 
+// Fewer rows of the same motion: all others are left out from which no point of the part, at most
+// `radius_m` away from its point `center_m`, is off by more than `within_m`.
+std::vector<PathRow> thinned(std::span<const PathRow> rows, const std::array<double, 3>& center_m,
+                             double radius_m, double within_m);
+
 // The same poses from the last to the first, over the same times.
 std::vector<PathRow> reversed(std::span<const PathRow> rows);
 

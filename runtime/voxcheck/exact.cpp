@@ -56,6 +56,7 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.seat = result.seat_objects;
   request.seat_depth_m = options.seat_depth_m;
   request.max_s = options.max_s;
+  request.animation = options.animation;
   request.quiet = options.quiet;
   for (const auto& seated : result.seated) request.seated.push_back({seated.from_s, seated.to_s});
   if (options.world_from_seat) {

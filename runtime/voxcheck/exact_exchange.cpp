@@ -85,6 +85,7 @@ std::string text_of(const ExactRequest& r) {
               {"seat_pose", r.seat_pose},
               {"seat_depth_m", or_null(r.seat_depth_m)},
               {"max_s", or_null(r.max_s)},
+              {"animation", bytes_of(r.animation)},
               {"quiet", r.quiet}}
       .dump();
 }
@@ -117,6 +118,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         json.at("seat_pose").get_to(r.seat_pose);
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
         r.max_s = unless_null(json.at("max_s"));
+        r.animation = text_from(json.at("animation"));
         json.at("quiet").get_to(r.quiet);
         return r;
       });

@@ -46,6 +46,7 @@ struct ExactRequest : PathSource {
   // and rounding.
   std::optional<double> seat_depth_m;
   std::optional<double> max_s;  // after which the measurement stops
+  std::string animation;        // file to write the motion into; empty: none
   bool quiet = false;           // no line of progress on the terminal
 };
 

@@ -47,6 +47,7 @@ Status prepare_outputs(Options& options) {
   inputs.insert(inputs.end(), options.part_meshes.begin(), options.part_meshes.end());
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
+      {"--report animation", &options.animation, FileKind::kAnimation},
       {"--report csv", &options.csv, FileKind::kTable},
       {"--report picture", &options.picture, FileKind::kPicture},
       {"--report junit", &options.junit, FileKind::kExport},

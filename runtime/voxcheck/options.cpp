@@ -65,9 +65,9 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
           "write a report for another program: csv:FILE (the proven clearance over time), "
           "junit:FILE (the verdict as a test result, XML), gitlab:FILE (violations and warnings "
           "for a GitLab merge request, JSON), github (violations and warnings as lines that GitHub "
-          "shows beside the path file) or picture:FILE (the worst moment as a PNG, drawn by "
-          "voxview "
-          "with the meshes of --exact); repeatable"),
+          "shows beside the path file), picture:FILE (the worst moment as a PNG, drawn by voxview "
+          "with the meshes of --exact) or animation:FILE (scene, part and motion as glTF, from the "
+          "meshes of --exact); repeatable"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
@@ -79,7 +79,8 @@ Result<Options> OptionParser::finish() const {
                                         {.name = "junit", .text = &options.junit},
                                         {.name = "gitlab", .text = &options.code_quality},
                                         {.name = "github", .is_given = &options.github},
-                                        {.name = "picture", .text = &options.picture}};
+                                        {.name = "picture", .text = &options.picture},
+                                        {.name = "animation", .text = &options.animation}};
   if (Status read = command::read_reports(reports_, reports); !read) return read.error();
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
@@ -88,6 +89,10 @@ Result<Options> OptionParser::finish() const {
   }
   options.clearance_m = *clearance;
   if (Status read = meshes_.finish(options); !read) return read.error();
+  if (!options.animation.empty() && options.meshes.empty()) {
+    return Error{ErrorCode::kUsage, "", "--report animation", "needs the meshes",
+                 "add --exact SCENE_MESHES --part PART_MESHES"};
+  }
   if (!time_.empty()) {
     const auto time_s = command::parse_duration(time_);
     if (!time_s) return about("--time", time_s.error());

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 namespace forcelayer::test {
 

@@ -110,6 +110,8 @@ TEST_F(OutputFiles, OnlyAFileThatACommandWroteIsReplaced) {
       {FileKind::kTable, "t_s,handle_x_m,handle_y_m\n"},
       {FileKind::kTable, "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n"},
       {FileKind::kTable, "from_s,to_s,clearance_m,from_m,to_m\n"},
+      {FileKind::kAnimation, std::string("glTF\2\0\0\0....size....", 20) +
+                                 R"({"asset":{"version":"2.0","generator":"Forcelayer 1.0"}})"},
       {FileKind::kExport, "i,j,k,value\n"},
       {FileKind::kExport, std::string(" BDV\0\0\0\0\xe0", 9)},
       {FileKind::kExport,
@@ -119,10 +121,12 @@ TEST_F(OutputFiles, OnlyAFileThatACommandWroteIsReplaced) {
     const std::string first_byte_off = "#" + bytes;
     EXPECT_TRUE(holds(refusal(file("ours", first_byte_off), kind), "that Forcelayer wrote"));
   }
-  for (const FileKind kind : {FileKind::kVoxmap, FileKind::kPshell, FileKind::kReport,
-                              FileKind::kTable, FileKind::kRecording, FileKind::kExport}) {
+  for (const FileKind kind :
+       {FileKind::kVoxmap, FileKind::kPshell, FileKind::kReport, FileKind::kTable,
+        FileKind::kRecording, FileKind::kAnimation, FileKind::kExport}) {
     for (const char* bytes : {"# my path, a day of work\nt_s,x_m,y_m,z_m\n", "v 0 0 0\n", "{}\n",
-                              "ply\nformat ascii 1.0\n", "<?xml version=\"1.0\"?>", "glTF", " "}) {
+                              "ply\nformat ascii 1.0\n", "<?xml version=\"1.0\"?>", "glTF",
+                              "glTF....size........{\"asset\":{\"version\":\"2.0\"}}", " "}) {
       EXPECT_TRUE(holds(refusal(file("mine", bytes), kind), "already exists")) << bytes;
     }
     EXPECT_EQ(refusal(file("mine", ""), kind), "");

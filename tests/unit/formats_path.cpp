@@ -404,6 +404,30 @@ TEST(Path, IsResampledAboutACenterAndReversed) {
   EXPECT_EQ(back[4].position_m, samples[0].position_m);
 }
 
+// A wait and a straight stretch are two rows each, and no pose is off by more than is allowed.
+TEST(Path, AThinnedPathIsTheSameMotion) {
+  constexpr double kWithinM = 1e-6, kRadiusM = 0.1;
+  const std::array<double, 3> center_m{0.01, 0.02, 0.03};
+  std::vector<PathRow> rows;
+  for (int i = 0; i <= 3000; ++i) {
+    const double time_s = 1e-3 * i, out_m = std::clamp(time_s - 1, 0.0, 1.0);
+    const double turn = std::max(0.0, time_s - 2);
+    rows.push_back({time_s, {0, 0, out_m}, {std::cos(turn / 2), 0, 0, std::sin(turn / 2)}});
+  }
+  // The turn is about the origin, not about the center, so that it takes more rows.
+  const auto few = thinned(rows, center_m, kRadiusM, kWithinM);
+  EXPECT_GT(few.size(), 20u);
+  EXPECT_LT(few.size(), 120u);
+  EXPECT_EQ(thinned(std::span(rows).first(2001), center_m, kRadiusM, kWithinM).size(), 3u);
+  EXPECT_EQ(thinned(std::span(rows).first(1), center_m, kRadiusM, kWithinM).size(), 1u);
+  for (const PathRow& row : rows) {
+    const PathRow there = pose_at(few, row.time_s, center_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ASSERT_NEAR(there.position_m[axis], row.position_m[axis], kWithinM) << row.time_s;
+    }
+  }
+}
+
 // No corner and no dip is lost, however the period falls; rows are as they were.
 TEST(Path, AResampledPathHasAllItsRows) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {

@@ -13,7 +13,7 @@
 #include "pointshell/part/open_edges.h"
 #include "pointshell/part/part.h"
 #include "pointshell/part/triangle_tree.h"
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 namespace forcelayer::exact {
 

@@ -21,7 +21,8 @@
 #include "workbench/exact/exact_walk.h"
 #include "workbench/exact/seat_meshes.h"
 #include "workbench/exact/seat_walk.h"
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/animation.h"
+#include "workbench/exact/surface/surfaces.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
@@ -838,6 +839,11 @@ Result<ExactAnswer> check_exactly(const ExactRequest& request) {
   if (!meshes) return meshes.error();
   const auto rows = voxcheck::read_part_path(request, meshes->shell);
   if (!rows) return rows.error();
+  if (!request.animation.empty()) {
+    const Status written =
+        write_animation(request, meshes->scene, meshes->voxmap, meshes->part, meshes->shell, *rows);
+    if (!written) return written.error();
+  }
   return check_exactly(*meshes, *rows, request);
 }
 

@@ -9,7 +9,7 @@
 #include "formats/result.h"
 #include "formats/voxmap.h"
 #include "runtime/voxcheck/exact_exchange.h"
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 namespace forcelayer::exact {
 

@@ -14,7 +14,7 @@
 #include <memory>
 
 #include "forcelayer/pose.h"
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 namespace forcelayer::exact {
 

@@ -13,7 +13,7 @@
 #include "forcelayer/pose.h"
 #include "workbench/exact/body.h"
 #include "workbench/exact/seat_walk.h"
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 namespace forcelayer::exact {
 

@@ -1,4 +1,4 @@
-#include "workbench/exact/surfaces.h"
+#include "workbench/exact/surface/surfaces.h"
 
 #include <algorithm>
 #include <cmath>
