@@ -69,9 +69,11 @@ struct ExactViolation {
   // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
   // that meet elsewhere it is the deepest of some moments; 0 where one of the two has no inside.
   double depth_m = 0, max_depth_m = 0;
+  double contact_s = 0;  // from when on the surfaces meet, where touches()
   // All of the part was inside of a solid for a while, where its surface met none.
   bool inside = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
+  bool touches() const { return meets() && !inside; }
 };
 
 // Where a mesh is open.
@@ -122,9 +124,10 @@ struct ExactAnswer {
   std::vector<ExactViolation> violations;
   std::vector<ExactSeat> seat;
   std::vector<ExactNearest> seated;  // in ExactRequest::seated
-  ExactMoment beyond;                // the least distance from all objects that are not of the seat
-  std::uint64_t moments = 0;         // at which a distance was measured
-  std::vector<ExactStop> stop;       // at most one
+  ExactMoment beyond;             // the least distance from all objects that are not of the seat,
+  double beyond_clearance_m = 0;  // and what it is at least
+  std::uint64_t moments = 0;      // at which a distance was measured
+  std::vector<ExactStop> stop;    // at most one
   std::vector<std::string> warnings;
 };
 

@@ -217,6 +217,19 @@ VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& mom
   return distance;
 }
 
+// From how far along the path on a violation blocks the part: where the meshes meet, from contact.
+double begins_m(const CheckedPath& checked, const Violation& v) {
+  const ExactViolation* exact = exact_of(checked, v);
+  return along_m(checked, exact != nullptr && exact->touches() ? exact->contact_s : v.from_s);
+}
+
+command::VerdictBegin begin_of(const CheckedPath& checked, const Violation& v) {
+  const ExactViolation* exact = exact_of(checked, v);
+  const bool touches = exact != nullptr && exact->touches();
+  const char* const as = v.pushed_into_seat ? "too deep" : touches ? "contact" : "too near";
+  return {begins_m(checked, v), as};
+}
+
 VerdictDistance smallest_of(const CheckedPath& checked) {
   const CheckResult& r = checked.result;
   VerdictDistance distance =
@@ -224,6 +237,19 @@ VerdictDistance smallest_of(const CheckedPath& checked) {
                   checked.exact != nullptr ? &checked.exact->smallest : nullptr, r.clearance_m);
   if (r.at_least && distance.known == Known::kProven) distance.known = Known::kAtLeast;
   if (distance.known == Known::kMeasured) distance.distance_m += kDecimalM;
+  return distance;
+}
+
+// How near the part comes to the objects that are not of its seat, by the meshes.
+VerdictDistance beyond_of(const CheckedPath& checked) {
+  VerdictDistance distance;
+  if (checked.exact == nullptr || checked.exact->beyond.exact_m >= kNothingM) return distance;
+  const ExactMoment& beyond = checked.exact->beyond;
+  distance.known = Known::kMeasured;
+  distance.distance_m = beyond.exact_m + kDecimalM;
+  distance.proven_m = checked.exact->beyond_clearance_m;
+  distance.object = object_name(checked.scene, beyond.object);
+  distance.along_m = along_m(checked, beyond.time_s);
   return distance;
 }
 
@@ -311,7 +337,7 @@ const Violation& worst_of(const CheckedPath& checked) {
     const VerdictKind kind = kind_of(checked, v);
     // To a tenth of a millimeter, as it is printed: where some begin at once, the deepest is first.
     const double begins =
-        kind == VerdictKind::kCollides ? std::round(1e4 * along_m(checked, v.from_s)) : 0;
+        kind == VerdictKind::kCollides ? std::round(1e4 * begins_m(checked, v)) : 0;
     return std::tuple(rank(kind), begins, v.worst.clearance_m, -v.depth_m);
   };
   return *std::min_element(
@@ -368,7 +394,11 @@ std::string violation_text(const CheckedPath& checked, const Violation& v) {
                            stretch_text(checked, v.from_s, v.to_s) + ": " +
                            finding_text(checked, v);
   const bool is_somewhere = !v.unsettled_seat && !v.out_of_time;
-  return is_somewhere ? line + ", " + where_text(checked, v.worst) : line;
+  if (!is_somewhere) return line;
+  const bool touches = exact != nullptr && exact->touches();
+  const std::string contact =
+      touches ? text(", contact from %.1f mm on, worst ", 1e3 * begins_m(checked, v)) : ", ";
+  return line + contact + where_text(checked, v.worst);
 }
 
 command::Verdict verdict_of(const CheckedPath& checked) {
@@ -379,13 +409,13 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.path_m = checked.length.whole_m();
   verdict.slides = slides_of(checked);
   verdict.nearest = smallest_of(checked);
+  verdict.beyond = beyond_of(checked);
   verdict.kind = yes_of(checked);
   if (r.clear()) return verdict;
   const Violation& worst = worst_of(checked);
   verdict.kind = kind_of(checked, worst);
   if (verdict.kind == VerdictKind::kCollides) {
-    verdict.begin = {along_m(checked, worst.from_s),
-                     worst.pushed_into_seat ? "too deep" : "too near"};
+    verdict.begin = begin_of(checked, worst);
     if (r.begins_installed) verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.blocked_by = blockers(checked);
   }
@@ -422,11 +452,11 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
                     to(r.smallest.object) + ", " + where_text(checked, r.smallest));
   }
   // Just out of its seat the part is near that. How near it comes to other objects is news.
-  const ExactMoment* const beyond = checked.exact != nullptr ? &checked.exact->beyond : nullptr;
-  if (r.clear() && beyond != nullptr && beyond->exact_m < kNothingM) {
-    lines.push_back("nearest other object, measured: " + length_text(beyond->exact_m + kDecimalM) +
-                    to(beyond->object) +
-                    text(", after %.1f mm", 1e3 * along_m(checked, beyond->time_s)));
+  const VerdictDistance beyond = beyond_of(checked);
+  if (r.clear() && beyond.known != Known::kNot) {
+    lines.push_back("nearest other object, measured: " + length_text(beyond.distance_m) + " to " +
+                    (beyond.object.empty() ? "the scene" : escaped(beyond.object)) +
+                    text(", after %.1f mm", 1e3 * beyond.along_m));
   }
   return lines;
 }

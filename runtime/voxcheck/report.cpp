@@ -86,6 +86,7 @@ Json violation_json(const Report& report, const Violation& v) {
   if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report.checked, v)) {
     if (v.depth_m > 0) json["max_depth_m"] = exact->max_depth_m;
+    if (exact->touches()) json["contact_from_m"] = along_m(report.checked, exact->contact_s);
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
     json["inside"] = exact->inside;
@@ -216,8 +217,9 @@ command::Verdict verdict_of(const Report& report) {
     notes.push_back(hidden_text(within_m) + "; the meshes show them");
   }
   if (const auto missing = missing_faces(checked.scene, checked.part); missing > 0) {
-    notes.push_back(text("faces missing from scene and part: %llu; the answer does not cover them",
-                         static_cast<unsigned long long>(missing)));
+    notes.push_back(
+        text("faces that could not be read: %llu of scene and part; the answer does not cover them",
+             static_cast<unsigned long long>(missing)));
   }
   return verdict;
 }
@@ -233,6 +235,12 @@ Json smallest_json(const Report& report) {
   for (const Violation& v : r.violations) {
     if (v.unsettled_seat || v.out_of_time || !(v.clearance_m < r.clearance_m)) continue;
     if (nearest == nullptr || v.clearance_m < nearest->clearance_m) nearest = &v;
+  }
+  if (!r.clear()) {  // of several that are as near, the one that the verdict names
+    const Violation& worst = worst_of(report.checked);
+    const bool is_known = !worst.unsettled_seat && !worst.out_of_time;
+    const double min_m = nearest == nullptr ? r.clearance_m : nearest->clearance_m;
+    if (is_known && worst.clearance_m <= min_m) nearest = &worst;
   }
   Json json = nearest == nullptr
                   ? moment_json(report.checked, r.smallest, r.clearance_m)

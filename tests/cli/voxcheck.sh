@@ -317,7 +317,7 @@ if [ -x "$bin/voxcheck-exact" ]; then
   check 6 opened.vox cover.pshell sideways.csv --clearance 3mm "${exact[@]}" --json graze.json --report junit:graze.xml
   says '^Too close to call, .*: comes within [23](\.[0-9]+)? mm of Gearbox/Housing; deviations and rounding \(0\.000[0-9]+ mm\) leave this undecided \('
   check 6 opened.vox cover.pshell through.csv --clearance 1mm "${exact[@]}" --json crossed.json
-  says '^Collides, straight along -z: meets Gearbox/Housing, at least [1-9][0-9.]* mm deep \(too near from [0-9.]+ mm on, worst after [0-9.]+ of 400 mm\)\.$'
+  says '^Collides, straight along -z: meets Gearbox/Housing, at least [1-9][0-9.]* mm deep \(contact from [0-9.]+ mm on, worst after [0-9.]+ of 400 mm\)\.$'
   # Where surfaces meet it is no graze, however little is required.
   check 6 opened.vox cover.pshell through.csv --clearance 0mm "${exact[@]}" --json met.json
   says '^Collides, .*: meets Gearbox/Housing, at least '

@@ -234,7 +234,12 @@ END
     "$bin/pointshell" cube.obj --units mm --voxel-size ${size}mm --quiet -o cube$size.pshell
     seat=(--seat 0,0,0m --exact corner.json --part cube.obj --part-units mm --json corner$size.json)
     check 6 corner$size.vox cube$size.pshell into.csv "${seat[@]}" --clearance 0.8mm
-    says '^Does not come out, .*: gets [0-9.]+ mm away from its seat after [0-9.]+ mm, but meets Wall, at least 0\.(2|19[0-9]*|20[0-9]*) mm deep \(too near from [0-9.]+ mm on, worst after [0-9.]+ of [0-9.]+ mm\)\.$'
+    says '^Does not come out, .*: gets [0-9.]+ mm away from its seat after [0-9.]+ mm, but meets Wall, at least 0\.(2|19[0-9]*|20[0-9]*) mm deep \(contact from 3\.7 mm on, worst after [0-9.]+ of [0-9.]+ mm\)\.$'
+    python3 - $size <<'END' || fail "contact from: $(cat corner$size.json)"
+import json, math, sys
+[violation] = json.load(open(f"corner{sys.argv[1]}.json"))["violations"]
+assert abs(violation["contact_from_m"] - 2.5e-3 / 2.7 * math.hypot(2.7, 3)) < 2e-5, violation
+END
     check 6 corner$size.vox cube$size.pshell close.csv "${seat[@]}" --clearance 0.8mm
     says '^Does not keep the clearance, .*: gets [0-9.]+ mm away from its seat after [0-9.]+ mm, but comes as near as 0\.05 mm \(measured to Wall, after '
     check 0 corner$size.vox cube$size.pshell clear.csv "${seat[@]}" --clearance 0.8mm

@@ -74,8 +74,8 @@ fi
 study=(forcelayer study "tray.step#cube" --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o study)
 "$bin/${study[0]}" "${study[@]:1}" >out 2>err && fail "a study of a scene that cannot be read"
 expect 0 "" "${study[@]}" --missing-faces 1
-grep -q "faces missing from scene and part</th><td>1; the verdict does not cover them" study/report.html || fail "the page does not say what is missing"
-grep -q '^  faces missing from scene and part: 1; the answer does not cover them$' study/verdict.txt || fail "what is missing: $(cat study/verdict.txt)"
+grep -q "faces that could not be read</th><td>1 of scene and part; the verdict does not cover them" study/report.html || fail "the page does not say what is missing"
+grep -q '^  faces that could not be read: 1 of scene and part; the answer does not cover them$' study/verdict.txt || fail "what is missing: $(cat study/verdict.txt)"
 
 # A solid that OpenCASCADE does not read (a constructive one in the cube): the same ways out of one file.
 python3 - <<'EOF' || exit 1

@@ -169,6 +169,23 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
             "the first 51.6 mm, otherwise stays 1.4 mm away or more (proven; "
             "nearest to Clip/Half, after 51.6 of 60 mm; 1 mm "
             "required).");
+  // Just out of its seat it is as near to that as required: how near all else is, is news.
+  v.slides[0].passed = {"B", "Clip/Half"};
+  const std::string otherwise = sentence(v);
+  EXPECT_NE(otherwise.find("otherwise stays 1.4 mm away or more (proven; "), std::string::npos);
+  v.beyond = {Known::kMeasured, 0.022, "Post", 0, 0.022};
+  EXPECT_EQ(sentence(v),
+            "Comes out, straight along +z: slides along A and passes B and Clip/Half with a gap of "
+            "0.096 mm for the first 51.6 mm, otherwise keeps the required 1 mm, and stays 22 mm or "
+            "more away from all other objects (measured to Post, after 0 of 60 mm).");
+  v.beyond.proven_m = 0.0219;
+  EXPECT_NE(sentence(v).find(" 21.9 mm or more away from all other objects (proven; nearest to "),
+            std::string::npos);
+  v.nearest.along_m = 0.055;  // it comes near to it once more
+  EXPECT_EQ(sentence(v).find("all other objects"), std::string::npos);
+  v.nearest = {Known::kMeasured, 0.001523, "Post", 0.0516, 0.001523};
+  EXPECT_EQ(sentence(v).find("all other objects"), std::string::npos);
+  v.beyond = {};
   // It moves off what it touches, or onto it, where the clearance is gained or lost within twice
   // its length. It may leave one thing at once while it slides along another.
   const auto says = [&](const VerdictSlide& slide, const std::string& words) {

@@ -346,7 +346,11 @@ class ExactCheck {
         !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(worst);
     const bool meets = violation.meets();
-    if (meets) look_into(violation);
+    if (meets) {
+      const auto begin = contact_begin(near.pieces, violation.worst.object);
+      violation.contact_s = begin ? path_.time_s(*begin) : violation.from_s;
+      look_into(violation);
+    }
     answer.violations.push_back(violation);
     if (meets && !near.inside) add_other_objects(near.pieces, answer);
   }
@@ -361,17 +365,15 @@ class ExactCheck {
     std::vector<ExactViolation> met;
     for (const std::uint32_t object : objects_beside(pieces)) {
       if (object == 0 || object == known) continue;
+      const auto begin = contact_begin(pieces, object);
+      if (!begin) continue;
       const Other& other = other_of(object);
       ExactWalk walk(path_, other.distance, other.distance, rounding_m_);
-      const std::vector<Piece> counted = counted_pieces(pieces, object);
-      const bool is_near = std::any_of(counted.begin(), counted.end(), [&](const Piece& piece) {
-        return !walk.nearer_than(piece, rounding_m_, kTravelM).empty();
-      });
-      if (!is_near) continue;
-      const Sample nearest = smallest_of(walk, counted).sample;
+      const Sample nearest = smallest_of(walk, counted_pieces(pieces, object)).sample;
       ExactViolation violation;
       violation.worst = exact_moment(nearest, other.surface);
       if (violation.worst.exact_m > 0 || !set_stretch(pieces, violation)) continue;
+      violation.contact_s = path_.time_s(*begin);
       met.push_back(violation);
     }
     std::stable_sort(met.begin(), met.end(), [](const ExactViolation& a, const ExactViolation& b) {
@@ -419,6 +421,17 @@ class ExactCheck {
   static std::vector<Piece> unmeasured(std::vector<Piece> pieces) {
     for (Piece& piece : pieces) piece.is_measured = false;
     return pieces;
+  }
+
+  // The first moment of some pieces at which the surfaces of the part and an object meet.
+  std::optional<Moment> contact_begin(const std::vector<Piece>& pieces, std::uint32_t object) {
+    const MeshPair& pair = other_of(object).distance;
+    ExactWalk walk(path_, pair, pair, rounding_m_);
+    for (const Piece& piece : counted_pieces(pieces, object)) {
+      const auto touching = walk.nearer_than(piece, rounding_m_, kTravelM);
+      if (!touching.empty()) return touching.front().from;
+    }
+    return std::nullopt;
   }
 
   // From when to when the object of a violation is too near in some pieces. False where it is not.
@@ -752,10 +765,12 @@ class ExactCheck {
   }
 
   void add_least(ExactAnswer& answer) {
-    if (!request_.seat.empty()) {
+    if (!request_.seat.empty() && request_.allowed.empty()) {
       Piece whole{{0, 0}, {path_.poses() - 1, 0}};
       whole.seated = true;
-      answer.beyond = exact_moment(smallest_of({whole}).sample);
+      const auto beyond = smallest_of({whole});
+      answer.beyond = exact_moment(beyond.sample);
+      answer.beyond_clearance_m = std::max(0.0, beyond.at_least_m - margin_m_);
     }
     std::vector<Piece> pieces =
         joined([&](const auto& s) { return !request_.max_m || s.proven_m <= *request_.max_m; });

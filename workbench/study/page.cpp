@@ -127,8 +127,8 @@ std::string facts_table(const Page& page) {
                                     " behind an object of the seat or of --allow");
   }
   if (const auto missing = v.value("missing_faces", std::uint64_t{0}); missing > 0) {
-    table += row("faces missing from scene and part",
-                 std::to_string(missing) + "; the verdict does not cover them");
+    table += row("faces that could not be read",
+                 std::to_string(missing) + " of scene and part; the verdict does not cover them");
   }
   table += row("voxel", mm(page.scene["voxel_size_m"]));
   table += row("points of the shell", std::to_string(page.shell["points"].get<std::uint64_t>()));

@@ -65,6 +65,7 @@ class Study {
   void add_meshes(Step& step) const;
   void add_check_meshes(Step& step) const;
   void add_bake_reading(Step& step) const;
+  bool is_deep() const;
   Step scene_step() const;
   Step part_step() const;
   Step pull_step() const;
@@ -116,7 +117,7 @@ class Study {
   const Options& options_;
   Steps steps_;
   std::string voxel_size_;  // of the bakes
-  bool is_deep_ = false;    // the part lies so deep in its seat that distances are stored deeper
+  bool is_deep_ = false;    // the first look was refused because the part overlaps too deep
   std::optional<SizeCost> look_;
   Play play_;
   SizeChoice choice_;
@@ -230,6 +231,12 @@ void Study::add_bake_reading(Step& step) const {
   step.arguments.insert(step.arguments.end(), {"--missing-faces", options_.missing_faces});
 }
 
+// Whether the part overlaps a neighbor by more than the distances that are usually stored.
+bool Study::is_deep() const {
+  constexpr double kUsualVoxels = 0.5;
+  return is_deep_ || play_.overlap_m > kUsualVoxels * *command::parse_length(voxel_size_);
+}
+
 Step Study::scene_step() const {
   Step step{"voxelize",
             {options_.assembly},
@@ -242,7 +249,7 @@ Step Study::scene_step() const {
                                                "--json", in("scene.json")});
   if (!options_.range.empty()) {
     step.arguments.insert(step.arguments.end(), {"--range", options_.range});
-  } else if (is_deep_) {
+  } else if (is_deep()) {
     constexpr double kDeepestVoxels = 32;
     const double voxel_m = *command::parse_length(voxel_size_);
     step.arguments.insert(step.arguments.end(), {"--range", size_option(kDeepestVoxels * voxel_m)});
@@ -356,9 +363,10 @@ Step Study::picture_step() const {
   return step;
 }
 
+// The part first: a wrong name of it is refused in words about the part.
 Status Study::bake() {
-  if (const auto scene = run(scene_step()); !scene) return scene.error();
   if (const auto part = run(part_step()); !part) return part.error();
+  if (const auto scene = run(scene_step()); !scene) return scene.error();
   return {};
 }
 
@@ -428,6 +436,7 @@ Status Study::check() {
   const auto is_clear = [](const json& report) {
     return command::is_yes(command::verdict_kind(report.value("kind", "")));
   };
+  std::string hand_note;
   // Another path may lead around what the part meets. Where it is only too near, the answer is how
   // near.
   const auto kind = command::verdict_kind(checked_.value("kind", ""));
@@ -436,8 +445,20 @@ Status Study::check() {
   if (!options_.pull.empty() && !is_held_ && is_blocked) {
     // The hand went to the end of its pull. Where its own path is clear, that is the answer.
     if (const auto hand = run(hand_step()); !hand) return hand.error();
-    if (is_clear(read_json(in("hand.json")))) checked = check_path(in("path.csv"));
+    const json hand = read_json(in("hand.json"));
+    if (is_clear(hand)) {
+      checked = check_path(in("path.csv"));
+    } else {
+      hand_note =
+          "the simulated hand pulled the part out along a path of its own, for which the "
+          "answer is: " +
+          hand.value("kind", "") + " (hand.json)";
+    }
     if (!checked) return checked.error();
+  } else if (!options_.pull.empty() && is_held_ && is_clear(checked_)) {
+    hand_note = "the simulated hand, which feels voxels of " +
+                command::length_text(*command::parse_length(voxel_size_)) +
+                ", did not pull the part out (run.json); the answer is about the straight path";
   }
   verdict_ = {};
   verdict_.kind = command::verdict_kind(checked_.value("kind", ""));
@@ -447,6 +468,7 @@ Status Study::check() {
   verdict_.blocked_by = checked_.value("blocked_by", std::vector<std::string>());
   sentence_ = checked_.value("sentence", "");
   text_ = checked->output;
+  if (!hand_note.empty()) text_ += "  " + hand_note + "\n";
   return command::write_text(in("verdict.txt"), text_);
 }
 
@@ -613,7 +635,7 @@ Status Study::look() {
   auto installed = run(installed_step());
   const bool may_be_deep = options_.is_auto() && options_.range.empty();
   if (!installed && may_be_deep && installed.error().code == ErrorCode::kUsage) {
-    is_deep_ = true;  // it overlaps a neighbor by more than the distances that are usually stored
+    is_deep_ = true;
     if (Status s = bake(); !s) return s;
     installed = run(installed_step());
   }

@@ -68,9 +68,10 @@ Play play_of(const nlohmann::json& report) {
   play.is_measured = report.contains("exact");
   for (const auto& object : objects) {
     const std::string name = object.value("object", "");
-    const double gap_m = object.value("gap_m", 0.0);
-    if (object.value("installed_m", 0.0) > 0 || gap_m <= kContactM) {
+    const double gap_m = object.value("gap_m", 0.0), overlap_m = object.value("installed_m", 0.0);
+    if (overlap_m > 0 || gap_m <= kContactM) {
       play.touched.push_back(name);
+      play.overlap_m = std::max(play.overlap_m, overlap_m);
     } else if (gap_m < play.play_m) {
       play.play_m = gap_m;
       play.object = name;

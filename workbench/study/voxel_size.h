@@ -29,6 +29,7 @@ struct Play {
   double play_m = std::numeric_limits<double>::infinity();  // the smallest that is not contact
   std::string object;                                       // to which; empty: none is that near
   std::vector<std::string> touched;                         // objects without any
+  double overlap_m = 0;                                     // with one of these, at most
   bool is_measured = true;                                  // between the meshes
 };
 // By a report of voxcheck --exact for the installed pose.

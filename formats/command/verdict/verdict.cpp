@@ -135,22 +135,50 @@ std::string slides_text(const Verdict& v) {
   return line;
 }
 
+// A distance that stands in a sentence: the proven one, where the answer is yes and less is proven
+// than was measured.
+double shown_m(const Verdict& v, const VerdictDistance& distance) {
+  const bool is_less = is_yes(v.kind) && distance.known == Known::kMeasured &&
+                       is_less_proven(distance.distance_m, distance.proven_m);
+  return is_less ? distance.proven_m : distance.distance_m;
+}
+
+// "measured to Clip, after 51.6 of 60 mm"
+std::string source_text(const Verdict& v, const VerdictDistance& distance) {
+  if (distance.known == Known::kAtLeast) return "nothing is nearer";
+  const bool is_measured =
+      distance.known == Known::kMeasured && shown_m(v, distance) == distance.distance_m;
+  return (is_measured ? "measured to " : "proven; nearest to ") + printed(distance.object) + ", " +
+         position_text(v, distance.along_m);
+}
+
 // The distance, and in parentheses to what, where, and what was required.
 std::string distance_text(const Verdict& v, const char* before, const char* behind) {
-  const VerdictDistance& nearest = v.nearest;
-  const bool is_less = is_yes(v.kind) && nearest.known == Known::kMeasured &&
-                       is_less_proven(nearest.distance_m, nearest.proven_m);
-  const auto [distance, required] =
-      length_texts(is_less ? nearest.proven_m : nearest.distance_m, v.required_m);
-  std::string line = before + distance + behind + " (";
-  if (v.nearest.known == Known::kAtLeast) {
-    line += "nothing is nearer";
-  } else {
-    const bool is_measured = nearest.known == Known::kMeasured && !is_less;
-    line += (is_measured ? "measured to " : "proven; nearest to ") + printed(nearest.object) +
-            ", " + position_text(v, nearest.along_m);
-  }
-  return line + "; " + required + " required)";
+  const auto [distance, required] = length_texts(shown_m(v, v.nearest), v.required_m);
+  return before + distance + behind + " (" + source_text(v, v.nearest) + "; " + required +
+         " required)";
+}
+
+// Whether the part is nearest, beside its slides, where one of these begins or ends, to an object
+// of it: of course it is just about the required clearance away there.
+bool is_nearest_beside_slide(const Verdict& v) {
+  const std::string nearest = short_mm(v.nearest.along_m);
+  return std::any_of(v.slides.begin(), v.slides.end(), [&](const VerdictSlide& slide) {
+    const auto names = [&](const std::vector<std::string>& objects) {
+      return std::find(objects.begin(), objects.end(), v.nearest.object) != objects.end();
+    };
+    return (nearest == short_mm(slide.from_m) || nearest == short_mm(slide.to_m)) &&
+           (names(slide.objects) || names(slide.passed) || names(slide.left));
+  });
+}
+
+// The distance from the objects that the part has no contact with says more then.
+std::string stays_text(const Verdict& v) {
+  const bool is_known = v.beyond.known != Known::kNot && v.required_m > 0;
+  if (!is_known || !is_nearest_beside_slide(v)) return distance_text(v, "stays ", " away or more");
+  return "keeps the required " + length_text(v.required_m) + ", and stays " +
+         length_text(shown_m(v, v.beyond)) + " or more away from all other objects (" +
+         source_text(v, v.beyond) + ")";
 }
 
 // The same of a finding in words.
@@ -169,7 +197,7 @@ std::string finding_text(const Verdict& v) {
 std::string answer_text(const Verdict& v) {
   if (!v.finding.empty()) return finding_text(v);
   if (v.nearest.known == Known::kNot) return length_text(v.required_m) + " required";
-  if (is_yes(v.kind)) return distance_text(v, "stays ", " away or more");
+  if (is_yes(v.kind)) return stays_text(v);
   return v.kind == VerdictKind::kNeverNear ? distance_text(v, "it stays ", " away or more")
                                            : distance_text(v, "comes as near as ", "");
 }

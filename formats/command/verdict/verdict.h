@@ -71,7 +71,8 @@ struct VerdictSlide {
   std::vector<std::string> left = {};  // that it touches at one end alone
 };
 
-// Where along the path a collision begins, and how: "too near" or, in a seat, "too deep".
+// Where along the path a collision begins, and how: "contact", "too near" where the meshes are not
+// at hand or, in a seat, "too deep".
 struct VerdictBegin {
   double along_m = 0;
   const char* as = "too near";
@@ -85,6 +86,7 @@ struct Verdict {
   double path_m = 0;   // how long the path is
   std::vector<VerdictSlide> slides;
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
+  VerdictDistance beyond;   // the least distance from all objects that no slide names
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
   std::string finding;  // what is wrong, or not decided, where a distance does not say it
   std::vector<std::string> blocked_by;  // objects, the most important first
