@@ -242,29 +242,30 @@ Status check_absent(const TreeSections& sections, const char* field, std::string
   return {};
 }
 
-Status check_compliance(const VoxmapHeader& h, std::span<const float> forces,
+Status check_compliance(const VoxmapHeader& h, std::span<const float> pressures,
                         std::string_view name) {
-  if (forces.empty()) return {};
+  if (pressures.empty()) return {};
   const auto wrong = [&](const char* what) {
     return Error{ErrorCode::kSectionInvalid, name, "compliance", what, "bake or copy it again"};
   };
   if (!has_distances(h)) return wrong("needs stored distances, but the file has none");
   const double deepest_m = h.zero_force_m + (h.distance_zero_code + 1.0) * h.distance_quantum_m;
-  if (static_cast<double>(forces.size() - 1) * h.distance_quantum_m > deepest_m) {
+  if (static_cast<double>(pressures.size() - 1) * h.distance_quantum_m > deepest_m) {
     return wrong("is deeper than the stored distances");
   }
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const float smallest = i == 0 ? 0.0f : forces[i - 1];
-    const float largest = i == 0 ? 0.0f : kMaxComplianceN;
-    const double steep_n = kMaxComplianceNPerM * h.distance_quantum_m;
-    if (forces[i] >= smallest && forces[i] <= largest && forces[i] - smallest <= steep_n) continue;
-    return Error{
-        ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
-        i == 0 ? "is not 0, but the force must begin at the zero-force surface"
-               : "is less than the force before it, is above 1e6 N, or rises by more than 1e12 N/m",
-        "bake or copy it again"};
+  for (std::size_t i = 0; i < pressures.size(); ++i) {
+    const float smallest = i == 0 ? 0.0f : pressures[i - 1];
+    const float largest = i == 0 ? 0.0f : kMaxCompliancePa;
+    const double steep_pa = kMaxCompliancePaPerM * h.distance_quantum_m;
+    const bool steep = pressures[i] - smallest > steep_pa;
+    if (pressures[i] >= smallest && pressures[i] <= largest && !steep) continue;
+    return Error{ErrorCode::kEntryInvalid, name, "compliance entry " + std::to_string(i),
+                 i == 0 ? "is not 0, but the pressure must begin at the zero-force surface"
+                        : "is less than the pressure before it, is above 1e9 Pa, or rises by more "
+                          "than 1e15 Pa/m",
+                 "bake or copy it again"};
   }
-  if (!(forces.back() > 0)) return wrong("has no force at any depth");
+  if (!(pressures.back() > 0)) return wrong("has no pressure at any depth");
   return {};
 }
 
@@ -298,7 +299,12 @@ Result<Voxmap> Voxmap::from_bytes(std::span<const std::byte> bytes, std::string_
     if (Status s = check_section_checksums(bytes, name, rules); !s) return s.error();
   }
   if (Status s = map.read_trees(*sections, name); !s) return s.error();
-  map.compliance_ = elements_of<float>((*sections)[4]);
+  if (!(*sections)[4].empty()) {
+    return Error{ErrorCode::kSectionInvalid, name, "compliance",
+                 "states newtons for a shell point of any area, but this program reads pascals",
+                 "bake the scene again with a pressure, such as --compliance 2mm:5kPa"};
+  }
+  map.compliance_ = elements_of<float>((*sections)[15]);
   map.provenance_ = {reinterpret_cast<const char*>((*sections)[5].data()), (*sections)[5].size()};
   if (Status s = check_compliance(h, map.compliance_, name); !s) return s.error();
   if (Status s = map.read_names((*sections)[14], name); !s) return s.error();
@@ -397,13 +403,13 @@ double Voxmap::max_distance_m(std::int64_t i, std::int64_t j, std::int64_t k) co
   return forcelayer::max_distance_m(*header_, distance_code(i, j, k));
 }
 
-double steepest_n_per_m(const Voxmap& map) {
-  const std::span<const float> forces = map.compliance();
-  double steepest_n = 0;
-  for (std::size_t i = 1; i < forces.size(); ++i) {
-    steepest_n = std::max(steepest_n, double{forces[i]} - double{forces[i - 1]});
+double steepest_pa_per_m(const Voxmap& map) {
+  const std::span<const float> pressures = map.compliance();
+  double steepest_pa = 0;
+  for (std::size_t i = 1; i < pressures.size(); ++i) {
+    steepest_pa = std::max(steepest_pa, double{pressures[i]} - double{pressures[i - 1]});
   }
-  return steepest_n / map.header().distance_quantum_m;
+  return steepest_pa / map.header().distance_quantum_m;
 }
 
 }  // namespace forcelayer

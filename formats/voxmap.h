@@ -203,7 +203,7 @@ class Voxmap {
   std::string_view provenance_;
 };
 
-// The steepest slope of the map's compliance table, N/m; 0 where it has none.
-double steepest_n_per_m(const Voxmap& map);
+// The steepest slope of the map's compliance table, Pa/m; 0 where it has none.
+double steepest_pa_per_m(const Voxmap& map);
 
 }  // namespace forcelayer

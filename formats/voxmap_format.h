@@ -66,7 +66,7 @@ enum class VoxmapSection : std::uint32_t {
   kUpperNodes = 2,         // 512 uint32 entries each
   kLowerNodes = 3,         // 512 uint32 entries each
   kBricks = 4,             // 512 values of two bits each
-  kCompliance = 5,         // float32 force (N per contact point) over depth; optional
+  kPointForces = 5,        // newtons of a contact point, in files of early programs: refused
   kProvenance = 6,         // UTF-8 JSON: content hashes and the options that affect voxels
   kDistanceDirectory = 7,  // 7 to 10 as 1 to 4, of codes of eight bits; all four, or none
   kDistanceUpperNodes = 8,
@@ -77,6 +77,7 @@ enum class VoxmapSection : std::uint32_t {
   kObjectLowerNodes = 13,
   kObjectBricks = 14,  // packed
   kObjectNames = 15,   // UTF-8, each name ended by a zero byte
+  kCompliance = 16,    // float32 pressure (Pa) over depth; optional
 };
 
 // The sides of the valid box where a region of interest cut the scene. Beyond a side whose bit is
@@ -144,9 +145,9 @@ constexpr KnownBox known_box(const VoxmapHeader& header,
   return box;
 }
 
-// Limits of a compliance table: the highest force of a contact point and the steepest slope.
-inline constexpr float kMaxComplianceN = 1e6f;
-inline constexpr double kMaxComplianceNPerM = 1e12;
+// Limits of a compliance table: the highest pressure and the steepest slope.
+inline constexpr float kMaxCompliancePa = 1e9f;
+inline constexpr double kMaxCompliancePaPerM = 1e15;
 
 // Bytes of a brick's elements of so many bits.
 constexpr std::uint32_t brick_bytes(std::uint32_t bits) { return kNodeEntries / 8 * bits; }

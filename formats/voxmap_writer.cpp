@@ -55,11 +55,12 @@ FileLayout lay_out(const VoxmapContent& content, const PackedTrees& packed) {
     }
   };
   add_tree(content.values);
-  bytes.push_back(std::as_bytes(content.compliance));
+  bytes.push_back({});  // no forces of points
   bytes.push_back(std::as_bytes(std::span(content.provenance)));
   add_tree(packed.distances.content(content.distances));
   add_tree(packed.objects.content(content.objects));
   bytes.push_back(names);
+  bytes.push_back(std::as_bytes(content.compliance));
 
   const auto rules = voxmap_section_rules();
   std::vector<SectionContent> sections;

@@ -31,7 +31,7 @@ struct VoxmapContent {
   TreeContent distances;              // of eight
   TreeContent objects;                // of sixteen
   std::string_view object_names;      // each ended by a zero byte
-  std::span<const float> compliance;  // may be empty
+  std::span<const float> compliance;  // Pa; may be empty
   std::string_view provenance;        // JSON, may be empty
 };
 

@@ -38,8 +38,8 @@ struct ObjectReport {
 struct Bake {
   VoxmapHeader header{};
   tree::VoxelTree values, distances, nearest_objects;
-  std::string object_names;  // as in the file
-  std::vector<float> compliance;
+  std::string object_names;           // as in the file
+  std::vector<float> compliance;      // Pa over depth
   std::vector<ObjectReport> objects;  // in the order given
   // With a cache: nodes of 64^3 voxels near surfaces, and how many did not have to be built.
   std::uint64_t nodes = 0, reused_nodes = 0;

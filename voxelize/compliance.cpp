@@ -10,8 +10,8 @@
 namespace forcelayer::voxelize {
 namespace {
 
-constexpr double kRounding = 1e-12;  // tolerance of the last corner's depth
-constexpr double kMinForceN = 1e-6;  // of the last corner: less is no force
+constexpr double kRounding = 1e-12;      // tolerance of the last corner's depth
+constexpr double kMinPressurePa = 1e-3;  // of the last corner: less counts as none
 
 Error wrong(std::string what, std::string mend) {
   return {ErrorCode::kUsage, "", "--compliance", std::move(what), std::move(mend)};
@@ -20,13 +20,13 @@ Error wrong(std::string what, std::string mend) {
 Result<CompliancePoint> parse_corner(std::string_view text) {
   const auto colon = text.find(':');
   if (colon == std::string_view::npos) {
-    return wrong("'" + std::string(text) + "' is not DEPTH:FORCE", "write for example 2mm:0.5N");
+    return wrong("'" + std::string(text) + "' is not DEPTH:PRESSURE", "write for example 2mm:5kPa");
   }
   const auto depth = command::parse_length(text.substr(0, colon));
   if (!depth) return wrong(depth.error().what, depth.error().mend);
-  const auto force = command::parse_force_n(text.substr(colon + 1));
-  if (!force) return wrong(force.error().what, force.error().mend);
-  return CompliancePoint{*depth, *force};
+  const auto pressure = command::parse_pressure_pa(text.substr(colon + 1));
+  if (!pressure) return wrong(pressure.error().what, pressure.error().mend);
+  return CompliancePoint{*depth, *pressure};
 }
 
 }  // namespace
@@ -51,17 +51,18 @@ Status check_compliance(std::span<const CompliancePoint> curve) {
     if (!(point.depth_m > last.depth_m) || !std::isfinite(point.depth_m)) {
       return wrong("has depths that are not above 0, or do not ascend", "list the pairs by depth");
     }
-    if (!(point.force_n >= last.force_n && point.force_n <= double{kMaxComplianceN})) {
-      return wrong("has a force that is below the force before it, or above 1e6 N",
-                   "the force of a soft surface must not decrease with depth");
+    const double rise_pa = point.pressure_pa - last.pressure_pa;
+    if (!(rise_pa >= 0 && point.pressure_pa <= double{kMaxCompliancePa})) {
+      return wrong("has a pressure that is below the pressure before it, or above 1 GPa",
+                   "the pressure of a soft surface must not decrease with depth");
     }
-    if (!(point.force_n - last.force_n <= kMaxComplianceNPerM * (point.depth_m - last.depth_m))) {
-      return wrong("rises by more than 1e12 N/m", "");
+    if (!(rise_pa <= kMaxCompliancePaPerM * (point.depth_m - last.depth_m))) {
+      return wrong("rises by more than 1e15 Pa/m", "");
     }
     last = point;
   }
-  if (!curve.empty() && !(last.force_n >= kMinForceN)) {
-    return wrong("has no force at any depth", "leave it out, or raise the last force");
+  if (!curve.empty() && !(last.pressure_pa >= kMinPressurePa)) {
+    return wrong("has no pressure at any depth", "leave it out, or raise the last pressure");
   }
   return {};
 }
@@ -75,8 +76,9 @@ std::vector<float> compliance_table(std::span<const CompliancePoint> curve, doub
     const CompliancePoint& to = corner < curve.size() ? curve[corner] : curve.back();
     const double fraction =
         corner < curve.size() ? (depth_m - from.depth_m) / (to.depth_m - from.depth_m) : 1;
-    const auto force_n = static_cast<float>(from.force_n + fraction * (to.force_n - from.force_n));
-    table.push_back(table.empty() ? force_n : std::max(force_n, table.back()));
+    const auto pressure_pa =
+        static_cast<float>(from.pressure_pa + fraction * (to.pressure_pa - from.pressure_pa));
+    table.push_back(table.empty() ? pressure_pa : std::max(pressure_pa, table.back()));
     if (depth_m >= curve.back().depth_m * (1 - kRounding)) break;
   }
   return table;

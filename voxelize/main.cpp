@@ -89,7 +89,7 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "store distances down to this depth below the surface at which the force begins, "
                  "2 to 32 voxels (default 4 voxels)");
   app.add_option("--compliance", arguments.compliance,
-                 "DEPTH:FORCE,...: how a soft surface presses back, such as 2mm:0.5N,6mm:4N "
+                 "DEPTH:PRESSURE,...: how a soft surface presses back, such as 2mm:5kPa,6mm:40kPa "
                  "(default: the model's own stiffness)");
   app.add_option(
          "--free-seed", arguments.free_seeds,

@@ -40,8 +40,8 @@ std::string provenance_of(const mesh::Scene& scene, std::span<const cache::MeshO
   if (options.metric == Metric::kEuclidean && !options.distances) json["lean"] = true;
   if (options.standoff_m > 0) json["standoff_m"] = options.standoff_m;
   if (options.range_m > 0) json["range_m"] = options.range_m;
-  for (const auto& [depth_m, force_n] : options.compliance) {
-    json["compliance"].push_back({{"depth_m", depth_m}, {"force_n", force_n}});
+  for (const auto& [depth_m, pressure_pa] : options.compliance) {
+    json["compliance"].push_back({{"depth_m", depth_m}, {"pressure_pa", pressure_pa}});
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -34,6 +34,7 @@ constexpr Spelling kSpellings[] = {
 constexpr Unit kTimeUnits[] = {
     {"us", -6, 1}, {"ms", -3, 1}, {"s", 0, 1}, {"min", 0, 60}, {"h", 0, 3600}};
 constexpr Unit kForceUnits[] = {{"mN", -3, 1}, {"N", 0, 1}, {"kN", 3, 1}};
+constexpr Unit kPressureUnits[] = {{"Pa", 0, 1}, {"kPa", 3, 1}, {"MPa", 6, 1}};
 
 Error usage(std::string_view what, std::string_view mend) {
   return {ErrorCode::kUsage, "", "", what, mend};
@@ -299,12 +300,17 @@ Result<double> parse_number(std::string_view text, const Bounds& bounds) {
   return split->number;
 }
 
-Result<double> parse_force_n(std::string_view text) {
+Result<double> parse_pressure_pa(std::string_view text) {
   const auto split = split_number(text);
   if (!split) return split.error();
-  const Unit* unit = find_unit(kForceUnits, split->rest);
+  if (find_unit(kForceUnits, split->rest)) {
+    return usage(quoted(text) + " is a force, but a pressure is needed: force over area",
+                 "write it like 5kPa, which is 0.5 N on 1 cm2");
+  }
+  const Unit* unit = find_unit(kPressureUnits, split->rest);
   if (!unit) {
-    return usage("force " + quoted(text) + " has no unit of force", "write it like 4N or 500mN");
+    return usage("pressure " + quoted(text) + " has no unit of pressure",
+                 "write it like 5kPa or 500Pa");
   }
   return scaled(*split, *unit);
 }

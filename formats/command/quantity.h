@@ -63,7 +63,7 @@ Result<PoseText> parse_pose(std::string_view text);
 inline constexpr double kLongestS = 10'000 * 3600.0;
 Result<double> parse_duration(std::string_view text);
 
-// "4N", "500mN", "0.1kN" in newtons; the unit is required.
-Result<double> parse_force_n(std::string_view text);
+// "5kPa", "500Pa", "0.1MPa" in pascals; the unit is required.
+Result<double> parse_pressure_pa(std::string_view text);
 
 }  // namespace forcelayer::command

@@ -113,8 +113,8 @@ ordered_json report_of_voxmap(const Voxmap& map) {
   report["compliance_entries"] = map.compliance().size();
   if (!map.compliance().empty()) {
     report["compliance"] = {{"depth_m", compliance_depth_m(map)},
-                            {"force_n", map.compliance().back()},
-                            {"steepest_n_per_m", steepest_n_per_m(map)}};
+                            {"pressure_pa", map.compliance().back()},
+                            {"steepest_pa_per_m", steepest_pa_per_m(map)}};
   }
   report["file_bytes"] = h.file.file_bytes;
   report["sha256"] = digest::sha256_of(map.bytes());
@@ -243,12 +243,9 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
              h.object_count, map.object_counts().brick_bytes);
   }
   if (!map.compliance().empty()) {
-    add_line(
-        text,
-        "  compliance        %.4g N on a contact point at a depth of %.4g mm; stiffness at most "
-        "%.4g N/m",
-        static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
-        steepest_n_per_m(map));
+    add_line(text, "  compliance        %.4g Pa at a depth of %.4g mm; at most %.4g Pa/m",
+             static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
+             steepest_pa_per_m(map));
   }
   add_line(text,
            "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",

@@ -9,9 +9,9 @@ ForceCurve::ForceCurve(const Voxmap& voxmap) {
   const VoxmapHeader& header = voxmap.header();
   step_m_ = header.distance_quantum_m;
   deepening_m_ = std::max(0.0, header.force_depth_m - header.voxel_size_m);
-  const double per_n = 1 / steepest_n_per_m(voxmap);
-  for (const float force_n : voxmap.compliance()) {
-    Node node{per_n * double{force_n}, 0};
+  const double per_pa = 1 / steepest_pa_per_m(voxmap);
+  for (const float pressure_pa : voxmap.compliance()) {
+    Node node{per_pa * double{pressure_pa}, 0};
     if (!nodes_.empty()) {
       const Node& last = nodes_.back();
       node.energy_m2 = last.energy_m2 + 0.5 * step_m_ * (last.force_m + node.force_m);

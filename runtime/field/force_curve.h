@@ -1,4 +1,4 @@
-// The force of one contact over its depth: straight, or by the compliance table of a soft scene
+// The force of a contact over its depth: straight, or by the compliance table of a soft scene
 // (formats/voxmap_format.md, section 6).
 #pragma once
 
@@ -9,8 +9,9 @@
 namespace forcelayer::field {
 
 // Forces are in units of the field's stiffness K_ff, which belongs to the curve's steepest place: a
-// table gives the curve's shape, and its own forces where K_ff is steepest_n_per_m() of the map. No
-// slope is above 1, so a loop that is stable with K_ff is stable with the curve.
+// table gives the curve's shape, and its own pressure where K_ff is steepest_pa_per_m() of the map
+// times the points' mean area. No slope is above 1, so a loop that is stable with K_ff is stable
+// with the curve.
 class ForceCurve {
  public:
   ForceCurve() = default;  // straight: K_ff times the depth

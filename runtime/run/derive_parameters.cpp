@@ -430,9 +430,10 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
   const double felt_kg = p.mass_kg * felt_fraction(request);
   p.inertia_kgm2 = shell_inertia_kgm2(shell.header(), felt_kg, p.part_radius_m, p.voxel_size_m);
   choose_default_coupling(request, derived);
-  const double covering = steepest_n_per_m(voxmap);
+  const double covering = steepest_pa_per_m(voxmap) * field::mean_point_area_m2(shell);
   if (covering > 0) {
-    choice.set("field_n_per_m", covering, "the steepest slope of the scene's compliance");
+    choice.set("field_n_per_m", covering,
+               "the steepest slope of the scene's compliance times the mean area of a point");
     return;
   }
   const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);

@@ -89,18 +89,18 @@ EOF
 done
 
 # A soft covering: the zero force lies its depth above the interior, and the file has its table.
-"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500mN,3mm:4N || fail "soft covering"
+"$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500Pa,3mm:4kPa || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
-grep -q 'compliance        4 N on a contact point at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
+grep -q 'compliance        4000 Pa at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
 python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))
 c = r["compliance"]
-assert c["force_n"] == 4 and abs(c["depth_m"] - 0.003) <= r["distances"]["quantum_m"], r
-assert abs(c["steepest_n_per_m"] - 1750) < 1, c
+assert c["pressure_pa"] == 4000 and abs(c["depth_m"] - 0.003) <= r["distances"]["quantum_m"], r
+assert abs(c["steepest_pa_per_m"] - 1.75e6) < 1e3, c
 assert abs(r["zero_force_m"] - 0.0048672) < 1e-6 and r["force_depth_m"] == 0.003, r
-assert r["provenance"]["compliance"] == [{"depth_m": 0.001, "force_n": 0.5}, {"depth_m": 0.003, "force_n": 4}], r
+assert r["provenance"]["compliance"] == [{"depth_m": 0.001, "pressure_pa": 500}, {"depth_m": 0.003, "pressure_pa": 4000}], r
 EOF
 printf '0.005 0.005 0.005\n-0.0015 0.005 0.005\n-0.0035 0.005 0.005\n-0.0045 0.005 0.005\n-0.0055 0.005 0.005\n-0.0065 0.005 0.005\n' |
   "$bin/voxinfo" sample scene.vox >out || fail "sample"
@@ -149,7 +149,7 @@ assert 0.0013 <= facts["standoff_m"] < 0.0013 + 1e-3 / 1024, facts  # rounded up
 assert facts["standoff_m"] == facts["zero_force_m"] and facts["passed_gap_m"] == 2 * facts["standoff_m"], facts
 assert facts["guaranteed_separation_m"] > 1e-4, facts
 EOF
-"$bin/voxelize" "${near[@]}" --compliance 0.4mm:2N -o near.vox && "$bin/voxinfo" verify near.vox --quiet ||
+"$bin/voxelize" "${near[@]}" --compliance 0.4mm:2kPa -o near.vox && "$bin/voxinfo" verify near.vox --quiet ||
   fail "a standoff with a compliance"
 rm -rf cache cached.vox near.vox facts facts.json
 
@@ -162,7 +162,7 @@ expect 2 "--standoff: cannot be combined with --layers, because both set where t
   --layers 2 -o scene.vox
 expect 2 "standoff: is 0.5 mm, but must be at least 0.9672 mm (force layer of 0.1 voxels + 888/1024 voxel) and at most 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 0.5mm -o scene.vox
 expect 2 "use a smaller standoff, or larger voxels" cube.obj --units cm --voxel-size 1mm --standoff 31mm -o scene.vox
-expect 2 "must be at least 2.867 mm (force layer of 2 voxels + 888/1024 voxel) and at most 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1N -o scene.vox
+expect 2 "must be at least 2.867 mm (force layer of 2 voxels + 888/1024 voxel) and at most 30 mm" cube.obj --units cm --voxel-size 1mm --standoff 2.8mm --compliance 2mm:1kPa -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 0mm -o scene.vox
 expect 2 "--standoff" cube.obj --units cm --voxel-size 1mm --standoff 2 -o scene.vox
 expect 2 "--voxel-size" cube.obj --units cm -o scene.vox
@@ -175,13 +175,14 @@ expect 2 "--layers" cube.obj --units cm --voxel-size 1mm --layers 0 -o scene.vox
 expect 2 "range" cube.obj --units cm --voxel-size 1mm --range 1mm -o scene.vox
 for kind in "--kind lean" "--kind paper"; do
   expect 2 "--range" cube.obj --units cm --voxel-size 1mm $kind --range 4mm -o scene.vox
-  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm $kind --compliance 2mm:1N -o scene.vox
+  expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm $kind --compliance 2mm:1kPa -o scene.vox
 done
-for curve in 2mm 2mm:1 2:1N 2mm:1N, 2mm:1N,1mm:2N 1mm:2N,2mm:1N 2mm:0N 2mm:-1N 0mm:1N 2mm:2000kN; do
+for curve in 2mm 2mm:1 2:1Pa 2mm:1Pa, 2mm:1Pa,1mm:2Pa 1mm:2Pa,2mm:1Pa 2mm:0Pa 2mm:-1Pa 0mm:1Pa 2mm:2000MPa; do
   expect 2 "--compliance" cube.obj --units cm --voxel-size 1mm --compliance $curve -o scene.vox
 done
-expect 2 "compliance" cube.obj --units cm --voxel-size 1mm --compliance 40mm:1N -o scene.vox
-expect 2 "range" cube.obj --units cm --voxel-size 1mm --compliance 3mm:1N --range 3mm -o scene.vox
+expect 2 "--compliance: '0.5N' is a force, but a pressure is needed: force over area; write it like 5kPa" cube.obj --units cm --voxel-size 1mm --compliance 2mm:0.5N -o scene.vox
+expect 2 "compliance" cube.obj --units cm --voxel-size 1mm --compliance 40mm:1Pa -o scene.vox
+expect 2 "range" cube.obj --units cm --voxel-size 1mm --compliance 3mm:1Pa --range 3mm -o scene.vox
 expect 2 "--free-seed" cube.obj --units cm --voxel-size 1mm --free-seed 1mm,2mm -o scene.vox
 # A bare number is no length, wherever one is asked.
 expect 2 "--voxel-size: length '5' has no unit; write it like 5mm or 0.005m" cube.obj --units cm --voxel-size 5 -o scene.vox

@@ -63,7 +63,7 @@ status=0; "$bin/voxview" bay.vox --path none.csv --screenshot no.png 2>err || st
 [ $status -eq 1 ] && [ ! -e no.png ] || fail "a path that is not there: $status $(cat err)"
 
 # The kinds of maps.
-for kind in "--kind paper" "--kind lean" "--range 30mm" "--compliance 4mm:1N,20mm:6N"; do
+for kind in "--kind paper" "--kind lean" "--range 30mm" "--compliance 4mm:1kPa,20mm:6kPa"; do
   "$bin/voxelize" "$data/bay.json" -o kind.vox --voxel-size 8mm --quiet $kind
   "$bin/voxinfo" export kind.vox kind.csv
   "$bin/voxview" draw kind.vox "${plain[@]}" --view-from 0,0,1 --show force-layer

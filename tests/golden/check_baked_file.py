@@ -18,7 +18,7 @@ MOST_INDEX = 1 << 52
 RULES = {  # id: element bytes, whether it must be there
     "vox": {1: (4, True), 2: (2048, True), 3: (2048, True), 4: (128, True), 5: (4, False), 6: (1, False),
             7: (4, False), 8: (2048, False), 9: (2048, False), 10: (16, False), 11: (4, False),
-            12: (2048, False), 13: (2048, False), 14: (16, False), 15: (1, False)},
+            12: (2048, False), 13: (2048, False), 14: (16, False), 15: (1, False), 16: (4, False)},
     "pshell": {**{n: (4, True) for n in range(1, 8)}, 8: (16, True), 9: (16, True), 10: (4, False),
                11: (16, False), 12: (1, False), 13: (1, False)}}
 
@@ -139,7 +139,8 @@ def check_scene(h, sections):
     names = sections.get(15, b"")
     require(names == b"" or names[-1] == 0, "end of names")
     require(names.count(0) == h["object_count"], "names")
-    check_compliance(h, sections.get(5, b""))
+    require(sections.get(5, b"") == b"", "newtons")
+    check_compliance(h, sections.get(16, b""))
 
 
 def check_optional_tree(h, sections, first, brick_bytes, most, there):
@@ -172,12 +173,12 @@ def check_compliance(h, section):
         return
     quantum = h["distance_quantum_m"]
     require(quantum > 0, "compliance without distances")
-    forces = [force for (force,) in struct.iter_unpack("<f", section)]
-    require((len(forces) - 1) * quantum <= h["zero_force_m"] + (h["distance_zero_code"] + 1) * quantum, "deep")
-    require(forces[0] == 0 and forces[-1] > 0, "ends of the compliance")
-    for before, after in zip(forces, forces[1:]):
+    pressures = [pressure for (pressure,) in struct.iter_unpack("<f", section)]
+    require((len(pressures) - 1) * quantum <= h["zero_force_m"] + (h["distance_zero_code"] + 1) * quantum, "deep")
+    require(pressures[0] == 0 and pressures[-1] > 0, "ends of the compliance")
+    for before, after in zip(pressures, pressures[1:]):
         step = struct.unpack("<f", struct.pack("<f", after - before))[0] if finite(after) else math.inf
-        require(before <= after <= 1e6 and step <= 1e12 * quantum, "compliance")
+        require(before <= after <= 1e9 and step <= 1e15 * quantum, "compliance")
 
 
 def check_shell(h, sections):
@@ -268,7 +269,7 @@ def digest_of(kind, h, sections):
         if h["object_count"] > 0:
             digest_of_tree(digest, h, sections, 11, 16)
         digest.add(*sections.get(15, b""))
-        digest.add(*(word for (word,) in struct.iter_unpack("<I", sections.get(5, b""))))
+        digest.add(*(word for (word,) in struct.iter_unpack("<I", sections.get(16, b""))))
         return digest.state
     for number in range(1, 12):
         digest.add(*(word for (word,) in struct.iter_unpack("<I", sections.get(number, b""))))

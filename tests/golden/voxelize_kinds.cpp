@@ -52,7 +52,7 @@ TEST(GoldenKinds, Full) { testing::expect_golden_bytes("baked_full.vox", baked({
 
 TEST(GoldenKinds, SoftCovering) {
   voxelize::BakeOptions options;
-  options.compliance = {{0.001, 0.5}, {0.0025, 4}};
+  options.compliance = {{0.001, 5e3}, {0.0025, 4e4}};
   testing::expect_golden_bytes("baked_covered.vox", baked(options));
 }
 

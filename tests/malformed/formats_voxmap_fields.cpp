@@ -345,33 +345,60 @@ TEST(VoxmapEntries, Compliance) {
   }
 }
 
-Result<Voxmap> with_compliance(const std::vector<float>& forces, double quantum_m = 0.001 / 32) {
+Result<Voxmap> with_compliance(const std::vector<float>& pressures, double quantum_m = 0.001 / 32) {
   return with_content([&](VoxmapContent& c) {
     c.header.distance_quantum_m = quantum_m;
-    c.compliance = forces;
+    c.compliance = pressures;
   });
 }
 
 TEST(VoxmapEntries, ComplianceIsBounded) {
-  ASSERT_TRUE(with_compliance({0, 0, 1e6f, 1e6f, 1e6f}));
-  ASSERT_TRUE(with_compliance({0, 1}, 1e-12));
+  ASSERT_TRUE(with_compliance({0, 0, 1e3f, 1e9f, 1e9f}));
+  ASSERT_TRUE(with_compliance({0, 1000}, 1e-12));
   std::vector<float> deepest(220, 1);  // 2.867 voxels and 128 steps
   deepest[0] = 0;
   ASSERT_TRUE(with_compliance(deepest));
   const struct {
-    std::vector<float> forces;
+    std::vector<float> pressures;
     const char* where;
     double quantum_m = 0.001 / 32;
   } cases[] = {{{0.5f, 1}, "compliance entry 0"},
-               {{0, 1, 1.1e6f}, "compliance entry 2"},
-               {{0, 1}, "compliance entry 1", 0.9e-12},  // above 1e12 N/m
+               {{0, 1, 1.1e9f}, "compliance entry 2"},
+               {{0, 1000}, "compliance entry 1", 0.9e-12},  // above 1e15 Pa/m
                {{0}, "compliance"},
                {{0, 0, 0}, "compliance"},
                {std::vector<float>(221, 0), "compliance"}};  // deeper than code 0
   for (const auto& c : cases) {
-    const auto map = with_compliance(c.forces, c.quantum_m);
-    ASSERT_FALSE(map) << c.where << " of " << c.forces.size();
+    const auto map = with_compliance(c.pressures, c.quantum_m);
+    ASSERT_FALSE(map) << c.where << " of " << c.pressures.size();
     EXPECT_EQ(map.error().where, c.where);
+    EXPECT_EQ(exit_status(map.error().code), 4);
+  }
+}
+
+// Earlier programs wrote newtons into section 5, where a program of today could take them for
+// pascals. Here the provenance, the section that follows, becomes that section.
+TEST(VoxmapEntries, ComplianceInNewtonsIsToBeBakedAgain) {
+  for (const std::size_t entries : {0u, 1u, 4u}) {
+    const GoldenDistances golden;
+    VoxmapContent content = golden.content();
+    content.compliance = {};
+    const std::string newtons(4 * entries, '\0');
+    content.provenance = newtons.empty() ? content.provenance : std::string_view(newtons);
+    AlignedBytes bytes(voxmap_bytes(content));
+    const std::size_t at =
+        table_entry_of(bytes.bytes(), static_cast<std::uint32_t>(VoxmapSection::kProvenance));
+    if (entries > 0) {
+      write_at(bytes.bytes(), at, static_cast<std::uint32_t>(VoxmapSection::kPointForces));
+      write_at(bytes.bytes(), at + 4, std::uint32_t{sizeof(float)});
+    }
+    resign(bytes.bytes());
+    const auto map = Voxmap::from_bytes(bytes.bytes(), "scene.vox", Verify::kStructureAndChecksums);
+    ASSERT_EQ(static_cast<bool>(map), entries == 0) << entries;
+    if (entries == 0) continue;
+    EXPECT_EQ(map.error().where, "compliance");
+    EXPECT_NE(map.error().what.find("newtons"), std::string::npos);
+    EXPECT_NE(map.error().mend.find("bake the scene again"), std::string::npos);
     EXPECT_EQ(exit_status(map.error().code), 4);
   }
 }
@@ -381,8 +408,8 @@ TEST(VoxmapEntries, ComplianceNeedsDistances) {
   voxels.set(3, 3, 3, VoxelValue::kSurface);
   const DenseTree tree(voxels, {});
   VoxmapContent content = tree.content();
-  const std::vector<float> forces{0, 1};
-  content.compliance = forces;
+  const std::vector<float> pressures{0, 1};
+  content.compliance = pressures;
   const AlignedBytes bytes(voxmap_bytes(content));
   const auto map = Voxmap::from_bytes(bytes.bytes(), "scene.vox");
   ASSERT_FALSE(map);

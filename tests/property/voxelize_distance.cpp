@@ -108,7 +108,7 @@ TEST(DistanceBake, EqualsTheReferenceOnRandomScenes) {
     // Every third scene has a soft covering, some thinner than a voxel.
     const double covering = seed % 3 == 0 ? reference::real(random, 0.5, 3) : 0;
     if (covering > 0) {
-      options.compliance = {{covering / 3, 0.5}, {covering, 4}};
+      options.compliance = {{covering / 3, 5e3}, {covering, 4e4}};
       if (range > 0) options.range_m = std::max(range, covering + 1);
     }
     double depth = std::max(1.0, covering), radius = layers - 1 + 888.0 / 1024;

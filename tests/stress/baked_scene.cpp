@@ -8,10 +8,13 @@ namespace forcelayer::stress {
 
 namespace {
 
-// Three voxels of soft foam over a firmer layer. Its foot holds a device's 15 N at four points, and
-// 15 N push a peg of hundreds of points into a hole that is lined with it.
+// Three voxels of soft foam over a firmer layer. Its foot holds a device's 15 N on four square
+// voxels, and 15 N push a peg of hundreds of them into a hole that is lined with it.
 voxelize::Compliance covering(double voxel_size_m) {
-  return {{1.5 * voxel_size_m, 0.2}, {2.5 * voxel_size_m, 1.2}, {3 * voxel_size_m, 4}};
+  const double per_n = 1 / (voxel_size_m * voxel_size_m);
+  return {{1.5 * voxel_size_m, 0.2 * per_n},
+          {2.5 * voxel_size_m, 1.2 * per_n},
+          {3 * voxel_size_m, 4 * per_n}};
 }
 
 void set_standoff(voxelize::BakeOptions& options, double standoff_m) {

@@ -171,13 +171,14 @@ TEST(Quantity, Durations) {
   }
 }
 
-TEST(Quantity, Forces) {
-  EXPECT_EQ(*command::parse_force_n("4N"), 4);
-  EXPECT_EQ(*command::parse_force_n("500mN"), 0.5);
-  EXPECT_EQ(*command::parse_force_n(" 0.1 kN"), 100);
-  for (const char* text : {"", "4", "0", "4lbf", "nanN", "1e308kN"}) {
-    expect_usage_error(command::parse_force_n(text), text);
+TEST(Quantity, Pressures) {
+  EXPECT_EQ(*command::parse_pressure_pa("4Pa"), 4);
+  EXPECT_EQ(*command::parse_pressure_pa("1.1kPa"), 1100);
+  EXPECT_EQ(*command::parse_pressure_pa(" 0.1 MPa"), 100'000);
+  for (const char* text : {"", "4", "0", "4psi", "4N", "nanPa", "1e308kPa"}) {
+    expect_usage_error(command::parse_pressure_pa(text), text);
   }
+  EXPECT_NE(command::parse_pressure_pa("4N").error().what.find("is a force"), std::string::npos);
 }
 
 // A decimal comma in the user's locale changes nothing.

@@ -14,14 +14,18 @@ namespace {
 
 constexpr double kS = 0.005;  // voxel size, m
 
-// A floor at height 0 under a soft layer of `layer_voxels`, with the table of `force_n` over depth.
+constexpr float kAreaM2 = 2e-5f;  // of the part's only point
+
+// A floor at height 0 under a soft layer of `layer_voxels`, with the table of the pressure at which
+// the area of the point gives `force_n` over depth.
 VoxelScene soft_floor(double layer_voxels, const std::function<double(double)>& force_n) {
   const DistanceDefinition definition(2, layer_voxels + 3, layer_voxels);
   VoxelScene scene = distance_scene(
       kS, {-16, -16, -4}, {32, 32, 18}, [](const glm::dvec3& p) { return p.z; }, 2, definition);
   const double quantum_m = definition.quantum * kS;
   for (std::uint32_t i = 0; i * quantum_m < layer_voxels * kS; ++i) {
-    scene.distances.compliance.push_back(static_cast<float>(force_n(i * quantum_m)));
+    scene.distances.compliance.push_back(
+        static_cast<float>(force_n(i * quantum_m) / double{kAreaM2}));
   }
   return scene;
 }
@@ -49,16 +53,16 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(0, 1);
     VoxelScene scene = soft_floor(1 + 4 * uniform(random), [](double) { return 0.0; });
-    double force_n = 0;
+    double pressure_pa = 0;
     for (float& entry : scene.distances.compliance) {
-      entry = static_cast<float>(force_n);
-      if (random() % 3 != 0) force_n += std::pow(10, -3 + 4 * uniform(random));
+      entry = static_cast<float>(pressure_pa);
+      if (random() % 3 != 0) pressure_pa += std::pow(10, -3 + 4 * uniform(random));
     }
     scene.distances.compliance.back() += 1;
     const Voxmap voxmap = make_voxmap(scene);
-    const double step_m = voxmap.header().distance_quantum_m, stiffness = steepest_n_per_m(voxmap);
+    const double step_m = voxmap.header().distance_quantum_m, stiffness = steepest_pa_per_m(voxmap);
     const auto table = voxmap.compliance();
-    const auto table_n = [&](double depth_m) {
+    const auto table_pa = [&](double depth_m) {
       for (std::size_t i = 1; i < table.size(); ++i) {
         const double to_m = static_cast<double>(i) * step_m;
         if (depth_m > to_m) continue;
@@ -68,18 +72,18 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     };
     const field::ForceCurve curve(voxmap);
     ASSERT_FALSE(curve.is_straight());
-    const double max_n = table.back();
+    const double max_pa = table.back();
     for (int n = 0; n < 40; ++n) {
       const double depth_m = 1.3 * static_cast<double>(table.size()) * step_m * uniform(random);
-      EXPECT_NEAR(stiffness * curve.force_m(depth_m), table_n(depth_m), 1e-9 * max_n);
+      EXPECT_NEAR(stiffness * curve.force_m(depth_m), table_pa(depth_m), 1e-9 * max_pa);
       EXPECT_LE(curve.force_m(depth_m + 1e-5) - curve.force_m(depth_m), 1e-5 * (1 + 1e-9));
       constexpr int kStrips = 4000;
       const double strip_m = depth_m / kStrips;
-      double area_j = 0;
-      for (int i = 0; i < kStrips; ++i) area_j += table_n((i + 0.5) * strip_m) * strip_m;
+      double area_pam = 0;
+      for (int i = 0; i < kStrips; ++i) area_pam += table_pa((i + 0.5) * strip_m) * strip_m;
       // A strip with a corner in it is off by a quarter of its width times its rise.
-      EXPECT_NEAR(stiffness * curve.energy_m2(depth_m), area_j,
-                  1e-9 * max_n * depth_m + 0.25 * strip_m * max_n);
+      EXPECT_NEAR(stiffness * curve.energy_m2(depth_m), area_pam,
+                  1e-9 * max_pa * depth_m + 0.25 * strip_m * max_pa);
     }
     EXPECT_EQ(curve.force_m(-0.001), -0.001);
     EXPECT_EQ(curve.force_m(0), 0);
@@ -91,6 +95,7 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
 TEST(SoftLayer, APressRestsWhereTheTableHoldsIt) {
   PointPart part;
   part.add({0, 0, 0}, {0, 0, -1});
+  part.areas_m2 = {kAreaM2};
   const VoxelScene scene = soft_floor(3, foam_n);
   double last_depth_m = 0;
   for (const double down_m : {0.002, 0.005, 0.01, 0.014}) {

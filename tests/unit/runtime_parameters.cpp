@@ -252,7 +252,8 @@ TEST_F(ParametersTest, FollowASoftCovering) {
   request.model = Model::kDefault;
   request.force = ForceKind::kDistance;
   const DerivedParameters derived = derive(request);
-  EXPECT_DOUBLE_EQ(derived.values.field_n_per_m, 1.75 / (0.005 * definition.quantum));
+  EXPECT_DOUBLE_EQ(derived.values.field_n_per_m,
+                   1.75 / (0.005 * definition.quantum) * field::mean_point_area_m2(shell_));
   EXPECT_NE(derived.reasons.at("field_n_per_m").find("the scene's compliance"), std::string::npos);
   request.settings["field_n_per_m"] = 5000;
   EXPECT_EQ(derive(request).values.field_n_per_m, 5000);
