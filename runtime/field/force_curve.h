@@ -19,6 +19,11 @@ class ForceCurve {
 
   bool is_straight() const noexcept { return nodes_.empty(); }
 
+  // The depth of the last entry, where the covering ends; 0 where the curve is straight.
+  double end_m() const noexcept {
+    return is_straight() ? 0 : step_m_ * static_cast<double>(nodes_.size() - 1);
+  }
+
   // Depth of the force layer beyond one voxel, m.
   double deepening_m() const noexcept { return deepening_m_; }
 

@@ -18,11 +18,12 @@ namespace {
 // Arguments of spring_row() beside the contact.
 struct SpringStep {
   const field::ForceCurve& curve;
+  double begin_m;  // the depth at which the curve begins
   double min_areas;
   double dt_s;
   double stiffness_n_per_m;  // of one point of mean area
   double damping_ns_per_m;   // of the same
-  double min_depth_m;        // of contacts that get a row
+  double min_depth_m;        // of contacts that get a row, from where the curve begins
 };
 
 // Sum over points that approach too fast of their rows times share, and of what is allowed.
@@ -76,15 +77,16 @@ HWY_INLINE VD lane_by_lane(VD v, const F& of) {
   return hn::Load(kD, lanes);
 }
 
-void totals_on_target(const field::ContactSet& set, double min_areas,
+void totals_on_target(const field::ContactSet& set, double min_areas, double begin_m,
                       const field::ForceCurve& curve, ContactTotals& out) {
   HWY_ALIGN double energies[kColumns], deepest[kColumns];
-  const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5), least = hn::Set(kD, min_areas);
+  const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5), least = hn::Set(kD, min_areas),
+           begin = hn::Set(kD, begin_m);
   std::size_t touching = 0;
   for (std::size_t first = 0; first < kColumns; first += kLanes) {
     VD sum = zero, largest = zero;
     for (std::size_t i = first; i < set.count; i += kColumns) {
-      const VD signed_depth = load(set.depth_m, i);
+      const VD signed_depth = hn::Sub(load(set.depth_m, i), begin);
       const auto touches = hn::And(hn::Gt(signed_depth, zero), hn::FirstN(kD, set.count - i));
       const VD depth = hn::IfThenElseZero(touches, signed_depth);
       const VD areas = hn::IfThenElseZero(touches, hn::Max(least, load(set.weight, i)));
@@ -110,7 +112,7 @@ std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t coun
   const VD zero = hn::Zero(kD), dt_s = hn::Set(kD, step.dt_s);
   std::size_t rows = 0;
   for (std::size_t i = 0; i < count; i += kLanes) {
-    const VD depth = load(set.depth_m, i);
+    const VD depth = hn::Sub(load(set.depth_m, i), hn::Set(kD, step.begin_m));
     const auto kept =
         hn::AndNot(hn::Lt(depth, hn::Set(kD, step.min_depth_m)), hn::FirstN(kD, count - i));
     if (hn::AllFalse(kD, kept)) continue;
@@ -188,7 +190,7 @@ HWY_EXPORT(brake_sum_on_target);
 
 ContactTotals contact_totals(const field::ContactSet& set, const ContactLaw& law) noexcept {
   ContactTotals totals;
-  HWY_DYNAMIC_DISPATCH(totals_on_target)(set, law.min_areas, law.curve, totals);
+  HWY_DYNAMIC_DISPATCH(totals_on_target)(set, law.min_areas, law.begin_m, law.curve, totals);
   return totals;
 }
 
@@ -210,7 +212,8 @@ ContactRow spring_row(const field::Contact& contact, double force_m, const Conta
 
 void add_contact_rows(const field::ContactSet& set, const ContactLaw& law, double dt_s,
                       double reach_m, ContactRows& rows) noexcept {
-  const SpringStep step{law.curve, law.min_areas, dt_s, law.stiffness_n_per_m, law.damping_ns_per_m,
+  const SpringStep step{law.curve, law.begin_m,           law.min_areas,
+                        dt_s,      law.stiffness_n_per_m, law.damping_ns_per_m,
                         -reach_m};
   const std::size_t count = std::min<std::size_t>(set.count, rows.room());
   rows.added(HWY_DYNAMIC_DISPATCH(spring_rows_on_target)(set, count, step, rows.next()));

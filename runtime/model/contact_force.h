@@ -20,17 +20,22 @@ struct ContactLaw {
   // of twice the area is twice as stiff.
   double min_areas = 1;
   field::ForceCurve curve;
+  double begin_m = 0;  // the depth at which the curve begins: that of a core under a covering
 
+  // Force over the stiffness of a point of mean area, m; the gap to where it begins, below zero.
+  double force_m(const field::Contact& contact) const noexcept {
+    return curve.force_m(double{contact.depth_m} - begin_m);
+  }
   double areas_of(const field::Contact& contact) const noexcept {
     return std::max(min_areas, double{contact.weight});
   }
 };
 
-// Totals over the contacts of a set, those with depth > 0. Sums run in eight columns and are then
-// added in one order: the same bits for any vector width.
+// Totals over the contacts of a set, those deeper than where the law begins. Sums run in eight
+// columns and are then added in one order: the same bits for any vector width.
 struct ContactTotals {
   std::uint32_t count = 0;
-  float depth_m = 0;     // of the deepest
+  float depth_m = 0;     // of the deepest, from where the law begins
   double energy_m2 = 0;  // of their springs, over K_ff
 };
 

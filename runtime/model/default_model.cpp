@@ -37,6 +37,8 @@ constexpr double kSheetPushVoxels = 0.002;
 // Stiffness of a guard's row over that of a contact: hard, but well-conditioned.
 constexpr double kGuardHardness = 100;
 
+constexpr double kHoldDepthVoxels = 0.15;  // the field has s/8 at a convex corner, s/2 at a face
+
 // How b_R is shared among the axes: critical damping about each, 2 sqrt(I k_R), over its largest.
 glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
   PrincipalInertia inertia = principal_inertia(inertia_kgm2);
@@ -49,9 +51,23 @@ glm::dmat3 critical_damping_shape(const glm::dmat3& inertia_kgm2) {
 // The damping of one contact point of mean area. Damping over stiffness, which is the time in which
 // a contact gives way, is that of the point alone, or that of the coupling where the coupling is
 // the stiffer: a soft covering gives way as fast for many points of little area as for a few.
-double contact_damping_ns_per_m(const Parameters& p) {
-  const double stiffness_n_per_m = std::max(p.field_n_per_m, p.coupling_n_per_m);
-  return p.contact_damping_ratio * std::sqrt(p.mass_kg / stiffness_n_per_m) * p.field_n_per_m;
+double contact_damping_ns_per_m(const Parameters& p, double field_n_per_m) {
+  const double stiffness_n_per_m = std::max(field_n_per_m, p.coupling_n_per_m);
+  return p.contact_damping_ratio * std::sqrt(p.mass_kg / stiffness_n_per_m) * field_n_per_m;
+}
+
+// The scene pushes the part with its surface, and where that is soft, with the rigid scene beneath
+// it. There the covering's last force stays, and that of a rigid scene begins from nothing.
+std::vector<ContactLaw> contact_laws(const Parameters& p, const field::ForceCurve& curve) {
+  std::vector<ContactLaw> laws;
+  const auto add = [&](double field_n_per_m, double min_areas, const field::ForceCurve& over_depth,
+                       double begin_m) {
+    laws.push_back({field_n_per_m, contact_damping_ns_per_m(p, field_n_per_m), min_areas,
+                    over_depth, begin_m});
+  };
+  add(p.field_n_per_m, curve.is_straight() ? 1 : 0, curve, 0);
+  if (!curve.is_straight()) add(rigid_stiffness_n_per_m(p), 1, {}, curve.end_m());
+  return laws;
 }
 
 // Mean velocity of the part over a frame: of its grip, world axes.
@@ -91,12 +107,16 @@ struct DefaultModel::Motion {
   double energy_before_j = 0;
 };
 
+double rigid_stiffness_n_per_m(const Parameters& p) noexcept {
+  const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
+  return std::max(hold, kRigidOverCoupling * p.coupling_n_per_m);
+}
+
 DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& probe,
                            std::uint64_t points, const field::ForceCurve& curve)
     : parameters_(parameters), probe_(probe) {
   mass_ = {parameters.mass_kg, parameters.inertia_kgm2, glm::inverse(parameters.inertia_kgm2)};
-  contact_ = {parameters.field_n_per_m, contact_damping_ns_per_m(parameters),
-              curve.is_straight() ? 1.0 : 0.0, curve};
+  laws_ = contact_laws(parameters, curve);
   translation_ = {parameters.coupling_n_per_m, glm::dmat3(parameters.coupling_ns_per_m),
                   parameters.coupling_force_limit_n};
   rotation_ = {parameters.coupling_nm_per_rad, glm::dmat3(0), parameters.coupling_torque_limit_nm};
@@ -105,7 +125,7 @@ DefaultModel::DefaultModel(const Parameters& parameters, field::ContactProbe& pr
   here_.reserve(points);
   there_.reserve(points);
   // The contacts here, those found by each new solve, and the brake.
-  rows_.reserve((1 + kResolves) * points + 1);
+  rows_.reserve((1 + kResolves) * laws_.size() * points + 1);
 }
 
 StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s) noexcept {
@@ -142,7 +162,7 @@ StepResult DefaultModel::step(State& state, const StepInput& input, double dt_s)
   report.seat_open = state.seat != kSeatClosed ? 1 : 0;
   report_distance(report);
   const StoppedBy stop{state.stopped_by, -result.at_handle.force_n};
-  report_touched(here_, here_.totals, contact_, probe_, stop, report);
+  report_touched(here_, here_.totals, laws_, probe_, stop, report);
   return result;
 }
 
@@ -165,8 +185,10 @@ void DefaultModel::open_seat(bool open) noexcept {
 
 void DefaultModel::query_pose(const Pose& pose, LookUp& out) noexcept {
   probe_.query_pose(pose, out);
-  out.totals = contact_totals(out, contact_);
-  out.energy_j = contact_energy_j(out.totals, contact_);
+  out.totals = contact_totals(out, laws_[0]);
+  out.energy_j = contact_energy_j(out.totals, laws_[0]);
+  if (laws_.size() == 1 || !(double{out.totals.depth_m} > laws_[1].begin_m)) return;
+  out.energy_j += contact_energy_j(contact_totals(out, laws_[1]), laws_[1]);
 }
 
 void DefaultModel::query_here(const Pose& pose) noexcept {
@@ -269,7 +291,9 @@ void DefaultModel::choose(Motion& motion, const State& state, double remaining_s
 void DefaultModel::solve_motion(Motion& motion, double dt_s) noexcept {
   motion.system.dt_s = dt_s;
   rows_.clear();
-  add_contact_rows(here_, contact_, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  for (const ContactLaw& law : laws_) {
+    add_contact_rows(here_, law, dt_s, 0.5 * parameters_.voxel_size_m, rows_);
+  }
   ContactRow brake;
   if (parameters_.braking && braking_row(here_, motion.system.inertia, motion.start, dt_s, brake)) {
     rows_.add(brake);
@@ -351,19 +375,21 @@ bool DefaultModel::affordable(const State& state, const Motion& motion, const Po
 // barred points as hard rows that take them back into the force layer.
 void DefaultModel::add_found_contacts(Motion& motion) noexcept {
   const double dt_s = motion.system.dt_s, s = parameters_.voxel_size_m;
-  const double guard_depth_m = kGuardDepthVoxels * s + contact_.curve.deepening_m();
+  const double guard_depth_m = kGuardDepthVoxels * s + laws_[0].curve.deepening_m();
   for (std::uint32_t i = 0; i < there_.count; ++i) {
     if (!(there_.depth_m[i] > 0)) continue;
     const field::Contact c = there_[i];
     const double separation = coupling::dot(separation_row(c), motion.velocity);
     if (!c.barred) {
-      const double force_m = contact_.curve.force_m(c.depth_m) + dt_s * separation;
-      rows_.add(spring_row(c, force_m, contact_, dt_s));
+      for (const ContactLaw& law : laws_) {
+        rows_.add(spring_row(c, law.force_m(c) + dt_s * separation, law, dt_s));
+      }
       continue;
     }
     ContactRow row;
     row.j = separation_row(c);
-    row.weight = kGuardHardness * dt_s * dt_s * contact_.stiffness_n_per_m + 1e3 * mass_.mass_kg;
+    row.weight =
+        kGuardHardness * dt_s * dt_s * laws_.back().stiffness_n_per_m + 1e3 * mass_.mass_kg;
     // A point that went through a sheet ends a little before its middle; others are led back into
     // the force layer.
     const double back_m = there_.is_barred[i] == field::ContactSet::kCrossed

@@ -7,6 +7,8 @@
 // that fails is solved again with the contacts found where it led, then shortened, then dropped.
 #pragma once
 
+#include <vector>
+
 #include "forcelayer/parameters.h"
 #include "runtime/coupling/state.h"
 #include "runtime/field/contact_set.h"
@@ -14,6 +16,12 @@
 #include "runtime/model/rigid_body.h"
 
 namespace forcelayer::model {
+
+// The stiffness of one contact point of mean area on a rigid scene: 150 k_T, so that behind the
+// coupling it feels within 0.7% as stiff as many, and at least what pushes with the coupling's
+// force limit at a depth of 0.15 voxel, which is before the guard stops the part.
+inline constexpr double kRigidOverCoupling = 150;
+double rigid_stiffness_n_per_m(const Parameters& parameters) noexcept;
 
 class DefaultModel {
  public:
@@ -69,7 +77,7 @@ class DefaultModel {
 
   Parameters parameters_;
   RigidMass mass_;
-  ContactLaw contact_;
+  std::vector<ContactLaw> laws_;  // of the scene's surface, and of the rigid core of a covering
   coupling::CouplingHalf translation_, rotation_;
   glm::dmat3 rotation_damping_;  // N m s/rad, axes of the part
   field::ContactProbe& probe_;

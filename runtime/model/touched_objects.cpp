@@ -41,8 +41,8 @@ class ObjectForces {
 }  // namespace
 
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
-                    const ContactLaw& law, const field::ContactProbe& probe, const StoppedBy& stop,
-                    StepReport& report) noexcept {
+                    std::span<const ContactLaw> laws, const field::ContactProbe& probe,
+                    const StoppedBy& stop, StepReport& report) noexcept {
   const std::uint32_t run = (totals.count + kAskedContacts - 1) / kAskedContacts;
   ObjectForces forces;
   glm::dvec3 force_n{0};  // of the run
@@ -51,8 +51,10 @@ void report_touched(const field::ContactSet& set, const ContactTotals& totals,
   for (std::uint32_t i = 0; i < set.count && seen < totals.count; ++i) {
     if (!(set.depth_m[i] > 0)) continue;
     const field::Contact contact = set[i];
-    force_n += law.stiffness_n_per_m * law.areas_of(contact) *
-               law.curve.force_m(double{contact.depth_m}) * glm::dvec3(contact.direction);
+    for (const ContactLaw& law : laws) {
+      force_n += law.stiffness_n_per_m * law.areas_of(contact) *
+                 std::max(0.0, law.force_m(contact)) * glm::dvec3(contact.direction);
+    }
     if (set.seat_open && set.of_seat[i] != 0) ++report.seat_contacts;
     if (in_run == 0 || set.depth_m[i] > set.depth_m[deepest]) deepest = i;
     ++seen, ++in_run;

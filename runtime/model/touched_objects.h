@@ -1,6 +1,8 @@
 // The objects that the part pushes against, and how hard: for the report of a frame.
 #pragma once
 
+#include <span>
+
 #include "forcelayer/step.h"
 #include "runtime/model/contact_force.h"
 
@@ -17,11 +19,12 @@ struct StoppedBy {
   glm::dvec3 pull_n{0};
 };
 
-// Sets StepReport::touched and seat_contacts from the contacts of `set`, whose totals are given, at
-// the pose `report.world_from_center`. What the contacts leave of the pull, the
-// object that stops the part bears.
+// Sets StepReport::touched and seat_contacts from the contacts of `set` at the pose
+// `report.world_from_center`: `totals` are those of the law that begins at the zero-force surface,
+// and the forces of all `laws` add up. What the contacts leave of the pull, the object that stops
+// the part bears.
 void report_touched(const field::ContactSet& set, const ContactTotals& totals,
-                    const ContactLaw& law, const field::ContactProbe& probe, const StoppedBy& stop,
-                    StepReport& report) noexcept;
+                    std::span<const ContactLaw> laws, const field::ContactProbe& probe,
+                    const StoppedBy& stop, StepReport& report) noexcept;
 
 }  // namespace forcelayer::model

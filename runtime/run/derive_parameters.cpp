@@ -8,6 +8,7 @@
 
 #include "runtime/field/force_field.h"
 #include "runtime/loop/handle_velocity.h"
+#include "runtime/model/default_model.h"
 #include "runtime/model/principal_inertia.h"
 #include "runtime/run/stability.h"
 
@@ -27,8 +28,6 @@ constexpr double kBoundFraction = 0.9;
 constexpr double kUnratedStiffness = 1000;  // N/m, for a device that says nothing of itself
 // For a device without motors, or without those of an axis: the paper's (5).
 constexpr double kUnratedForceN = 15, kUnratedTorqueNm = 0.1;
-constexpr double kHoldDepthVoxels = 0.15;  // the field has s/8 at a convex corner, s/2 at a face
-constexpr double kFieldOverCoupling = 150;
 constexpr double kContactDampingRatio = 0.6;
 constexpr double kThrowMps = 3;
 constexpr double kRecoveryMps = 0.05;
@@ -436,11 +435,10 @@ void derive_default(const RunRequest& request, const Voxmap& voxmap, const Pshel
                "the steepest slope of the scene's compliance times the mean area of a point");
     return;
   }
-  const double hold = p.coupling_force_limit_n / (kHoldDepthVoxels * p.voxel_size_m);
-  const double stiff = kFieldOverCoupling * p.coupling_n_per_m;
+  const double rigid = model::rigid_stiffness_n_per_m(p);
   choice.set(
-      "field_n_per_m", std::max(hold, stiff),
-      hold > stiff
+      "field_n_per_m", rigid,
+      rigid > model::kRigidOverCoupling * p.coupling_n_per_m
           ? "one point at a depth of 0.15 voxel pushes with the coupling's force limit"
           : "150 k_T: behind the coupling, one contact point feels within 0.7% as stiff as many");
 }

@@ -175,12 +175,13 @@ SetTwin twin_of(const field::ContactSet& set, const model::ContactLaw& law,
   SetTwin twin;
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const field::Contact c = set[i];
-    twin.totals.count += c.depth_m > 0;
-    twin.totals.depth_m = std::max(twin.totals.depth_m, c.depth_m);
+    const double depth_m = double{c.depth_m} - law.begin_m;
+    twin.totals.count += depth_m > 0;
+    twin.totals.depth_m = std::max(twin.totals.depth_m, static_cast<float>(depth_m));
   }
   for (std::uint32_t i = 0; i < set.count; ++i) {
     const field::Contact c = set[i];
-    const double depth_m = c.depth_m;
+    const double depth_m = double{c.depth_m} - law.begin_m;
     if (depth_m > 0) {
       twin.energy_j += law.stiffness_n_per_m * std::max(law.min_areas, double{c.weight}) *
                        law.curve.energy_m2(depth_m);
@@ -189,9 +190,9 @@ SetTwin twin_of(const field::ContactSet& set, const model::ContactLaw& law,
       twin.rows.push_back(model::spring_row(c, law.curve.force_m(depth_m), law, dt_s));
     }
     const coupling::Vector6 j = model::separation_row(c);
-    const double allowed_mps = -depth_m / (model::kBrakeFrames * dt_s);
+    const double allowed_mps = -double{c.depth_m} / (model::kBrakeFrames * dt_s);
     const double excess_mps = -coupling::dot(j, velocity) - allowed_mps;
-    if (!(depth_m < 0 && excess_mps > 0)) continue;
+    if (!(c.depth_m < 0 && excess_mps > 0)) continue;
     for (int k = 0; k < 6; ++k) twin.brake[k] += c.weight * excess_mps * j[k];
     twin.brake_allowed += c.weight * excess_mps * allowed_mps;
   }
@@ -202,14 +203,15 @@ SetTwin twin_of(const field::ContactSet& set, const model::ContactLaw& law,
 // other gives, but for the order of the sums. Rows are the same bits.
 TEST(ContactForce, OfASetIsThatOfOneContactAfterTheOther) {
   constexpr double kS = 0.005, kDtS = 0.001;
-  const model::ContactLaw straight{8000, 6, 1, {}}, soft{8000, 6, 0, foam_curve(kS)};
+  const model::ContactLaw straight{8000, 6, 1, {}}, soft{8000, 6, 0, foam_curve(kS)},
+      core{180'000, 6, 1, {}, 0.3 * kS};
   ASSERT_FALSE(soft.curve.is_straight());
   std::size_t rows_seen = 0, brakes_seen = 0;
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937_64 random(seed);
     const field::ContactSet set = random_set(random, kS);
-    const model::ContactLaw& law = seed % 3 == 0 ? soft : straight;
+    const model::ContactLaw& law = seed % 3 == 0 ? soft : seed % 3 == 1 ? core : straight;
     const double reach_m = uniform(random, 0, 1) * kS;
     const coupling::Vector6 velocity = random_vector(random);
     const model::StepSystem system = random_system(random);

@@ -244,6 +244,47 @@ TEST(SoftCovering, FeelsTheSameForAnyNumberOfPointsAndVoxelSize) {
   EXPECT_GT(*min, 0.99 * *max);
 }
 
+// Beneath a covering lies a rigid core. A hand that goes on pressing feels no jump where the part
+// meets it, and from there on no less than a rigid scene. The lattice stands so that the guard,
+// which goes by voxels, stops the part no earlier.
+TEST(SoftCovering, GivesWayToItsRigidCoreWithoutAJump) {
+  constexpr double kStepM = 1e-4, kDepthM = 0.006;
+  for (const double voxel_m : {0.005, 0.0025, 0.00125}) {
+    for (const double shift_voxels : {0.3, 0.4, 0.5}) {
+      const VoxelScene scene = covered_scene(
+          voxel_m, kDepthM, [=](const glm::dvec3& p) { return p.z - shift_voxels * voxel_m; },
+          foam_pa);
+      for (const int count : {1, 7, 50}) {
+        SCOPED_TRACE(::testing::Message() << "voxels of " << voxel_m << " m, shifted by "
+                                          << shift_voxels << ", " << count << " points");
+        const double zero_m = (scene.zero_force_voxels + shift_voxels) * voxel_m;
+        MotionBench bench(scene, disc(0.005, count, voxel_m),
+                          {{0.0003, 0.0004, zero_m + 0.0002}, {1, 0, 0, 0}});
+        const double coupling = bench.simulation->parameters().coupling_n_per_m;
+        Pose hand = bench.input.world_from_handle;
+        std::vector<double> force_n;
+        double deepest_m = 0;
+        for (double down_m = 0; down_m < kDepthM + 0.009; down_m += kStepM) {
+          hand.position_m.z = zero_m - down_m;
+          StepResult result;
+          for (int frame = 0; frame < 150; ++frame) result = bench.step_to(hand);
+          force_n.push_back(result.wrench.force_n.z);
+          deepest_m = std::max(deepest_m, result.report.depth_m);
+        }
+        EXPECT_GT(deepest_m, kDepthM);
+        EXPECT_LT(deepest_m, kDepthM + 0.2 * voxel_m);
+        for (std::size_t i = 1; i < force_n.size(); ++i) {
+          const double rise = (force_n[i] - force_n[i - 1]) / (kStepM * coupling);
+          EXPECT_GE(rise, -1e-6) << i;
+          EXPECT_LE(rise, 1 + 1e-6) << i;
+        }
+        const std::size_t last = force_n.size() - 1, before = last - 20;
+        EXPECT_GT((force_n[last] - force_n[before]) / (20 * kStepM * coupling), 50.0 / 51);
+      }
+    }
+  }
+}
+
 // However steep a covering is, and wherever its slope grows: a ball that a hand drives into it
 // stays out of the core and comes to rest. A step solves a covering as if it were steepest
 // everywhere, so where it is a thousand times softer, the part would take a thousand frames and

@@ -64,7 +64,7 @@ TEST(TouchedObjects, AreThoseOfTheTwin) {
     // In every other set the guard keeps the part out of an object.
     const model::StoppedBy stop{count % 2 == 1 ? 3u : 0u, {2, -7, -30}};
     StepReport report;
-    model::report_touched(set, totals, law, slabs, stop, report);
+    model::report_touched(set, totals, {&law, 1}, slabs, stop, report);
     EXPECT_LE(slabs.asked, model::kAskedContacts) << count;
 
     std::map<std::uint32_t, glm::dvec3> forces;
