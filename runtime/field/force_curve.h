@@ -32,6 +32,10 @@ class ForceCurve {
     return is_straight() || !(depth_m > 0) ? depth_m : between_nodes(depth_m).force_m;
   }
 
+  // The steepest slope over K_ff within a tenth of a voxel of a depth, above 0 and at most 1. A
+  // part that comes to rest goes no farther in a frame, and what goes farther is solved again.
+  double slope(double depth_m) const noexcept;
+
   // Energy over K_ff at a depth of 0 or more, m^2: the integral of the force from no depth on.
   double energy_m2(double depth_m) const noexcept {
     if (is_straight()) return 0.5 * depth_m * depth_m;
@@ -41,6 +45,7 @@ class ForceCurve {
  private:
   struct Node {
     double force_m = 0, energy_m2 = 0;
+    double slope = 1;  // slope() from here to the next node
   };
   Node between_nodes(double depth_m) const noexcept;
 

@@ -120,14 +120,18 @@ std::size_t spring_rows_on_target(const field::ContactSet& set, std::size_t coun
     separation_rows(set, i, column);
     const VD areas = hn::Max(hn::Set(kD, step.min_areas), load(set.weight, i));
     const VD per_step = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), areas));
-    VD force = depth;
+    VD force = depth, local = areas, yields = per_step, pushes = per_step;
     if (!step.curve.is_straight()) {
       force = lane_by_lane(depth, [&](double depth_m) { return step.curve.force_m(depth_m); });
+      local = hn::Mul(
+          areas, lane_by_lane(depth, [&](double depth_m) { return step.curve.slope(depth_m); }));
+      yields = hn::Mul(dt_s, hn::Mul(hn::Set(kD, step.stiffness_n_per_m), local));
+      pushes = hn::IfThenElse(hn::Gt(depth, zero), per_step, yields);
     }
     const VD damping =
-        hn::IfThenElseZero(hn::Gt(force, zero), hn::Mul(hn::Set(kD, step.damping_ns_per_m), areas));
-    column[6] = hn::Mul(dt_s, hn::Add(per_step, damping));
-    column[7] = hn::Div(hn::Mul(per_step, force), column[6]);
+        hn::IfThenElseZero(hn::Gt(force, zero), hn::Mul(hn::Set(kD, step.damping_ns_per_m), local));
+    column[6] = hn::Mul(dt_s, hn::Add(yields, damping));
+    column[7] = hn::Div(hn::Mul(pushes, force), column[6]);
     if (hn::AllTrue(kD, kept)) {
       for (std::size_t n = 0; n < 8; ++n) hn::StoreU(column[n], kD, out.at[n] + rows);
       rows += kLanes;
@@ -200,13 +204,14 @@ double contact_energy_j(const ContactTotals& totals, const ContactLaw& law) noex
 
 ContactRow spring_row(const field::Contact& contact, double force_m, const ContactLaw& law,
                       double dt_s) noexcept {
-  const double areas = law.areas_of(contact);
-  const double stiffness = law.stiffness_n_per_m * areas;
-  const double damping = force_m > 0 ? law.damping_ns_per_m * areas : 0;
+  const double areas = law.areas_of(contact), local = areas * law.slope(contact);
+  const double yields = dt_s * (law.stiffness_n_per_m * local);
+  const double damping = force_m > 0 ? law.damping_ns_per_m * local : 0;
+  const double per_step = law.is_pressed(contact) ? dt_s * (law.stiffness_n_per_m * areas) : yields;
   ContactRow row;
   row.j = separation_row(contact);
-  row.weight = dt_s * (dt_s * stiffness + damping);
-  row.onset = dt_s * stiffness * force_m / row.weight;
+  row.weight = dt_s * (yields + damping);
+  row.onset = per_step * force_m / row.weight;
   return row;
 }
 

@@ -26,6 +26,14 @@ struct ContactLaw {
   double force_m(const field::Contact& contact) const noexcept {
     return curve.force_m(double{contact.depth_m} - begin_m);
   }
+  // The curve's slope at the contact, over that where it is steepest. The implicit step takes this
+  // one: a soft foot gives way as fast as it is soft, however steep the covering is deeper down.
+  double slope(const field::Contact& contact) const noexcept {
+    return curve.slope(double{contact.depth_m} - begin_m);
+  }
+  bool is_pressed(const field::Contact& contact) const noexcept {
+    return double{contact.depth_m} > begin_m;
+  }
   double areas_of(const field::Contact& contact) const noexcept {
     return std::max(min_areas, double{contact.weight});
   }

@@ -179,8 +179,7 @@ TEST_P(EveryKind, RandomHandsNeverGetInside) {
 }
 
 // Position peak to peak below 1e-6 voxel and force below 1e-6 N, from every start.
-// In a soft covering some come in slowly, perhaps because it is solved as if it were as stiff as at
-// its stiffest: 6 of 1200 take more than a second, one 1.9 s.
+// In a soft covering some come in slowly, where its foot is soft.
 TEST_P(EveryKind, RestIsQuietInEveryTrial) {
   const bool covered = GetParam() == test::VoxelKind::kCovered;
   for (std::uint64_t seed = 1; seed <= trials(60); ++seed) {

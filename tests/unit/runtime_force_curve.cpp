@@ -76,7 +76,9 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
     for (int n = 0; n < 40; ++n) {
       const double depth_m = 1.3 * static_cast<double>(table.size()) * step_m * uniform(random);
       EXPECT_NEAR(stiffness * curve.force_m(depth_m), table_pa(depth_m), 1e-9 * max_pa);
-      EXPECT_LE(curve.force_m(depth_m + 1e-5) - curve.force_m(depth_m), 1e-5 * (1 + 1e-9));
+      EXPECT_LE(curve.force_m(depth_m + 1e-5) - curve.force_m(depth_m),
+                1e-5 * curve.slope(depth_m) * (1 + 1e-9));
+      EXPECT_LE(curve.slope(depth_m), 1);
       constexpr int kStrips = 4000;
       const double strip_m = depth_m / kStrips;
       double area_pam = 0;
