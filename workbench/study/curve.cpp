@@ -18,25 +18,6 @@ constexpr double kWidth = 900, kHeight = 320, kLeft = 64, kRight = 16, kTop = 16
 constexpr double kShown = 3;            // times what is required, or the least clearance: the top
 constexpr std::size_t kColumns = 1500;  // of steps; more cannot be seen
 
-struct Step {
-  double from_m = 0, to_m = 0, clearance_m = 0;  // positions along the path
-};
-
-Result<std::vector<Step>> read_curve(const std::string& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);  // names of the columns
-  std::vector<Step> steps;
-  while (std::getline(file, line)) {
-    Step s;
-    if (std::sscanf(line.c_str(), "%*f,%*f,%lf,%lf,%lf", &s.clearance_m, &s.from_m, &s.to_m) == 3) {
-      steps.push_back(s);
-    }
-  }
-  if (steps.empty()) return Error{ErrorCode::kReadFailed, path, "", "contains no curve", ""};
-  return steps;
-}
-
 // A tick every 1, 2 or 5 times a power of ten, some six of them.
 double tick_of(double span) {
   const double power = std::pow(10, std::floor(std::log10(span / 6)));
@@ -104,7 +85,7 @@ class Drawing {
   }
 
   // Steps that fall on one column are drawn as the least of them.
-  void steps(const std::vector<Step>& steps) {
+  void steps(const std::vector<CurvePiece>& steps) {
     svg_ += "<path class=\"curve\" d=\"";
     const double column = (kWidth - kLeft - kRight) / kColumns;
     const char* to = "M";
@@ -135,8 +116,11 @@ class Drawing {
   std::string finish() const {
     return text(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
-               "height=\"%.0f\" role=\"img\" aria-label=\"proven clearance along the path\">\n",
-               kWidth, kHeight, kWidth, kHeight) +
+               "height=\"%.0f\" role=\"img\" aria-label=\"proven clearance along the path\" "
+               "data-length-m=\"%.9g\" data-top-m=\"%.9g\" data-left=\"%.0f\" "
+               "data-right=\"%.0f\" data-top=\"%.0f\" data-bottom=\"%.0f\">\n",
+               kWidth, kHeight, kWidth, kHeight, length_m_, top_m_, kLeft, kWidth - kRight, kTop,
+               kHeight - kBottom) +
            "<style>text{font:12px "
            "sans-serif;fill:#222}.grid{stroke:#ddd}.axis{stroke:#222;fill:none}"
            ".curve{stroke:#0072b2;stroke-width:1.8;fill:none}.required{stroke:#d55e00;"
@@ -153,13 +137,29 @@ class Drawing {
 
 }  // namespace
 
+Result<std::vector<CurvePiece>> read_curve(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);  // names of the columns
+  std::vector<CurvePiece> pieces;
+  while (std::getline(file, line)) {
+    CurvePiece p;
+    if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf", &p.from_s, &p.to_s, &p.clearance_m,
+                    &p.from_m, &p.to_m) == 5) {
+      pieces.push_back(p);
+    }
+  }
+  if (pieces.empty()) return Error{ErrorCode::kReadFailed, path, "", "contains no curve", ""};
+  return pieces;
+}
+
 Result<std::string> curve_svg(const std::string& curve, const nlohmann::json& verdict) {
   const auto steps = read_curve(curve);
   if (!steps) return steps.error();
   const double required_m = verdict["required_clearance_m"];
   const auto& smallest = verdict["min_clearance"];
   double max_m = 0;
-  for (const Step& s : *steps) max_m = std::max(max_m, s.clearance_m);
+  for (const CurvePiece& s : *steps) max_m = std::max(max_m, s.clearance_m);
   const double named_m = std::max<double>(required_m, smallest["clearance_m"]);
   Drawing drawing(steps->back().to_m,
                   std::max(std::min(max_m, kShown * named_m), 1.1 * required_m));

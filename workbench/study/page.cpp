@@ -9,51 +9,14 @@
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
 #include "formats/file/file_bytes.h"
+#include "workbench/study/html.h"
+#include "workbench/study/view.h"
 
 namespace forcelayer::study {
 namespace {
 
 using command::text;
 using Json = nlohmann::json;
-
-std::string html(std::string_view plain) {
-  std::string out;
-  for (const char c : escaped(plain)) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
-std::string base64(std::span<const std::byte> bytes) {
-  constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t n = 0; n < 3; ++n) {
-      group = group << 8 | (i + n < bytes.size() ? std::to_integer<unsigned>(bytes[i + n]) : 0);
-    }
-    for (std::size_t n = 0; n < 4; ++n) {
-      out += i + n <= bytes.size() ? kDigits[group >> (18 - 6 * n) & 63] : '=';
-    }
-  }
-  return out;
-}
 
 std::string row(const std::string& name, const std::string& value) {
   return "<tr><th>" + html(name) + "</th><td>" + value + "</td></tr>\n";
@@ -145,6 +108,20 @@ bool is_open(const Json& violation) {
   return violation.value("seat_not_settled", false) || violation.value("graze", false);
 }
 
+// How near the part comes in a stretch that is not clear, or how deep.
+std::string how_near(const Json& v) {
+  std::string how = clearance(v);
+  if (v.contains("exact_m") && v["exact_m"] == 0) {
+    how = v.value("inside", false) ? "all of the part is inside" : "the surfaces meet";
+    if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
+  }
+  if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
+  if (v.value("object_inside", false)) how = "the object lies inside the part";
+  if (v.value("seat_not_settled", false)) how = "in contact, overlap not known";
+  if (v.value("graze", false)) how += ", too close to call";
+  return how;
+}
+
 std::string violations_table(const Json& violations) {
   if (violations.empty()) return "";
   std::string table = "<h2>Positions that are ";
@@ -153,21 +130,58 @@ std::string violations_table(const Json& violations) {
       "</h2>\n<table>\n<tr><th>from</th><th>to</th><th>distance</th><th>object</th><th>worst "
       "after</th><th>position</th></tr>\n";
   for (const Json& v : violations) {
-    std::string how = clearance(v);
-    if (v.contains("exact_m") && v["exact_m"] == 0) {
-      how = v.value("inside", false) ? "all of the part is inside" : "the surfaces meet";
-      if (v.contains("depth_m")) how += ", at least " + mm(v["depth_m"]) + " deep";
-    }
-    if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
-    if (v.value("object_inside", false)) how = "the object lies inside the part";
-    if (v.value("seat_not_settled", false)) how = "in contact, overlap not known";
-    if (v.value("graze", false)) how += ", too close to call";
     const bool is_placed = !v.value("seat_not_settled", false);
-    table += "<tr><td>" + along(v["from_m"]) + "</td><td>" + along(v["to_m"]) + "</td><td>" + how +
-             "</td><td>" + name_of(v["object"]) + "</td><td>" + along(v["along_path_m"]) +
-             "</td><td>" + (is_placed ? place(v["point_m"]) : "") + "</td></tr>\n";
+    table += "<tr><td>" + along(v["from_m"]) + "</td><td>" + along(v["to_m"]) + "</td><td>" +
+             how_near(v) + "</td><td>" + name_of(v["object"]) + "</td><td>" +
+             along(v["along_path_m"]) + "</td><td>" + (is_placed ? place(v["point_m"]) : "") +
+             "</td></tr>\n";
   }
   return table + "</table>\n";
+}
+
+// The moments of the report that have a button, the worst one first, and the objects that they
+// name.
+View view_of(const Page& page) {
+  View view{page.motion, page.curve};
+  const auto add = [&](std::string name, const std::string& words, const Json& moment) {
+    if (moment.value("at_least", false)) return;
+    const std::string object = moment["object"].is_string() ? moment["object"] : "not known";
+    if (name.empty()) name = object + ", after " + along(moment["along_path_m"]);
+    const bool is_measured = moment.contains("exact_m") && moment["exact_m"].is_number();
+    Json shown{{"name", name},
+               {"words", object + ", " + words},
+               {"along_m", moment["along_path_m"]},
+               {"t_s", moment["t_s"]},
+               {"value_m", moment[is_measured ? "exact_m" : "clearance_m"]}};
+    if (!moment.value("seat_not_settled", false)) shown["point_m"] = moment["point_m"];
+    view.moments.push_back(shown);
+    view.near.push_back(object);
+  };
+  const Json& v = page.report;
+  if (v["violations"].empty()) {
+    add("Worst moment", clearance(v["min_clearance"]), v["min_clearance"]);
+  }
+  Json violations = v["violations"];
+  const Json& named = v["min_clearance"];  // the one of the verdict's sentence
+  std::stable_partition(violations.begin(), violations.end(), [&](const Json& each) {
+    return each["object"] == named["object"] && each["t_s"] == named["t_s"];
+  });
+  for (const Json& each : violations) {
+    add(view.moments.empty() ? "Worst moment" : "", how_near(each), each);
+  }
+  for (const Json& each : v["seated"]) add("Nearest in its seat", clearance(each), each);
+  return view;
+}
+
+Result<std::string> view(const Page& page) {
+  if (!can_show()) {
+    return std::string(
+        "<p>This page has no 3D view, because forcelayer was built without three.js.</p>\n");
+  }
+  if (page.motion.empty()) {
+    return std::string("<p>This page has no 3D view, because the study reads no meshes.</p>\n");
+  }
+  return view_html(view_of(page));
 }
 
 Result<std::string> pictures(const std::vector<Picture>& pictures) {
@@ -240,10 +254,13 @@ Result<std::string> html_of(const Page& page) {
             "<p>The curve is a safe lower bound; the real distance is larger. Dot: the smallest "
             "distance (see the first table). Gray: in the seat. Red: less than required, or not "
             "decided.</p>\n";
+    const auto shown = view(page);
+    if (!shown) return shown.error();
+    found += *shown;
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
-         html(title) + "</title>\n<style>" + kStyle + "</style></head><body>\n<h1>" + html(title) +
-         "</h1>\n<p class=\"verdict " + class_of(page.verdict.kind) + "\"><strong>" +
+         html(title) + "</title>\n<style>" + kStyle + view_style() + "</style></head><body>\n<h1>" +
+         html(title) + "</h1>\n<p class=\"verdict " + class_of(page.verdict.kind) + "\"><strong>" +
          html(heading) + "</strong>" + html_lines(text) + "</p>\n" + found + *drawn +
          commands_of(page) + *files + "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +

@@ -318,6 +318,10 @@ Step Study::check_step() const {
   add_check_meshes(step);
   add({"--json", in("check.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
+  if (!options_.files_alone) {
+    add({"--report", "animation:" + in("motion.glb")});
+    step.outputs.push_back(in("motion.glb"));
+  }
   if (draws_) {
     add({"--report", "picture:" + in("worst.png")});
     step.outputs.push_back(in("worst.png"));
@@ -513,7 +517,7 @@ Status Study::write_farthest(const json& plan) {
 Status Study::write_verdict(const std::string& junit, const json& exit_status) {
   sentence_ = command::sentence(verdict_);
   text_ = command::terminal_text(verdict_);
-  for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png"})
+  for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png", "motion.glb"})
     std::remove(in(name).c_str());
   // It begins as the report of voxcheck, which replaces nothing else.
   nlohmann::ordered_json verdict{{"schema_version", command::kReportSchema},
@@ -870,6 +874,8 @@ Status Study::write_page() {
     page.curve_svg = std::move(*svg);
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
     page.files.insert(page.files.end(), {path_, in("curve.csv")});
+    page.curve = in("curve.csv");
+    if (!options_.files_alone) page.motion = in("motion.glb");
     if (draws_) page.pictures.push_back({in("worst.png"), "The worst moment"});
   }
   if (path_.empty() && std::filesystem::exists(in("farthest.csv"))) {

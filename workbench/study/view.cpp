@@ -1,0 +1,130 @@
+#include "workbench/study/view.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "formats/command/text.h"
+#include "formats/file/file_bytes.h"
+#include "workbench/study/curve.h"
+#include "workbench/study/embedded.h"
+#include "workbench/study/html.h"
+
+namespace forcelayer::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// With three.js, base64 and the pictures a page stays below 5 MB.
+constexpr std::size_t kMaxMotionBytes = 2'600'000;
+constexpr std::size_t kNamed = 20;  // objects that a sentence lists
+
+struct Motion {
+  std::string glb;
+  std::vector<std::string> left_out;  // names
+};
+
+Error not_readable(const std::string& path) {
+  return {ErrorCode::kReadFailed, path, "", "is not an animation that voxcheck wrote", ""};
+}
+
+// The first nodes of the file, as many as fit: mesh, material, two accessors and two buffer views
+// of each follow those of the motion (write_glb()).
+Result<Motion> read_motion(const std::string& path) {
+  constexpr std::size_t kHead = 20, kChunk = 8, kOfMotion = 3;
+  const auto file = FileBytes::read(path);
+  if (!file) return file.error();
+  const std::span<const std::byte> bytes = file->bytes();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::uint32_t size = 0;
+  if (bytes.size() < kHead) return not_readable(path);
+  std::memcpy(&size, bytes.data() + 12, sizeof size);
+  if (bytes.size() < kHead + size + kChunk) return not_readable(path);
+  Json json = Json::parse(text.substr(kHead, size), nullptr, false);
+  if (!json.is_object()) return not_readable(path);
+  const auto end_of = [&](std::size_t nodes) {
+    const Json& last = json["bufferViews"][kOfMotion + 2 * nodes - 1];
+    return (last["byteOffset"].get<std::size_t>() + last["byteLength"].get<std::size_t>() + 3) / 4 *
+           4;
+  };
+  Motion motion;
+  std::size_t nodes = json["meshes"].size();
+  while (nodes > 1 && end_of(nodes) > kMaxMotionBytes) {
+    motion.left_out.push_back(json["nodes"][nodes]["name"]);
+    --nodes;
+  }
+  const auto keep = [](Json& list, std::size_t count) {
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(count), list.end());
+  };
+  keep(json["nodes"], nodes + 1);
+  keep(json["nodes"][0]["children"], nodes);
+  keep(json["meshes"], nodes);
+  keep(json["materials"], nodes);
+  const std::size_t end = end_of(nodes);
+  keep(json["accessors"], kOfMotion + 2 * nodes);
+  keep(json["bufferViews"], kOfMotion + 2 * nodes);
+  json["buffers"][0]["byteLength"] = end;
+  if (bytes.size() < kHead + size + kChunk + end) return not_readable(path);
+  std::string head = json.dump();
+  head.resize((head.size() + 3) / 4 * 4, ' ');
+  const auto put = [&](std::size_t number) {
+    const auto value = static_cast<std::uint32_t>(number);
+    motion.glb.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  motion.glb = text.substr(0, 8);
+  put(kHead + head.size() + kChunk + end);
+  put(head.size());
+  motion.glb += text.substr(16, 4);
+  motion.glb += head;
+  put(end);
+  motion.glb += text.substr(kHead + size + 4, 4 + end);
+  return motion;
+}
+
+// JSON as the text of a script element, which "</" would end.
+std::string script_text(const nlohmann::json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
+    text += c == '<' ? "\\u003c" : std::string(1, c);
+  }
+  return text;
+}
+
+std::string left_out_text(const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  std::string text = "<p>The 3D view leaves out the objects farthest from the path: ";
+  for (std::size_t n = 0; n < std::min(names.size(), kNamed); ++n) {
+    text += (n == 0 ? "" : ", ") + html(names[n]);
+  }
+  if (names.size() > kNamed) {
+    text += command::text(" and %zu more", names.size() - kNamed);
+  }
+  return text + ".</p>\n";
+}
+
+}  // namespace
+
+bool can_show() { return !embedded("three.js").empty(); }
+
+std::string view_style() { return embedded("view.css"); }
+
+Result<std::string> view_html(const View& view) {
+  const auto motion = read_motion(view.motion);
+  if (!motion) return motion.error();
+  const auto pieces = read_curve(view.curve);
+  if (!pieces) return pieces.error();
+  nlohmann::json data{{"moments", view.moments}, {"near", view.near}};
+  for (const CurvePiece& p : *pieces) {
+    data["curve"].push_back({p.from_m, p.to_m, p.from_s, p.to_s, p.clearance_m});
+  }
+  const auto glb = std::as_bytes(std::span(motion->glb));
+  return embedded("view.html") + left_out_text(motion->left_out) +
+         "<script type=\"application/json\" id=\"view-data\">" + script_text(data) +
+         "</script>\n<script type=\"application/base64\" id=\"view-motion\">" + base64(glb) +
+         "</script>\n<!-- three.js\n" + embedded("three_license.txt") + "-->\n<script>\n" +
+         embedded("three.js") + "</script>\n<script>\n" + embedded("view.js") + "</script>\n";
+}
+
+}  // namespace forcelayer::study

@@ -1,0 +1,252 @@
+// The 3D view of a study's page: the motion as voxcheck wrote it, beside the clearance curve.
+(function () {
+  'use strict';
+  const get = (id) => document.getElementById(id);
+  const data = JSON.parse(get('view-data').textContent);
+  const curve = data.curve;  // pieces [from_m, to_m, from_s, to_s, clearance_m]
+  const length_m = curve[curve.length - 1][1];
+  const kPart = 0xe69f00, kNear = 0x0072b2, kOther = 0xb8bcc2, kMark = 0xc00000;  // as voxview draws
+  const kPlay_s = 6;                 // for the whole path
+  const kEdgeTriangles = 200000;     // more edges are slow to find
+
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({canvas: get('canvas'), antialias: true, alpha: true});
+  } catch (error) {
+    return;  // the page says why there is no view
+  }
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(35, 1, 0.001, 1000);
+  const light = new THREE.DirectionalLight(0xffffff, 0.5);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xa0a8b4, 0.7), camera);
+  camera.add(light);
+  light.position.set(-0.4, 0.7, 1);
+  const controls = new THREE.OrbitControls(camera, get('canvas'));
+  controls.screenSpacePanning = true;
+  controls.addEventListener('change', draw);
+
+  const bytes = Uint8Array.from(atob(get('view-motion').textContent.trim()), (c) => c.charCodeAt(0));
+  new THREE.GLTFLoader().parse(bytes.buffer, '', (gltf) => {
+    const nodes = gltf.parser.json.nodes.map((node, n) => gltf.parser.getDependency('node', n));
+    Promise.all(nodes).then((found) => start(gltf, found));
+  });
+
+  let move, mark, along_m = 0, part, world, playing = 0;
+  const all = [];
+
+  function start(gltf, nodes) {
+    scene.add(gltf.scene);
+    world = nodes[0];
+    part = nodes[1];
+    const triangles = nodes.reduce((sum, node) => sum + (node.isMesh ? node.geometry.index.count / 3 : 0), 0);
+    nodes.slice(1).forEach((node, n) => {
+      const name = gltf.parser.json.nodes[n + 1].name;
+      const color = n === 0 ? kPart : data.near.includes(name) ? kNear : kOther;
+      node.material = new THREE.MeshPhongMaterial({
+        color, side: THREE.DoubleSide, flatShading: true, shininess: 10,
+        polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+      if (triangles < kEdgeTriangles) {
+        const edges = new THREE.EdgesGeometry(node.geometry, 25);
+        node.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x333333})));
+      }
+      all.push({node, name, is_plain: color === kOther, box: list(node, name, color)});
+    });
+    const mixer = new THREE.AnimationMixer(part);
+    const action = mixer.clipAction(gltf.animations[0]);
+    action.setLoop(THREE.LoopOnce);
+    action.clampWhenFinished = true;
+    action.play();
+    move = (time_s) => {
+      action.time = Math.min(time_s, action.getClip().duration);
+      mixer.update(0);
+    };
+    mark = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 16, 12),
+                          new THREE.MeshBasicMaterial({color: kMark, depthTest: false, transparent: true}));
+    mark.renderOrder = 9;
+    mark.visible = false;
+    world.add(mark);
+    get('no-view').remove();
+    get('view').hidden = false;
+    see_through();
+    wire();
+    resize();
+    fit();
+    follow_link();
+  }
+
+  function list(node, name, color) {
+    const label = document.createElement('label'), box = document.createElement('input');
+    const swatch = document.createElement('i');
+    box.type = 'checkbox';
+    box.checked = true;
+    box.onchange = () => show((object) => object.node === node, box.checked);
+    swatch.style.background = '#' + color.toString(16).padStart(6, '0');
+    label.append(box, swatch, document.createElement('span'));
+    label.lastChild.textContent = label.title = name;
+    get('objects').append(label);
+    return box;
+  }
+
+  function show(named, visible) {
+    for (const {node, box} of all.filter(named)) {
+      node.visible = box.checked = visible;
+      box.parentNode.className = visible ? '' : 'hidden';
+    }
+    draw();
+  }
+
+  // Objects hide neither the part nor its neighbors: those that the report names are less clear.
+  function see_through() {
+    for (const {node, is_plain} of all) {
+      const clear = node !== part && !get('solid').checked;
+      Object.assign(node.material, {transparent: clear, opacity: !clear ? 1 : is_plain ? 0.2 : 0.35, depthWrite: !clear});
+      for (const lines of node.children) lines.material.color.set(clear && is_plain ? 0x999999 : 0x333333);
+    }
+    draw();
+  }
+
+  function wire() {
+    get('along').oninput = () => go(get('along').value * length_m);
+    get('fit').onclick = fit;
+    get('solid').onchange = see_through;
+    get('all').onchange = () => show(() => true, get('all').checked);
+    get('filter').oninput = () => {
+      const text = get('filter').value.toLowerCase();
+      for (const {name, box} of all) box.parentNode.hidden = !name.toLowerCase().includes(text);
+    };
+    get('play').onclick = () => {
+      playing = playing ? 0 : performance.now() - (along_m < length_m ? along_m / length_m : 0) * 1000 * kPlay_s;
+      get('play').textContent = playing ? 'Pause' : 'Play';
+      if (playing) requestAnimationFrame(step);
+    };
+    for (const moment of data.moments) {
+      const button = document.createElement('button');
+      button.textContent = moment.name;
+      button.onclick = () => go(moment.along_m, moment);
+      get('moments').append(button);
+    }
+    const svg = document.querySelector('svg[data-length-m]');
+    if (svg) {  // the curve is a slider, too
+      svg.style.cursor = 'pointer';
+      svg.onclick = (event) => {
+        const box = svg.getBoundingClientRect(), place = svg.dataset;
+        const x = (event.clientX - box.left) / box.width * svg.viewBox.baseVal.width;
+        go((x - place.left) / (place.right - place.left) * length_m);
+      };
+    }
+    addEventListener('resize', resize);
+    addEventListener('hashchange', follow_link);
+  }
+
+  function step(now) {
+    if (!playing) return;
+    const fraction = (now - playing) / 1000 / kPlay_s;
+    if (fraction >= 1) get('play').onclick();
+    go(Math.min(fraction, 1) * length_m);
+    requestAnimationFrame(step);
+  }
+
+  // Pieces at a position: two where one ends and the next begins.
+  function pieces_at(m) {
+    const slack_m = 1e-9 * length_m;
+    return curve.filter((piece) => piece[0] <= m + slack_m && m - slack_m <= piece[1]);
+  }
+
+  const mm = (m) => (Math.floor(1e6 * m + 1e-6) / 1e3).toFixed(3).replace(/\.?0+$/, '') + ' mm';
+
+  // Moves the part to a position along the path; at a moment of the report its words are shown.
+  function go(m, moment) {
+    along_m = Math.max(0, Math.min(m, length_m));
+    const pieces = pieces_at(along_m), piece = pieces[0];
+    const fraction = piece[1] > piece[0] ? (along_m - piece[0]) / (piece[1] - piece[0]) : 0;
+    const time_s = moment ? moment.t_s : piece[2] + fraction * (piece[3] - piece[2]);
+    move(time_s - curve[0][2]);
+    const proven_m = Math.min(...pieces.map((each) => each[4]));
+    get('along').value = along_m / length_m;
+    get('now').textContent = 'after ' + (1e3 * along_m).toFixed(1) + ' of ' + (1e3 * length_m).toFixed(1) + ' mm: ' +
+                             (moment ? moment.words : 'at least ' + mm(proven_m) + ' (proven)');
+    mark.visible = Boolean(moment && moment.point_m);
+    if (mark.visible) mark.position.fromArray(moment.point_m);
+    point_out(moment ? moment.value_m : proven_m);
+    draw();
+  }
+
+  // The mark on the curve.
+  function point_out(value_m) {
+    const svg = document.querySelector('svg[data-length-m]');
+    if (!svg) return;
+    const place = svg.dataset;
+    let here = get('here');
+    if (!here) {
+      here = document.createElementNS('http://www.w3.org/2000/svg', 'g');
+      here.id = 'here';
+      here.innerHTML = '<path stroke="#c00000" stroke-width="1.5"/><circle r="4.5" fill="#c00000"/>';
+      svg.append(here);
+    }
+    const x = +place.left + along_m / length_m * (place.right - place.left);
+    const y = place.bottom - Math.min(1, value_m / place.topM) * (place.bottom - place.top);
+    here.children[0].setAttribute('d', `M${x} ${place.top}V${place.bottom}`);
+    here.children[1].setAttribute('cx', x);
+    here.children[1].setAttribute('cy', y);
+  }
+
+  // Shows all of the motion, and as much of the scene as fits beside it.
+  function fit() {
+    const motion = new THREE.Box3(), back_m = along_m, kSteps = 24, kAround = 3;
+    for (let n = 0; n <= kSteps; ++n) {
+      const piece = pieces_at(n / kSteps * length_m)[0];
+      move((n === kSteps ? curve[curve.length - 1][3] : piece[2]) - curve[0][2]);
+      part.updateMatrixWorld(true);
+      motion.union(new THREE.Box3().setFromObject(part));
+    }
+    const size = motion.getSize(new THREE.Vector3()).length(), whole = motion.clone();
+    for (const {node} of all) if (node !== part) whole.union(new THREE.Box3().setFromObject(node));
+    const every = whole.getSize(new THREE.Vector3()).length();
+    const box = every < kAround * size ? whole : motion.expandByScalar(0.25 * size);
+    const center = box.getCenter(new THREE.Vector3());
+    // In the camera's axes: the middle of the box's corners, and how far away all of them fit.
+    const back = new THREE.Vector3(0.45, 0.5, 1).normalize();
+    const right = new THREE.Vector3(0, 1, 0).cross(back).normalize(), up = back.clone().cross(right);
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => {
+      const corner = new THREE.Vector3(n & 1 ? box.max.x : box.min.x, n & 2 ? box.max.y : box.min.y,
+                                       n & 4 ? box.max.z : box.min.z).sub(center);
+      return [corner.dot(right), corner.dot(up), corner.dot(back)];
+    });
+    const tangent = Math.tan(camera.fov / 2 * Math.PI / 180), kMargin = 1.08;
+    const fits = ([x, y, z]) => z + kMargin * Math.max(Math.abs(y), Math.abs(x) / camera.aspect) / tangent;
+    const away_m = Math.max(...corners.map(fits));
+    camera.near = away_m / 200;
+    camera.far = away_m + 10 * every;
+    camera.position.copy(center).addScaledVector(back, away_m);
+    camera.updateProjectionMatrix();
+    controls.target.copy(center);
+    controls.update();
+    mark.scale.setScalar(0.006 * box.getSize(new THREE.Vector3()).length());
+    go(back_m);
+  }
+
+  function resize() {
+    const stage = get('canvas').parentNode, width = Math.max(50, stage.clientWidth - get('objects').parentNode.offsetWidth);
+    const height = stage.clientHeight;
+    get('canvas').style.maxWidth = width + 'px';
+    renderer.setPixelRatio(window.devicePixelRatio);
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    draw();
+  }
+
+  function draw() { renderer.render(scene, camera); }
+
+  // report.html#worst, report.html#at=12.5 (mm), and &hide=NAME for each object to hide.
+  function follow_link() {
+    let at = 0, moment;
+    for (const word of location.hash.slice(1).split('&')) {
+      const [key, value] = word.split('=').map(decodeURIComponent);
+      if (key === 'at') at = value / 1e3;
+      if (key === 'worst') [moment] = data.moments;
+      if (key === 'hide') show(({name}) => name === value, false);
+    }
+    go(moment ? moment.along_m : at, moment);
+  }
+})();
