@@ -110,6 +110,9 @@ grep -q 'leaves out the objects farthest from the path: far\.' large/report.html
 page large/report.html#worst "${gl[@]}"
 grep -q '>near</span></label>' page.html && ! grep -q '>far</span></label>' page.html && [ -n "$(now)" ] || fail "the large view: $(now)"
 
+"$bin/forcelayer" study large.json#far --voxel-size 5mm --pull 0,0,100mm --clearance 1mm --no-pictures -o huge --quiet 2>err.txt
+grep -q 'no 3D view, because the part has too many triangles' huge/report.html || fail "a huge part: $(cat err.txt)"
+
 # Without WebGL the verdict stays, and a sentence stands in place of the view.
 page pin/report.html --disable-gpu --disable-3d-apis
 grep -q '<p id="no-view">The 3D view needs' page.html && grep -q '<div id="view" hidden' page.html &&

@@ -850,13 +850,13 @@ Result<ExactAnswer> check_exactly(const Meshes& meshes, const std::vector<PathRo
 }
 
 Result<ExactAnswer> check_exactly(const ExactRequest& request) {
-  const auto meshes = read_meshes(request, request.quiet);
+  auto meshes = read_meshes(request, request.quiet);
   if (!meshes) return meshes.error();
   const auto rows = voxcheck::read_part_path(request, meshes->shell);
   if (!rows) return rows.error();
   if (!request.animation.empty()) {
-    const Status written =
-        write_animation(request, meshes->scene, meshes->voxmap, meshes->part, meshes->shell, *rows);
+    const Status written = write_animation(request, meshes->scene, meshes->voxmap, meshes->part,
+                                           meshes->shell, *rows, meshes->warnings);
     if (!written) return written.error();
   }
   return check_exactly(*meshes, *rows, request);

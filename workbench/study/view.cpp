@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,7 @@ constexpr std::size_t kMaxMotionBytes = 2'600'000;
 constexpr std::size_t kNamed = 20;  // objects that a sentence lists
 
 struct Motion {
-  std::string glb;
+  std::string glb;                    // empty where the part alone is too large
   std::vector<std::string> left_out;  // names
 };
 
@@ -50,11 +51,13 @@ Result<Motion> read_motion(const std::string& path) {
            4;
   };
   Motion motion;
-  std::size_t nodes = json["meshes"].size();
-  while (nodes > 1 && end_of(nodes) > kMaxMotionBytes) {
+  const std::size_t all = json["meshes"].size();
+  std::size_t nodes = all;  // the text shrinks with them
+  while (nodes > 0 && end_of(nodes) + size * nodes / all > kMaxMotionBytes) {
     motion.left_out.push_back(json["nodes"][nodes]["name"]);
     --nodes;
   }
+  if (nodes == 0) return motion;
   const auto keep = [](Json& list, std::size_t count) {
     list.erase(list.begin() + static_cast<std::ptrdiff_t>(count), list.end());
   };
@@ -113,6 +116,11 @@ std::string view_style() { return embedded("view.css"); }
 Result<std::string> view_html(const View& view) {
   const auto motion = read_motion(view.motion);
   if (!motion) return motion.error();
+  if (motion->glb.empty()) {
+    return "<p>This page has no 3D view, because the part has too many triangles. Other viewers "
+           "show " +
+           html(std::filesystem::path(view.motion).filename().string()) + ".</p>\n";
+  }
   const auto pieces = read_curve(view.curve);
   if (!pieces) return pieces.error();
   nlohmann::json data{{"moments", view.moments}, {"near", view.near}};

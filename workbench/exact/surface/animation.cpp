@@ -9,6 +9,7 @@
 #include <span>
 
 #include "formats/command/provenance.h"
+#include "formats/command/text.h"
 #include "formats/file/named_file.h"
 #include "formats/mesh/up_axis.h"
 #include "formats/mesh/writers/glb.h"
@@ -22,6 +23,9 @@ using mesh::GlbMotion;
 using mesh::GlbNode;
 
 constexpr double kWithinM = 1e-6;  // of thinned(): finer than 32-bit floats at 10 m
+
+// More are no view of a motion, and take long to read: the farthest objects are left out.
+constexpr std::size_t kMaxTriangles = 4'000'000;
 
 // The part's color, and those of the scene's objects in turn: pale, so that the part stands out.
 constexpr std::array<double, 3> kPartColor{0.85, 0.24, 0.01};
@@ -101,7 +105,7 @@ struct Object {
 
 Status write_animation(const voxcheck::ExactRequest& request, const Surface& scene,
                        const Voxmap& voxmap, const Surface& part, const Pshell& shell,
-                       const std::vector<PathRow>& rows) {
+                       const std::vector<PathRow>& rows, std::vector<std::string>& warnings) {
   double radius_m = 0;
   for (const glm::dvec3& vertex : part.vertices_m) {
     radius_m = std::max(radius_m, glm::length(vertex));
@@ -130,12 +134,24 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
   for (const auto& [number, object] : objects) order.push_back(number);
   std::ranges::stable_sort(
       order, {}, [&](std::uint32_t number) { return objects[number].distance_m(low_m, high_m); });
+  std::size_t triangles = part.triangles.size(), left_out = 0;
   for (const std::uint32_t number : order) {
+    triangles += objects[number].triangles.size();
+    if (triangles > kMaxTriangles) {
+      ++left_out;
+      continue;
+    }
     GlbNode node = node_of(scene, objects[number].triangles);
     if (node.triangles.empty()) continue;
     node.name = number == 0 ? "scene" : std::string(voxmap.object_name(number));
     node.color = kColors[number % kColors.size()];
     nodes.push_back(std::move(node));
+  }
+  if (left_out > 0) {
+    warnings.push_back(
+        command::text("the animation leaves out the %zu objects farthest from the path, to have at "
+                      "most %zu triangles",
+                      left_out, kMaxTriangles));
   }
   GlbMotion motion = motion_of(rows, shell, radius_m);
   motion.name = nodes[0].name;

@@ -4,7 +4,7 @@
   const get = (id) => document.getElementById(id);
   const data = JSON.parse(get('view-data').textContent);
   const curve = data.curve;  // pieces [from_m, to_m, from_s, to_s, clearance_m]
-  const length_m = curve[curve.length - 1][1];
+  const length_m = Math.max(curve[curve.length - 1][1], 1e-9);  // of a part that rests, too
   const kPart = 0xe69f00, kNear = 0x0072b2, kOther = 0xb8bcc2, kMark = 0xc00000;  // as voxview draws
   const kPlay_s = 6;                 // for the whole path
   const kEdgeTriangles = 200000;     // more edges are slow to find
