@@ -109,8 +109,9 @@ struct ExactNearest {
 
 // Where the measurement stopped because its time was over.
 struct ExactStop {
-  // In the last one all is proven but how near the part comes.
-  enum Stage { kClearance, kInstalled, kContact, kSmallest };
+  // In kBlockers the part is known to meet something, and in the last one all is proven but how
+  // near it comes.
+  enum Stage { kClearance, kBlockers, kInstalled, kContact, kSmallest };
   int stage = kClearance;
   std::uint32_t object = 0;  // of the seat, in the stages kInstalled and kContact
   double settled_s = 0;      // until then the path was checked in this stage,

@@ -133,6 +133,9 @@ std::string out_of_time_text(const CheckedPath& checked, const ExactStop& stop) 
   if (stop.stage == ExactStop::kInstalled) {
     return ended + "before the overlap of the installed part with " + object + " was measured";
   }
+  if (stop.stage == ExactStop::kBlockers) {
+    return ended + "before all objects that block the part were found";
+  }
   const std::string what =
       stop.stage == ExactStop::kContact ? "contact with " + object : "the clearance";
   const double settled_m = along_m(checked, stop.settled_s);
@@ -271,6 +274,10 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
                  : slide.objects)
           .push_back(object_name(checked.scene, object));
       if (is_passed) slide.gap_m = std::min(slide.gap_m, exact->nearest_m + kDecimalM);
+      if (is_left && !is_passed) {  // ExactSeat::soon_m
+        slide.left_within_m =
+            std::max(slide.left_within_m, 2 * (checked.required_m + exact->installed_m));
+      }
       const bool overlaps = exact != nullptr && exact->installed_m > checked.exact->margin_m;
       if (overlaps) slide.overlap_m = std::max(slide.overlap_m, exact->installed_m);
     }
@@ -418,6 +425,13 @@ command::Verdict verdict_of(const CheckedPath& checked) {
     verdict.begin = begin_of(checked, worst);
     if (r.begins_installed) verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.blocked_by = blockers(checked);
+    const bool is_stopped = checked.exact != nullptr && !checked.exact->stop.empty() &&
+                            checked.exact->stop[0].stage != ExactStop::kSmallest;
+    if (is_stopped) {
+      verdict.unchecked =
+          "other objects may block the part before, because the time limit (--time) "
+          "ended the check";
+    }
   }
   const ExactViolation* exact = exact_of(checked, worst);
   verdict.nearest = distance_of(checked, worst.worst, exact != nullptr ? &exact->worst : nullptr,

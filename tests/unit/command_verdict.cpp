@@ -187,7 +187,7 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v).find("all other objects"), std::string::npos);
   v.beyond = {};
   // It moves off what it touches, or onto it, where the clearance is gained or lost within twice
-  // its length. It may leave one thing at once while it slides along another.
+  // its length. It may leave one thing soon while it slides along another.
   const auto says = [&](const VerdictSlide& slide, const std::string& words) {
     v.slides[0] = slide;
     EXPECT_NE(sentence(v).find(": " + words + ", otherwise stays"), std::string::npos)
@@ -198,13 +198,17 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   says({0, 0.0019, {"A"}, {"B"}, 96e-6},
        "leaves A and passes B with a gap of 0.096 mm within the first 1.9 mm");
   says({0.0581, 0.06, {"A"}, {}, 0, 1e-4},
-       "reaches A, overlapping by at least 0.1 mm when installed, within the last 1.9 mm");
+       "reaches A, overlapping by at least 0.1 mm when installed (the force for that is not "
+       "computed), within the last 1.9 mm");
   says({0.0579, 0.06, {"A"}, {}, 0, 1e-4},
-       "slides along A, overlapping by at least 0.1 mm when installed, for the last 2.1 mm");
-  says({0, 0.0516, {"B"}, {}, 0, 0, {"A"}},
-       "leaves A at once and slides along B for the first 51.6 mm");
-  says({0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}},
-       "leaves A at once and passes C with a gap of 0.096 mm for the first 51.6 mm");
+       "slides along A, overlapping by at least 0.1 mm when installed (the force for that is not "
+       "computed), for the last 2.1 mm");
+  says({0, 0.0516, {"B"}, {}, 0, 0, {"A"}, 0.002},
+       "leaves A within the first 2 mm and slides along B for the first 51.6 mm");
+  says({0.01, 0.06, {"B"}, {}, 0, 0, {"A"}, 0.002},
+       "reaches A within the last 2 mm and slides along B for the last 50 mm");
+  says({0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}, 0.002},
+       "leaves A within the first 2 mm and passes C with a gap of 0.096 mm for the first 51.6 mm");
   says({0, 0.0019, {"B"}, {}, 0, 0, {"A"}}, "leaves B and A within the first 1.9 mm");
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
@@ -238,6 +242,11 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_NE(sentence(v).find("; blocked by Post."), std::string::npos);
   v.blocked_by = {"Wall"};
   EXPECT_EQ(sentence(v).find("blocked by"), std::string::npos);
+  // Where the time was over there may be more.
+  v.unchecked = "other objects may block it before";
+  EXPECT_NE(sentence(v).find(" of 60 mm); other objects may block it before."), std::string::npos);
+  EXPECT_NE(gist(v).find("; other objects may block it before"), std::string::npos);
+  v.unchecked.clear();
   v.blocked_by.clear();
   v.begin.reset();
   v.slides[0].to_m = 0.06;
@@ -247,6 +256,25 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v),
             "Stays in contact, straight along +z: slides along Floor for the whole path of 60 mm, "
             "otherwise stays 5 mm away or more (nothing is nearer; 1 mm required).");
+}
+
+// A name of a long path is cut in the sentence, at one of its slashes, and nowhere else.
+TEST(Verdict, NamesTheEndOfALongPath) {
+  Verdict v;
+  v.kind = VerdictKind::kDoesNotComeOut;
+  v.required_m = 0.001;
+  v.finding = "meets X";
+  v.nearest.known = Known::kMeasured;
+  const std::string end = "/Plate:1";
+  v.blocked_by = {std::string(64 - end.size(), 'a') + end};
+  EXPECT_NE(sentence(v).find("blocked by aaa"), std::string::npos);
+  v.blocked_by = {"b/" + std::string(64 - end.size(), 'a') + end};
+  EXPECT_NE(sentence(v).find("blocked by .../Plate:1."), std::string::npos) << sentence(v);
+  v.blocked_by = {"b/" + std::string(65, 'a')};
+  EXPECT_NE(sentence(v).find("blocked by .../aaa"), std::string::npos) << sentence(v);
+  v.blocked_by = {std::string(65, 'a')};
+  EXPECT_NE(sentence(v).find("blocked by aaa"), std::string::npos) << sentence(v);
+  EXPECT_EQ(verdict_json(v)["blocked_by"][0], v.blocked_by[0]);
 }
 
 // A sentence never says that one figure equals another that it does not equal, nor turns them

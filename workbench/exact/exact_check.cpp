@@ -11,6 +11,9 @@
 #include <glm/vector_relational.hpp>
 #include <map>
 #include <memory>
+#include <set>
+#include <span>
+#include <utility>
 
 #include "formats/command/progress_line.h"
 #include "formats/command/text.h"
@@ -245,11 +248,33 @@ class ExactCheck {
       if (seated && std::find(seat.begin(), seat.end(), object) != seat.end()) return false;
       if (glm::any(glm::lessThan(place_m, box.low_m))) return false;
       if (glm::any(glm::greaterThan(place_m, box.high_m))) return false;
-      const Bodies& bodies = other_of(object).bodies;
+      const Bodies& bodies = other_of(object).bodies();
       return are_solid(bodies) && std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) {
                return body->holds(vec3_of(place_m));
              });
     });
+  }
+
+  struct Box {
+    glm::dvec3 low_m, high_m;
+  };
+  static Box box_around(std::span<const glm::dvec3> places_m) {
+    Box box{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+    for (const glm::dvec3& place : places_m) {
+      box.low_m = glm::min(box.low_m, place), box.high_m = glm::max(box.high_m, place);
+    }
+    return box;
+  }
+  // Around a box that was turned and moved.
+  static Box placed(const Box& box, const Pose& world_from_box) {
+    std::array<glm::dvec3, 8> corners;
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+      const glm::dvec3 corner((n & 1 ? box.low_m : box.high_m).x,
+                              (n & 2 ? box.low_m : box.high_m).y,
+                              (n & 4 ? box.low_m : box.high_m).z);
+      corners[n] = world_from_box.position_m + world_from_box.orientation * corner;
+    }
+    return box_around(corners);
   }
 
   void find_boxes() {
@@ -345,68 +370,74 @@ class ExactCheck {
     violation.graze =
         !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(worst);
-    const bool meets = violation.meets();
-    if (meets) {
-      const auto begin = contact_begin(near.pieces, violation.worst.object);
-      violation.contact_s = begin ? path_.time_s(*begin) : violation.from_s;
-      look_into(violation);
-    }
     answer.violations.push_back(violation);
-    if (meets && !near.inside) add_other_objects(near.pieces, answer);
+    if (!violation.meets()) return;
+    const int stage = std::exchange(stop_.stage, static_cast<int>(ExactStop::kBlockers));
+    stop_.settled_s = violation.from_s;
+    if (near.inside) {
+      look_into(answer.violations.back());
+    } else {
+      add_blockers(near.pieces, answer);
+    }
+    stop_.stage = stage;
   }
 
-  // The last violation names one object that the part meets in some pieces. Each other one gets a
-  // violation of its own, and then each has the stretch in which it is too near by itself. Depths
-  // take long: those of the first that are met are measured.
-  void add_other_objects(const std::vector<Piece>& pieces, ExactAnswer& answer) {
-    constexpr std::size_t kMaxDepths = 16;
-    const std::size_t first = answer.violations.size() - 1;
-    const std::uint32_t known = answer.violations[first].worst.object;
-    std::vector<ExactViolation> met;
+  // The last violation is of all pieces, in which the part meets an object. Each object that it
+  // meets gets a violation of its own, with the stretch in which it is too near by itself and from
+  // when on they touch; for one alone that is all. Then follow the depths of those that are touched
+  // first: they take long, and most are measured at few moments.
+  void add_blockers(const std::vector<Piece>& pieces, ExactAnswer& answer) {
+    constexpr std::size_t kMaxDepths = 16, kMoments = 4;
+    const ExactViolation whole = answer.violations.back();
+    const auto first = static_cast<std::ptrdiff_t>(answer.violations.size()) - 1;
+    set_contact(pieces, answer.violations.back());
     for (const std::uint32_t object : objects_beside(pieces)) {
-      if (object == 0 || object == known) continue;
-      const auto begin = contact_begin(pieces, object);
-      if (!begin) continue;
-      const Other& other = other_of(object);
-      ExactWalk walk(path_, other.distance, other.distance, rounding_m_);
-      const Sample nearest = smallest_of(walk, counted_pieces(pieces, object)).sample;
+      if (object == 0 || object == whole.worst.object) continue;
+      if (!contact_begin(pieces, object)) continue;
+      Other& other = other_of(object);
+      const Sample nearest = smallest_of(other.walk, counted_pieces(pieces, object)).sample;
       ExactViolation violation;
       violation.worst = exact_moment(nearest, other.surface);
-      if (violation.worst.exact_m > 0 || !set_stretch(pieces, violation)) continue;
-      violation.contact_s = path_.time_s(*begin);
-      met.push_back(violation);
+      if (violation.worst.exact_m == 0 && set_contact(pieces, violation)) {
+        answer.violations.push_back(violation);
+      }
     }
+    const auto met = std::span(answer.violations).subspan(static_cast<std::size_t>(first));
+    if (met.size() == 1) met[0].from_s = whole.from_s, met[0].to_s = whole.to_s;
     std::stable_sort(met.begin(), met.end(), [](const ExactViolation& a, const ExactViolation& b) {
-      return a.from_s < b.from_s;
+      return a.contact_s < b.contact_s;
     });
-    for (std::size_t n = 0; n < std::min(kMaxDepths, met.size()); ++n) look_into(met[n]);
-    if (!met.empty()) set_stretch(pieces, answer.violations[first]);
-    answer.violations.insert(answer.violations.end(), met.begin(), met.end());
+    for (std::size_t n = 0; n < std::min(kMaxDepths, met.size()); ++n) {
+      look_into(met[n], n == 0 ? SeatWalk::kMoments : kMoments);
+    }
   }
 
-  // The objects that the part may meet in some pieces: whose boxes reach into that of all places
-  // where a ball around the part is.
+  // The objects that the part may meet in some pieces: whose boxes meet that of all places where a
+  // box around the part is from one pose to the next.
   std::vector<std::uint32_t> objects_beside(const std::vector<Piece>& pieces) {
     if (boxes_.empty()) find_boxes();
-    Box swept{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
-    const auto hold = [&](const Moment& moment) {
-      const glm::dvec3 center_m = path_.world_from_center(moment).position_m;
-      swept.low_m = glm::min(swept.low_m, center_m);
-      swept.high_m = glm::max(swept.high_m, center_m);
+    const Box part = box_around(part_.vertices_m);
+    std::set<std::uint32_t> beside;
+    const auto look = [&](const Moment& from, const Moment& to) {
+      const Box a = placed(part, path_.world_from_center(from));
+      const Box b = placed(part, path_.world_from_center(to));
+      const double reach_m = path_.deviation_m(from, to) + rounding_m_;
+      for (const auto& [object, box] : boxes_) {
+        if (glm::any(glm::lessThan(box.high_m, glm::min(a.low_m, b.low_m) - reach_m))) continue;
+        if (glm::any(glm::greaterThan(box.low_m, glm::max(a.high_m, b.high_m) + reach_m))) continue;
+        beside.insert(object);
+      }
     };
     for (const Piece& piece : pieces) {
-      hold(piece.from), hold(piece.to);
+      Moment from = piece.from;
       const auto poses = clearance::CenterPath::between(piece.from, piece.to);
-      for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) hold({pose, 0});
+      for (std::size_t pose = poses.first; pose < poses.beyond; ++pose) {
+        look(from, {pose, 0});
+        from = {pose, 0};
+      }
+      look(from, piece.to);
     }
-    const double reach_m = radius_m(part_) + rounding_m_;
-    std::vector<std::uint32_t> beside;
-    for (const auto& [object, box] : boxes_) {
-      if (glm::any(glm::lessThan(box.high_m, swept.low_m - reach_m))) continue;
-      if (glm::any(glm::greaterThan(box.low_m, swept.high_m + reach_m))) continue;
-      beside.push_back(object);
-    }
-    return beside;
+    return {beside.begin(), beside.end()};
   }
 
   // Those in which an object counts: one of the seat does not while the part is in it.
@@ -425,39 +456,42 @@ class ExactCheck {
 
   // The first moment of some pieces at which the surfaces of the part and an object meet.
   std::optional<Moment> contact_begin(const std::vector<Piece>& pieces, std::uint32_t object) {
-    const MeshPair& pair = other_of(object).distance;
-    ExactWalk walk(path_, pair, pair, rounding_m_);
+    ExactWalk& walk = other_of(object).walk;
     for (const Piece& piece : counted_pieces(pieces, object)) {
-      const auto touching = walk.nearer_than(piece, rounding_m_, kTravelM);
+      const auto touching = walk.nearer_than(piece, rounding_m_, kTravelM, true);
       if (!touching.empty()) return touching.front().from;
     }
     return std::nullopt;
   }
 
-  // From when to when the object of a violation is too near in some pieces. False where it is not.
-  bool set_stretch(const std::vector<Piece>& pieces, ExactViolation& violation) {
+  // From when to when the object of a violation is too near in some pieces, and from when on it and
+  // the part touch. False where it is not.
+  bool set_contact(const std::vector<Piece>& pieces, ExactViolation& violation) {
     const std::uint32_t object = violation.worst.object;
-    const MeshPair& pair = other_of(object).distance;
-    ExactWalk walk(path_, pair, pair, rounding_m_);
+    ExactWalk& walk = other_of(object).walk;
     std::vector<Piece> near;
     for (const Piece& piece : counted_pieces(pieces, object)) {
       const auto parts = walk.nearer_than(piece, request_.required_m + margin_m_, kTravelM);
       near.insert(near.end(), parts.begin(), parts.end());
     }
+    violation.contact_s = violation.from_s;
     if (near.empty()) return false;
     violation.from_s = path_.time_s(near.front().from);
     violation.to_s = path_.time_s(near.back().to);
+    const auto begin = contact_begin(pieces, object);
+    violation.contact_s = begin ? path_.time_s(*begin) : violation.from_s;
     return true;
   }
 
   // Where the surfaces meet: how deep they lie in each other, at the deepest of some moments.
-  void look_into(ExactViolation& violation) {
+  void look_into(ExactViolation& violation, std::size_t moments = SeatWalk::kMoments) {
     const std::uint32_t object = violation.worst.object;
     Other& other = other_of(object);
-    if (!are_solid(part_bodies()) || !are_solid(other.bodies)) return;
-    SeatWalk walk(path_, part_bodies(), other.bodies, other.distance, kDepthM);
-    const SeatWalk::Stretch deepest = walk.deepest_of(
-        path_.at(violation.from_s), path_.at(violation.to_s), path_.at(violation.worst.time_s));
+    if (!are_solid(part_bodies()) || !are_solid(other.bodies())) return;
+    SeatWalk walk(path_, part_bodies(), other.bodies(), other.distance, kDepthM);
+    const SeatWalk::Stretch deepest =
+        walk.deepest_of(path_.at(violation.from_s), path_.at(violation.to_s),
+                        path_.at(violation.worst.time_s), moments);
     if (!(deepest.worst.found_m > 0)) return;
     violation.depth_m = deepest.worst.found_m;
     violation.max_depth_m = deepest.worst.at_most_m;
@@ -474,18 +508,25 @@ class ExactCheck {
 
   // An object of the scene by itself.
   struct Other {
-    Other(Surface own, const Surface& part)
+    Other(Surface own, const Surface& part, const clearance::CenterPath& path, double rounding_m)
         : surface(std::move(own)),
-          bodies(bodies_of(surface, widest_crack_m(surface))),
-          distance(surface, part) {}
+          distance(surface, part),
+          walk(path, distance, distance, rounding_m) {}
+    const Bodies& bodies() {
+      if (bodies_.empty()) bodies_ = bodies_of(surface, widest_crack_m(surface));
+      return bodies_;
+    }
     Surface surface;
-    Bodies bodies;
     MeshPair distance;
+    ExactWalk walk;  // remembers what it measured
+
+   private:
+    Bodies bodies_;  // empty until asked for
   };
   Other& other_of(std::uint32_t object) {
     auto& other = others_[object];
     if (!other) {
-      other = std::make_unique<Other>(only(all_, {&object, 1}), part_);
+      other = std::make_unique<Other>(only(all_, {&object, 1}), part_, path_, rounding_m_);
     }
     return *other;
   }
@@ -643,22 +684,22 @@ class ExactCheck {
     if (request_.seated.empty() || request_.seat.empty()) return;
     for (const std::uint32_t object : request_.seat) {
       begin_stage(ExactStop::kInstalled, "measuring the overlap of the installed part", object);
-      const Other& other = other_of(object);
+      Other& other = other_of(object);
       if (!other.surface.triangles.empty()) settle(object, other, answer);
     }
   }
 
-  void settle(std::uint32_t number, const Other& object, ExactAnswer& answer) {
+  void settle(std::uint32_t number, Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const double margin_m = seat_margin_m(part_bodies(), object.bodies, margin_m_);
-    SeatWalk walk(path_, part_bodies(), object.bodies, object.distance, kSeatWithin * margin_m);
-    seat.settled = walk.is_settled() || !meet(object.distance);
+    const double margin_m = seat_margin_m(part_bodies(), object.bodies(), margin_m_);
+    SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance, kSeatWithin * margin_m);
+    seat.settled = walk.is_settled() || !meet(object.walk);
     const auto& p = request_.seat_pose;
     const Pose installed =
         Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
     if (!seat.settled) {
       seat.part_hole = hole_of(part_bodies(), installed);
-      seat.object_hole = hole_of(object.bodies, {});
+      seat.object_hole = hole_of(object.bodies(), {});
     }
     seat.installed_m = std::max(
         0.0, walk.at_pose(installed, std::nullopt, 0, [this](double f) { show(f); }).found_m);
@@ -682,7 +723,7 @@ class ExactCheck {
     if (const auto& deepest = walk.deepest_so_far()) {
       seat.deepest_m = std::max(0.0, deepest->second.found_m);
     }
-    if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.distance);
+    if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.walk);
     if (const auto pose = soon_out(2 * (request_.required_m + seat.installed_m))) {
       seat.soon_m = object.distance.at(*pose, voxcheck::kNothingM).distance_m;
     }
@@ -707,8 +748,7 @@ class ExactCheck {
   }
 
   // How near an object comes while the part is in its seat.
-  double nearest_in_seat_m(const MeshPair& distance) const {
-    ExactWalk walk(path_, distance, distance, rounding_m_);
+  double nearest_in_seat_m(ExactWalk& walk) const {
     std::vector<Piece> pieces;
     for (const auto& [from_s, to_s] : seated_stretches_) {
       pieces.push_back({path_.at(from_s), path_.at(to_s)});
@@ -734,8 +774,7 @@ class ExactCheck {
   }
 
   // Whether the part and an object come to meet while the part is in its seat.
-  bool meet(const MeshPair& distance) const {
-    ExactWalk walk(path_, distance, distance, rounding_m_);
+  bool meet(ExactWalk& walk) const {
     return std::any_of(seated_stretches_.begin(), seated_stretches_.end(), [&](const auto& seated) {
       const Piece piece{path_.at(seated[0]), path_.at(seated[1])};
       return !walk.nearer_than(piece, rounding_m_, kTravelM).empty();
@@ -804,11 +843,8 @@ class ExactCheck {
   MeshPair seat_;
   clearance::CenterPath path_;
   ExactWalk walk_, leaving_;  // by all objects that count; by those of the seat
-  std::vector<voxcheck::ProvenStretch> stretches_;       // of the request, seats by the meshes
-  std::vector<std::array<double, 2>> seated_stretches_;  // from, to
-  struct Box {
-    glm::dvec3 low_m, high_m;
-  };
+  std::vector<voxcheck::ProvenStretch> stretches_;          // of the request, seats by the meshes
+  std::vector<std::array<double, 2>> seated_stretches_;     // from, to
   std::map<std::uint32_t, Box> boxes_;                      // of the objects; empty until asked for
   std::map<std::uint32_t, std::unique_ptr<Other>> others_;  // those that were asked for
   Bodies part_bodies_;

@@ -111,7 +111,7 @@ ExactWalk::Least ExactWalk::smallest(std::vector<Piece> pieces, double within_m,
 }
 
 std::vector<Piece> ExactWalk::nearer_than(const Piece& whole, double required_m,
-                                          double resolution_m) {
+                                          double resolution_m, bool first_only) {
   // Where both ends are too near, what is between is looked at only this closely.
   const double coarse_m = std::max(16 * resolution_m, travel_m(whole) / kCoarsePieces);
   std::vector<Piece> nearer, open{whole};
@@ -128,6 +128,7 @@ std::vector<Piece> ExactWalk::nearer_than(const Piece& whole, double required_m,
     const double travel = travel_m(piece);
     if (travel <= resolution_m || (std::max(from_m, to_m) < required_m && travel <= coarse_m)) {
       nearer.push_back(piece);
+      if (first_only) break;
       continue;
     }
     const auto [first, second] = cut(piece);

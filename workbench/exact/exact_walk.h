@@ -65,7 +65,9 @@ class ExactWalk {
   // Those parts of a piece, in the order of time, of which it is not proven that the distance is
   // `required_m` or more. Their begin and end are found to `resolution_m` of travel, and breaks in
   // a long one to a part of its length.
-  std::vector<Piece> nearer_than(const Piece& piece, double required_m, double resolution_m);
+  // `first_only`: no more than the first of them is asked for.
+  std::vector<Piece> nearer_than(const Piece& piece, double required_m, double resolution_m,
+                                 bool first_only = false);
 
   // The first moment of a piece at which the distance is `distance_m` or more; with `backwards` the
   // last. One that lasts for less than `resolution_m` of travel may be missed.

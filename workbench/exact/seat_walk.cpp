@@ -129,8 +129,7 @@ SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, con
 // about that. Where a part lies deep in an object along all of a long face, one moment takes
 // seconds. A stretch that is known to be too deep is then left after a few of them: no verdict
 // depends on how deep it is.
-void SeatWalk::find_worst(Stretch& stretch) try {
-  constexpr std::size_t kMoments = 12, kHalvings = 6;
+void SeatWalk::find_worst(Stretch& stretch, std::size_t moments) try {
   constexpr std::uint64_t kMaxLooks = 50000;  // at nodes and pieces: a few seconds
   std::uint64_t looks = 0;
   const double from_s = path_.time_s(stretch.from), to_s = path_.time_s(stretch.to);
@@ -142,11 +141,13 @@ void SeatWalk::find_worst(Stretch& stretch) try {
   };
   for (const Moment& moment : {stretch.from, stretch.to, stretch.worst_at}) look_at(moment);
   const auto poses = clearance::CenterPath::between(stretch.from, stretch.to);
-  const std::size_t count = std::min(kMoments, poses.count());
+  const std::size_t count = std::min(moments, poses.count());
   for (std::size_t n = 0; n < count; ++n) look_at({poses.first + n * poses.count() / count, 0});
-  double step_s = (to_s - from_s) / kMoments;
-  for (std::size_t n = 1; n < kMoments; ++n) look_at(path_.at(from_s + n * step_s));
-  for (std::size_t n = 0; n < kHalvings; ++n) {
+  double step_s = (to_s - from_s) / static_cast<double>(moments);
+  for (std::size_t n = 1; n < moments; ++n) {
+    look_at(path_.at(from_s + static_cast<double>(n) * step_s));
+  }
+  for (std::size_t halving = 0; halving < moments / 2; ++halving) {
     step_s /= 2;
     const double worst_s = path_.time_s(stretch.worst_at);
     for (const double time_s : {worst_s - step_s, worst_s + step_s}) {
@@ -157,9 +158,10 @@ void SeatWalk::find_worst(Stretch& stretch) try {
   if (!stretch.is_deeper) throw;
 }
 
-SeatWalk::Stretch SeatWalk::deepest_of(const Moment& from, const Moment& to, const Moment& known) {
+SeatWalk::Stretch SeatWalk::deepest_of(const Moment& from, const Moment& to, const Moment& known,
+                                       std::size_t moments) {
   Stretch stretch{from, to, known, {}, true};
-  find_worst(stretch);
+  find_worst(stretch, moments);
   return stretch;
 }
 

@@ -55,8 +55,11 @@ class SeatWalk {
   // Until when the last search has proven or found something.
   double reached_s() const { return reached_s_; }
 
-  // The deepest place between two moments, of some that are looked at; `known` is one of them.
-  Stretch deepest_of(const Moment& from, const Moment& to, const Moment& known);
+  // The deepest place between two moments, of so many and some about the deepest of them; `known`
+  // is one of them.
+  static constexpr std::size_t kMoments = 12;
+  Stretch deepest_of(const Moment& from, const Moment& to, const Moment& known,
+                     std::size_t moments = kMoments);
 
   // The deepest place of all moments so far, and the moment.
   const std::optional<std::pair<Moment, Depth>>& deepest_so_far() const { return deepest_; }
@@ -78,7 +81,7 @@ class SeatWalk {
   const Depth& at(const Moment& moment, std::optional<double> allowed_m);
   Depth depth_of(const Opens& open, const Pose& world_from_center, std::optional<double> allowed_m,
                  double within_fraction, const DepthProgress& progress) const;
-  void find_worst(Stretch& stretch);
+  void find_worst(Stretch& stretch, std::size_t moments = kMoments);
 
   const clearance::CenterPath& path_;
   const Bodies& part_;

@@ -454,15 +454,15 @@ Status Study::check() {
       checked = check_path(in("path.csv"));
     } else {
       hand_note =
-          "the simulated hand pulled the part out along a path of its own, for which the "
+          "a simulated hand pulled the part out along a path of its own, for which the "
           "answer is: " +
           hand.value("kind", "") + " (hand.json)";
     }
     if (!checked) return checked.error();
   } else if (!options_.pull.empty() && is_held_ && is_clear(checked_)) {
-    hand_note = "the simulated hand, which feels voxels of " +
+    hand_note = "a simulated hand, which feels only voxels of " +
                 command::length_text(*command::parse_length(voxel_size_)) +
-                ", did not pull the part out (run.json); the answer is about the straight path";
+                ", did not pull the part out (run.json); the answer does not depend on it";
   }
   verdict_ = {};
   verdict_.kind = command::verdict_kind(checked_.value("kind", ""));

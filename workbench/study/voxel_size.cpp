@@ -136,7 +136,7 @@ std::string play_text(const Play& play) {
   }
   if (play.object.empty() && touched.empty())
     return "no object is nearer than the required clearance";
-  if (play.object.empty()) return touched + "; " + line;
+  if (play.object.empty()) return "when installed: " + touched + "; " + line;
   if (!touched.empty()) line += "; " + touched;
   return line;
 }

@@ -33,8 +33,14 @@ std::string cut_mm(double length_m, int decimals) {
 // No two doubles have the same: a thousand times one fits into a long double.
 std::string all_digits(double length_m) { return text("%.21Lg mm", 1e3L * length_m); }
 
+// A name in a sentence: of a long path its end, by which commands know it, too.
 std::string printed(const std::string& object) {
-  return object.empty() ? "the scene" : escaped(object);
+  constexpr std::size_t kMaxBytes = 64;
+  if (object.empty()) return "the scene";
+  if (object.size() <= kMaxBytes) return escaped(object);
+  const std::size_t slash = object.find('/', object.size() - kMaxBytes);
+  const std::size_t cut = slash != std::string::npos ? slash : object.rfind('/');
+  return cut == std::string::npos ? escaped(object) : "..." + escaped(object.substr(cut));
 }
 
 // "A", "A and B", "A, B and 3 more".
@@ -85,8 +91,8 @@ bool is_off_or_onto(const Verdict& v, const VerdictSlide& slide) {
          slide.to_m - slide.from_m <= kTimes * v.required_m;
 }
 
-// "slides along A and B for the first 51.6 mm", "leaves A within the first 1 mm", or how near it
-// passes them. Where the answer is no, other objects are named behind it, so this names none.
+// "leaves A within the first 2 mm and slides along B for the first 51.6 mm", or how near it passes
+// them. Where the answer is no, other objects are named behind it, so this names none.
 std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
   const std::string length = short_mm(slide.to_m - slide.from_m) + " mm";
@@ -99,8 +105,10 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   }
   std::string line;
   const bool is_short = is_off_or_onto(v, slide);
-  if (!slide.left.empty() && !is_short)
-    line = (ends && !begins ? "reaches " : "leaves ") + listed(slide.left) + " at once";
+  if (!slide.left.empty() && !is_short) {
+    line = (ends && !begins ? "reaches " : "leaves ") + listed(slide.left) + " within the " +
+           (ends && !begins ? "last " : "first ") + short_mm(slide.left_within_m) + " mm";
+  }
   std::vector<std::string> touched = slide.objects;
   if (is_short) touched.insert(touched.end(), slide.left.begin(), slide.left.end());
   if (!touched.empty()) {
@@ -108,7 +116,8 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
     line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(touched);
   }
   if (slide.overlap_m > 0) {
-    line += ", overlapping by at least " + length_text(slide.overlap_m) + " when installed,";
+    line += ", overlapping by at least " + length_text(slide.overlap_m) +
+            " when installed (the force for that is not computed),";
   }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +
@@ -204,7 +213,7 @@ std::string answer_text(const Verdict& v) {
 
 // The same, and the objects behind it. The one that the finding names is not named twice.
 std::string reason_text(const Verdict& v) {
-  const std::string reason = answer_text(v);
+  const std::string reason = answer_text(v) + (v.unchecked.empty() ? "" : "; " + v.unchecked);
   std::vector<std::string> others = v.blocked_by;
   const bool names_one = !v.finding.empty() && v.nearest.known != Known::kNot;
   if (names_one) std::erase(others, v.nearest.object);

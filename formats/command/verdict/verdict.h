@@ -68,7 +68,8 @@ struct VerdictSlide {
   std::vector<std::string> passed;     // that it does not touch,
   double gap_m = 0;                    // and how near it comes to them
   double overlap_m = 0;                // of the part and what it touches, as installed
-  std::vector<std::string> left = {};  // that it touches at one end alone
+  std::vector<std::string> left = {};  // that it touches at one end alone,
+  double left_within_m = 0;            // within so much of the path
 };
 
 // Where along the path a collision begins, and how: "contact", "too near" where the meshes are not
@@ -88,7 +89,8 @@ struct Verdict {
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
   VerdictDistance beyond;   // the least distance from all objects that no slide names
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
-  std::string finding;  // what is wrong, or not decided, where a distance does not say it
+  std::string finding;    // what is wrong, or not decided, where a distance does not say it
+  std::string unchecked;  // why there may be more that is wrong; empty: there is not
   std::vector<std::string> blocked_by;  // objects, the most important first
   std::string advice;                   // what to do next
   std::vector<std::string> more;        // further stretches in which the answer is no
