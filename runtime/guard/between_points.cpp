@@ -13,8 +13,10 @@ namespace {
 // its fraction along that normal is at most kInFace.
 constexpr float kSameNormal = 0.9f, kOneFace = 0.74f, kInFace = 0.12f;
 // Interpolation makes a distance fall by up to kFlatFall per length where there is nothing, in a
-// bore of a few voxels. A fall counts from there on, and in full from kSteepFall on.
-constexpr float kFlatFall = 0.2f, kSteepFall = 0.4f;
+// bore of a few voxels. So an edge counts where one of the two falls is larger, and in full from
+// kSteepFall on. The other fall may be smaller: it counts from kGentleFall on, and in full from
+// kFlatFall on. With half of that, rings stayed on their shafts.
+constexpr float kGentleFall = 0.1f, kFlatFall = 0.2f, kSteepFall = 0.4f;
 
 // The distance from the static mesh at a place, interpolated between the centers of voxels; each
 // has the least distance that its code allows.
@@ -32,10 +34,9 @@ double stored_distance_at_m(const Voxmap& map, const glm::dvec3& world_m) {
   return distance_m;
 }
 
-// By how much the distance falls along a path, as far as that counts.
-float counted_fall_m(float fall_m, float path_m) {
-  const float fraction = (fall_m - kFlatFall * path_m) / ((kSteepFall - kFlatFall) * path_m);
-  return fall_m * std::clamp(fraction, 0.0f, 1.0f);
+// The fraction that counts of what falls by so much per length.
+float counted(float fall, float from, float in_full_from) {
+  return std::clamp((fall - from) / (in_full_from - from), 0.0f, 1.0f);
 }
 
 }  // namespace
@@ -43,12 +44,9 @@ float counted_fall_m(float fall_m, float path_m) {
 std::optional<BetweenPoints::Edge> BetweenPoints::edge_between(std::uint32_t a,
                                                                std::uint32_t b) const noexcept {
   const glm::vec3 path_m = probe_.arm_m(b) - probe_.arm_m(a);
-  const float length_m = glm::length(path_m);
   const float distance_a_m = probe_.stored_distance_m(a),
               distance_b_m = probe_.stored_distance_m(b);
-  // A slope is hardly above 1: two points that are farther from the scene than apart have nothing
-  // in it between them.
-  if (distance_a_m + distance_b_m > 1.2f * length_m) return std::nullopt;
+  const float length_m = glm::length(path_m);
   glm::vec3 normal_a = probe_.normal(a), normal_b = probe_.normal(b);
   const float alike = glm::dot(normal_a, normal_b);
   if (alike < kSameNormal) {
@@ -62,9 +60,15 @@ std::optional<BetweenPoints::Edge> BetweenPoints::edge_between(std::uint32_t a,
     }
   }
   const auto along = [&](const glm::vec3& n) { return path_m - glm::dot(path_m, n) * n; };
-  const float fall_a_m = counted_fall_m(-glm::dot(probe_.slope(a), along(normal_a)), length_m);
-  const float fall_b_m = counted_fall_m(glm::dot(probe_.slope(b), along(normal_b)), length_m);
-  if (!(fall_a_m > 0 && fall_b_m > 0)) return std::nullopt;
+  const float least_m = kGentleFall * length_m;
+  float fall_a_m = -glm::dot(probe_.slope(a), along(normal_a));
+  if (!(fall_a_m > least_m)) return std::nullopt;
+  float fall_b_m = glm::dot(probe_.slope(b), along(normal_b));
+  if (!(fall_b_m > least_m)) return std::nullopt;
+  const float both = counted(std::max(fall_a_m, fall_b_m) / length_m, kFlatFall, kSteepFall);
+  if (!(both > 0)) return std::nullopt;
+  fall_a_m *= both * counted(fall_a_m / length_m, kGentleFall, kFlatFall);
+  fall_b_m *= both * counted(fall_b_m / length_m, kGentleFall, kFlatFall);
   const float per_fall = 1 / (fall_a_m + fall_b_m);
   const float t = (distance_a_m - distance_b_m + fall_b_m) * per_fall;
   if (!(t > 0 && t < 1)) return std::nullopt;
@@ -74,48 +78,75 @@ std::optional<BetweenPoints::Edge> BetweenPoints::edge_between(std::uint32_t a,
 }
 
 // Finds the pairs of neighbors near one object with an edge between them, and gives each to `take`.
-// Points that `may_count` refuses by distance and squared slope are left out.
-template <typename MayCount, typename Take>
-void BetweenPoints::for_each_edge(const MayCount& may_count, const Take& take) noexcept {
-  tilted_.clear();
+// Some edges that are not below `highest_m` are left out. Where the distance falls by less than
+// kFlatFall per length, an edge lies hardly deeper than the point: only points that are nearer than
+// `gentle_m` are read there.
+template <typename Take>
+void BetweenPoints::for_each_edge(float highest_m, float gentle_m, const Take& take) noexcept {
+  constexpr float kMargin = 1.001f;  // exceeds rounding
+  constexpr float kMaxSum = 1.2f;
+  const float reach_m = kMargin * neighbor_m_;
+  steep_.clear(), gentle_.clear();
   for (std::uint32_t i = 0; i < probe_.count(); ++i) {
     const float distance_m = probe_.stored_distance_m(i);
     if (!(distance_m < neighbor_m_)) continue;
     const glm::vec3 g = probe_.slope(i);
     const float squared = glm::dot(g, g), out = glm::dot(g, probe_.normal(i));
-    if (!(squared - out * out > kFlatFall * kFlatFall)) continue;
-    if (!may_count(distance_m, squared)) continue;
-    tilted_.push_back(i);
-    position_[probe_.point(i)] = i;
+    const float tilt = squared - out * out;
+    if (!(tilt > kGentleFall * kGentleFall)) continue;
+    const bool gentle = !(tilt > kFlatFall * kFlatFall);
+    if (gentle && !(distance_m < gentle_m)) continue;
+    // The distance falls no faster than by the slope: from some points it cannot fall so far.
+    const float above_m = distance_m - highest_m;
+    if (above_m > 0 && above_m * above_m > reach_m * reach_m * squared) continue;
+    (gentle ? gentle_ : steep_).push_back(i);
+    position_[probe_.point(i)] = gentle ? i | kGentle : i;
   }
-  for (const std::uint32_t a : tilted_) {
+  const auto take_edge = [&](std::uint32_t a, std::uint32_t b) {
+    // A slope is hardly above 1: two points that are farther from the scene than apart have nothing
+    // in it between them.
+    const glm::vec3 path_m = probe_.arm_m(b) - probe_.arm_m(a);
+    const float sum_m = probe_.stored_distance_m(a) + probe_.stored_distance_m(b);
+    if (sum_m > 0 && sum_m * sum_m > kMaxSum * kMaxSum * glm::dot(path_m, path_m)) return;
+    if (const std::optional<Edge> edge = edge_between(a, b)) take(a, b, *edge);
+  };
+  for (const std::uint32_t a : steep_) {
     for (const std::uint32_t point : neighbors_->after(probe_.point(a))) {
       const std::uint32_t b = position_[point];
-      if (b == field::ContactSet::kNone) continue;
-      if (const std::optional<Edge> edge = edge_between(a, b)) take(a, b, *edge);
+      if (b != field::ContactSet::kNone) take_edge(a, b & ~kGentle);
     }
   }
-  for (const std::uint32_t a : tilted_) position_[probe_.point(a)] = field::ContactSet::kNone;
+  for (const std::uint32_t a : gentle_) {
+    for (const std::uint32_t point : neighbors_->after(probe_.point(a))) {
+      const std::uint32_t b = position_[point];
+      if ((b & kGentle) == 0) take_edge(a, b);
+    }
+  }
+  for (const std::uint32_t i : steep_) position_[probe_.point(i)] = field::ContactSet::kNone;
+  for (const std::uint32_t i : gentle_) position_[probe_.point(i)] = field::ContactSet::kNone;
+}
+
+// How near to the scene a point is read whose distance falls by less than kFlatFall per length.
+float BetweenPoints::gentle_reach_m(float onset_m) const noexcept {
+  return onset_m + kFlatFall * neighbor_m_;
 }
 
 bool BetweenPoints::bars_any(const Seat& seat, std::span<const std::uint8_t> left_out) noexcept {
-  constexpr float kMargin = 1.001f;  // exceeds rounding
-  float highest_m = -neighbor_m_;
+  float highest_m = -neighbor_m_, onset_m = -neighbor_m_;
   for (const SeatObject& object : seat.objects()) {
-    if (object.feels_between) highest_m = std::max(highest_m, object.between_floor_m);
+    if (!object.feels_between) continue;
+    highest_m = std::max(highest_m, object.between_floor_m);
+    onset_m = std::max(onset_m, object.between_m);
   }
-  // The distance falls no faster than by the slope: from some points it cannot fall so far.
-  const auto may_reach = [&](float distance_m, float squared_slope) {
-    return !(distance_m - kMargin * std::sqrt(squared_slope) * neighbor_m_ > highest_m);
-  };
   bool barred = false;
-  for_each_edge(may_reach, [&](std::uint32_t, std::uint32_t, const Edge& edge) {
+  const auto bar = [&](std::uint32_t, std::uint32_t, const Edge& edge) {
     if (!(edge.distance_m < highest_m)) return;
     const SeatObject* const object = seat.find(edge.object);
     if (object == nullptr || !object->feels_between) return;
     if (edge.object < left_out.size() && left_out[edge.object] != 0) return;
     barred = barred || edge.distance_m < object->between_floor_m;
-  });
+  };
+  for_each_edge(highest_m, gentle_reach_m(onset_m), bar);
   return barred;
 }
 
@@ -160,24 +191,31 @@ void BetweenPoints::find(const Pose& world_from_center, Seat& seat) {
     neighbor_m_ = static_cast<float>(2 * shell.header().covering_radius_m);
     neighbors_.emplace(shell.view(), double{neighbor_m_});
     position_.assign(shell.view().point_count, field::ContactSet::kNone);
-    tilted_.reserve(shell.view().point_count);
+    steep_.reserve(shell.view().point_count), gentle_.reserve(shell.view().point_count);
   }
-  for_each_edge([](float, float) { return true; },
-                [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
-                  for (SeatObject& object : seat.entries()) {
-                    if (object.object != edge.object) continue;
-                    object.between_m = std::min(object.between_m, edge.distance_m);
-                    object.runs_through =
-                        object.runs_through || runs_through(world_from_center, a, b, edge);
-                  }
-                });
+  float highest_m = -neighbor_m_;
+  for (const SeatObject& object : seat.objects()) {
+    highest_m = std::max(highest_m, object.between_m);
+  }
+  const auto take = [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
+    for (SeatObject& object : seat.entries()) {
+      if (object.object != edge.object) continue;
+      object.between_m = std::min(object.between_m, edge.distance_m);
+      object.runs_through = object.runs_through || runs_through(world_from_center, a, b, edge);
+    }
+  };
+  for_each_edge(neighbor_m_, gentle_reach_m(highest_m), take);
 }
 
 void BetweenPoints::press(const Seat& seat, field::ContactSet& out) noexcept {
-  for_each_edge([](float, float) { return true; },
-                [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
-                  press_pair(a, b, edge, seat, out);
-                });
+  float highest_m = -neighbor_m_;
+  for (const SeatObject& object : seat.objects()) {
+    if (object.feels_between) highest_m = std::max(highest_m, object.between_m);
+  }
+  const auto press_edge = [&](std::uint32_t a, std::uint32_t b, const Edge& edge) {
+    if (edge.distance_m < highest_m) press_pair(a, b, edge, seat, out);
+  };
+  for_each_edge(highest_m, gentle_reach_m(highest_m), press_edge);
 }
 
 // An edge between two points presses both, where it is deeper than they are.

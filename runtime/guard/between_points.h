@@ -9,6 +9,9 @@
 // A convex edge between two plane faces has exactly that distance; one that is round lies a little
 // deeper in the scene. The slopes that D has with the part's pose are those of the two points with
 // the weights f_b and f_a over their sum, and so are its position and its push.
+//
+// One of the two faces may be tilted little: a pin that leans in its bore meets the rim of the bore
+// with its side. Where neither is tilted by more than some 15 degrees, nothing is felt.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +48,9 @@ class BetweenPoints {
   std::optional<Edge> edge_between(std::uint32_t a, std::uint32_t b) const noexcept;
   bool runs_through(const Pose& world_from_center, std::uint32_t a, std::uint32_t b,
                     const Edge& edge) const;
-  template <typename MayCount, typename Take>
-  void for_each_edge(const MayCount& may_count, const Take& take) noexcept;
+  template <typename Take>
+  void for_each_edge(float highest_m, float gentle_m, const Take& take) noexcept;
+  float gentle_reach_m(float onset_m) const noexcept;
   void press_pair(std::uint32_t a, std::uint32_t b, const Edge& edge, const Seat& seat,
                   field::ContactSet& out) const noexcept;
 
@@ -54,8 +58,10 @@ class BetweenPoints {
   // Which points are neighbors; made with the first seat.
   std::optional<query::ShellNeighbors> neighbors_;
   float neighbor_m_ = 0;  // so near two of them are
-  // The position of each shell point among the collected points, where it is one of tilted_.
-  std::vector<std::uint32_t> position_, tilted_;
+  // The position of each shell point among the collected points, where it is one of steep_ or, with
+  // kGentle added, of gentle_.
+  static constexpr std::uint32_t kGentle = 1u << 31;
+  std::vector<std::uint32_t> position_, steep_, gentle_;
 };
 
 }  // namespace forcelayer::guard

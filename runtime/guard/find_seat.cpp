@@ -14,6 +14,11 @@ namespace {
 // kMinGiveVoxels below the deepest point of the seat.
 constexpr float kSeatGiveVoxels = 0.25f, kMinGiveVoxels = 0.05f;
 
+// The force of a seat begins so far before the surface where the part lies as far from it: one
+// contact point that pushes with the coupling's force limit is that deep, or less
+// (kHoldDepthVoxels of derive_parameters.cpp), so it ends at the surface.
+constexpr float kEarlyVoxels = 0.15f;
+
 // An object that lies deeper than this between two points in the seat stands in a gap of the part
 // that is narrower than its points are apart: nothing is felt between points of it.
 constexpr float kMaxBetweenVoxels = 0.3f;
@@ -92,6 +97,8 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   probe_.query_pose(world_from_center);
   const field::FieldSamples& samples = probe_.samples();
   const auto voxel_size_m = static_cast<float>(probe_.voxmap().voxel_size_m());
+  const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
+  const float farthest_m = kEarlyVoxels * voxel_size_m + 0.5f * step_m;
   Seat seat;
   for (std::uint32_t i = 0; i < probe_.count(); ++i) {
     const bool interior = rule_.goes_by_value() && field::is_interior(probe_.points().value[i]);
@@ -101,6 +108,7 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
     if (!probe_.proves_distances()) return no_distances(probe_.voxmap().distances() != nullptr);
     if (Status side = check_side(i); !side) return side;
     SeatObject& object = seat.at(probe_.object_of(i));
+    if (object.points == 0) object.contact_m = object.between_m = farthest_m;
     const float distance_m = probe_.stored_distance_m(i);
     in_seat_m_[probe_.point(i)] = distance_m;
     object.corner_floor_m = std::min(object.corner_floor_m, distance_m);
@@ -113,7 +121,12 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
     ++corner_points_;
   }
   between_.find(world_from_center, seat);
-  const auto step_m = static_cast<float>(probe_.voxmap().header().distance_quantum_m);
+  // A distance is read with an error of up to half a step, so a surface that only touches may be
+  // read a step deep. Elsewhere a point may read deeper than in the seat: without this, a pin
+  // stayed in the mouth of its bore.
+  const auto onset_m = [&](float min_m) {
+    return std::min(min_m, std::max(min_m - 0.5f * step_m, -step_m));
+  };
   for (SeatObject& object : seat.entries()) {
     if (object.runs_through) {
       return Error{ErrorCode::kUsage, "", "start",
@@ -130,6 +143,9 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
     object.corner_floor_m = floor_m(object.corner_floor_m);
     object.feels_between = object.between_m > -kMaxBetweenVoxels * voxel_size_m;
     object.between_floor_m = floor_m(object.between_m);
+    object.contact_m = onset_m(object.contact_m);
+    // The faces beside an edge may lie as near as others of the object.
+    object.between_m = std::min(object.between_m, object.contact_m);
     if (depth == SeatDepth::kOfMeshes) continue;
     if (Status told = check_depth(object); !told) return told;
   }

@@ -13,7 +13,9 @@ namespace forcelayer::guard {
 // inside.
 struct SeatObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
-  float contact_m = 0;       // where the force begins: 0, or the seat's deepest point on a face
+  // Where the force begins: 0.15 voxels before the surface, or as near or as deep as the part lies
+  // in the seat.
+  float contact_m = 0;
   float floor_m = 0;         // the guard bars shell points below this
   float corner_floor_m = 0;  // and those that touch it in a corner, there, below this
   // The same of what lies between two shell points, where that is felt.

@@ -66,7 +66,10 @@ bool SeatRule::is_in_corner(std::uint32_t i) const noexcept {
 // edge of the scene that a few of them meet elsewhere looks like a corner.
 bool SeatRule::lies_in_corners() const noexcept {
   std::uint32_t in_corner = 0;
-  for (std::uint32_t i = 0; i < probe_.count(); ++i) in_corner += is_in_corner(i) ? 1 : 0;
+  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
+    const bool was_in_corner = in_seat_steepness_[probe_.point(i)] < 1;
+    if (was_in_corner && touches_in_corner(i)) ++in_corner;
+  }
   return 8 * in_corner > corner_points_;
 }
 
@@ -75,15 +78,20 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
     out.ax[i] = out.rx[i], out.ay[i] = out.ry[i], out.az[i] = out.rz[i];
   }
   const bool in_corners = corner_points_ > 0 && lies_in_corners();
+  const SeatObject* object = nullptr;
+  std::uint32_t number = 0;  // of `object`: neighbors are mostly near the same one
   for (std::uint32_t i = 0; i < out.count; ++i) {
-    const SeatObject* const object = seat_.find(probe_.object_of(i));
+    const std::uint32_t nearest = probe_.object_of(i);
+    if (i == 0 || nearest != number) object = seat_.find(number = nearest);
     out.of_seat[i] = object != nullptr ? 1 : 0;
     if (object == nullptr) continue;
     const glm::vec3 g = probe_.slope(i), n = probe_.normal(i);
     const float steepness = glm::length(g), distance_m = probe_.stored_distance_m(i);
     const std::uint32_t point = probe_.point(i);
-    const bool barred =
-        distance_m < (in_corners && is_in_corner(i) ? object->corner_floor_m : object->floor_m);
+    // As is_in_corner() says.
+    const bool in_corner = in_corners && in_seat_steepness_[point] < 1 && distance_m < corner_m_ &&
+                           steepness <= kFaceSlope;
+    const bool barred = distance_m < (in_corner ? object->corner_floor_m : object->floor_m);
     if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
     const bool interior =
         rule_.goes_by_value() ? field::is_interior(out.value[i]) : out.is_barred[i] != 0;
@@ -98,11 +106,12 @@ void SeatRule::apply(field::ContactSet& out) noexcept {
     const float fall = glm::length(e);
     const glm::vec3 push = glm::dot(e, direction) > kSameSide * fall ? e / fall : direction;
     out.ux[i] = push.x, out.uy[i] = push.y, out.uz[i] = push.z;
-    float contact_m = std::min(object->contact_m, in_seat_m_[point]);
+    float contact_m = object->contact_m;
     if (const float there = in_seat_steepness_[point]; there < 1) {
       // In the seat itself as deep as there, before a face as other points.
       const float fraction = in_corners ? (1 - steepness) / (1 - there) : 0;
-      contact_m = std::lerp(object->contact_m, contact_m, std::clamp(fraction, 0.0f, 1.0f));
+      contact_m = std::lerp(contact_m, std::min(contact_m, in_seat_m_[point]),
+                            std::clamp(fraction, 0.0f, 1.0f));
     }
     out.depth_m[i] = contact_m - distance_m;
     if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
