@@ -40,7 +40,7 @@ says pin "comes out" '^Comes out, '
 
 # After a study that comes out, each one that fails in the same folder says so, in the words of its command.
 study 3 'gearbox.glb#Pim' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o pin --json pim.json
-says pin undecided "^Undecided: the study is not finished: voxelize ended with status 3: .*no file has a node called 'Pim'.* \(1 mm of clearance required\)\.$" 3
+says pin undecided "^Undecided: the study is not finished: pointshell ended with status 3: .*#Pim: no node has this name.* \(1 mm of clearance required\)\.$" 3
 python3 -c 'import json; r = json.load(open("pim.json")); assert r["exit_status"] == 3 and r["kind"] == "undecided" and r["error"]["code"] // 100 == 3, r' ||
   fail "the report of a study that failed"
 [ ! -e pin/curve.csv ] || fail "the curve of another answer stays"
@@ -59,14 +59,14 @@ cmp -s before/report.html pin/report.html && cmp -s before/verdict.json pin/verd
   ulimit -f 8
   study 1 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o pin
 ) || exit 1
-says pin undecided 'voxelize ended with status 1: .*scene.vox: cannot be written' 1
+says pin undecided 'pointshell ended with status 1: .*part.pshell: cannot be written' 1
 study 0 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o pin
 says pin "comes out" '^Comes out, '
 
 # A mesh that is broken, and a part that lies deeper in its neighbor than is stored.
 head -c 3000 "$data/gearbox.glb" >broken.glb
 study 3 'broken.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o broken
-says broken undecided 'not finished: voxelize ended with status 3: broken.glb: ' 3
+says broken undecided 'not finished: pointshell ended with status 3: broken.glb: ' 3
 python3 - <<'END'
 import json
 from bore import block

@@ -65,6 +65,28 @@ END
 "$bin/voxelize" --list motion.glb >list.txt || fail "cannot read it"
 grep -q Housing list.txt || fail "no housing: $(cat list.txt)"
 
+# A format that has no rule which axis is up: z is, as in the world of the commands.
+cat >box.obj <<'END'
+v 0 0 0
+v 9 0 0
+v 0 9 0
+v 0 0 9
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+END
+"$bin/voxelize" box.obj --units mm --voxel-size 1mm --quiet -o box.vox || fail "the box"
+"$bin/pointshell" box.obj --units mm --voxel-size 1mm --quiet -o box.pshell || fail "the moving box"
+printf 't_s,x_m,y_m,z_m\n0,0,0,0.05\n1,0,0,0.07\n' >above.csv
+"$bin/voxcheck" box.vox box.pshell above.csv --exact box.obj --part box.obj --units mm --part-units mm --quiet --report animation:box.glb ||
+  fail "a box above a box"
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'END' || fail "which axis is up"
+from read_glb import Glb
+rotation = Glb("box.glb").json["nodes"][0]["rotation"]
+assert all(abs(a - b) < 1e-6 for a, b in zip(rotation, (-0.5**0.5, 0, 0, 0.5**0.5))), rotation
+END
+
 # No animation without meshes, and none in place of a file of others.
 check 2 path.csv --report animation:other.glb
 grep -q -- '--report animation: needs the meshes' err.txt && [ ! -e other.glb ] || fail "without meshes: $(cat err.txt)"

@@ -155,7 +155,8 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
   }
   GlbMotion motion = motion_of(rows, shell, radius_m);
   motion.name = nodes[0].name;
-  const bool is_y_up = mesh::up_named(command::up_in(voxmap.provenance())) == mesh::Up::kY;
+  // Where the files say nothing, as STEP does, the world is z up like everywhere.
+  const bool is_y_up = command::up_in(voxmap.provenance()) == mesh::name_of(mesh::Up::kY);
   return mesh::write_glb(request.animation, nodes, motion, is_y_up ? mesh::Up::kY : mesh::Up::kZ);
 }
 
