@@ -243,9 +243,9 @@ std::string summary_of_voxmap(const Voxmap& map, const std::string& path) {
              h.object_count, map.object_counts().brick_bytes);
   }
   if (!map.compliance().empty()) {
-    add_line(text, "  compliance        %.4g Pa at a depth of %.4g mm; at most %.4g Pa/m",
-             static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
-             steepest_pa_per_m(map));
+    add_line(text, "  compliance        %.4g kPa at a depth of %.4g mm; at most %.4g kPa/mm",
+             1e-3 * static_cast<double>(map.compliance().back()), 1e3 * compliance_depth_m(map),
+             1e-6 * steepest_pa_per_m(map));
   }
   add_line(text,
            "  voxels            %" PRIu64 " interior, %" PRIu64 " surface, %" PRIu64 " proximity",

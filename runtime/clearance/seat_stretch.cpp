@@ -139,6 +139,14 @@ void SeatStretch::follow(const Pose& world_from_center) {
   parts_->earlier_pose = world_from_center;
 }
 
+// How much deeper a point lies than the part does in the seat, where the force begins earlier.
+float SeatStretch::deeper_m(std::uint32_t contact, const guard::SeatObject& object) const {
+  const field::ContactSet& contacts = parts_->contacts;
+  const float distance_m = contacts.from_surface_m[contact];
+  const float begins_m = contacts.depth_m[contact] + distance_m;
+  return std::min(begins_m, object.installed_m) - distance_m;
+}
+
 std::optional<SeatStretch::PushedIn> SeatStretch::deepest_barred(const Pose& world_from_center,
                                                                  const LeftOut& left_out) const {
   const field::ContactSet& contacts = parts_->contacts;
@@ -148,9 +156,12 @@ std::optional<SeatStretch::PushedIn> SeatStretch::deepest_barred(const Pose& wor
     const std::uint32_t object = parts_->probe->object_of(i);
     if (object < left_out.size() && left_out[object] != 0) continue;
     const field::Contact contact = contacts[i];
-    if (deepest && contact.depth_m <= deepest->deeper_m) continue;
-    deepest = {
-        {}, object, world_from_center.position_m + glm::dvec3(contact.arm_m), contact.depth_m};
+    const guard::SeatObject* const of_seat = parts_->probe->seat().find(object);
+    // One that crossed a sheet is as deep as it says.
+    const bool crossed = contacts.is_barred[i] == field::ContactSet::kCrossed;
+    const float deep_m = crossed || of_seat == nullptr ? contact.depth_m : deeper_m(i, *of_seat);
+    if (deepest && deep_m <= deepest->deeper_m) continue;
+    deepest = {{}, object, world_from_center.position_m + glm::dvec3(contact.arm_m), deep_m};
   }
   return deepest;
 }
@@ -170,13 +181,13 @@ void SeatStretch::find_floors(const Pose& world_from_center, std::vector<Floor>&
     const glm::vec3 normal =
         turn * glm::vec3(v.nx[contact.point], v.ny[contact.point], v.nz[contact.point]);
     const bool flush = glm::dot(normal, contact.direction) > kFlush;
-    if (!flush && contact.depth_m < -touching_m) continue;
+    const float deep_m = deeper_m(i, *object);
+    if (!flush && deep_m < -touching_m) continue;
     // Before an edge of the scene the field mixes its faces: there the part's own face tells.
     const glm::vec3 slope(contacts.gx[i], contacts.gy[i], contacts.gz[i]);
     const bool own = flush || glm::length(slope) <= guard::kFaceSlope;
-    const float may_m = object->contact_m - object->floor_m;
-    floors.push_back(
-        {contact.arm_m, own ? normal : contact.direction, may_m * kShallow - contact.depth_m});
+    const float may_m = object->installed_m - object->floor_m;
+    floors.push_back({contact.arm_m, own ? normal : contact.direction, may_m * kShallow - deep_m});
   }
 }
 

@@ -79,6 +79,7 @@ class SeatStretch {
   explicit SeatStretch(std::unique_ptr<Parts> parts);
   void begin_path();
   void follow(const Pose& world_from_center);
+  float deeper_m(std::uint32_t contact, const guard::SeatObject& object) const;
   std::optional<PushedIn> deepest_barred(const Pose& world_from_center,
                                          const LeftOut& left_out) const;
 

@@ -33,7 +33,7 @@ class ForceCurve {
   }
 
   // The steepest slope over K_ff within a tenth of a voxel of a depth, above 0 and at most 1. A
-  // part that comes to rest goes no farther in a frame, and what goes farther is solved again.
+  // part that comes to rest goes no farther in a frame.
   double slope(double depth_m) const noexcept;
 
   // Energy over K_ff at a depth of 0 or more, m^2: the integral of the force from no depth on.

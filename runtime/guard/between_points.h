@@ -11,7 +11,7 @@
 // the weights f_b and f_a over their sum, and so are its position and its push.
 //
 // One of the two faces may be tilted little: a pin that leans in its bore meets the rim of the bore
-// with its side. Where neither is tilted by more than some 15 degrees, nothing is felt.
+// with its side. Where neither is tilted by more than some 12 degrees, nothing is felt.
 #pragma once
 
 #include <cstdint>

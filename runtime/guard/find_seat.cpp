@@ -16,7 +16,7 @@ constexpr float kSeatGiveVoxels = 0.25f, kMinGiveVoxels = 0.05f;
 
 // The force of a seat begins so far before the surface where the part lies as far from it: one
 // contact point that pushes with the coupling's force limit is that deep, or less
-// (kHoldDepthVoxels of derive_parameters.cpp), so it ends at the surface.
+// (kHoldDepthVoxels of default_model.cpp), so it ends at the surface.
 constexpr float kEarlyVoxels = 0.15f;
 
 // An object that lies deeper than this between two points in the seat stands in a gap of the part
@@ -123,7 +123,8 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   between_.find(world_from_center, seat);
   // A distance is read with an error of up to half a step, so a surface that only touches may be
   // read a step deep. Elsewhere a point may read deeper than in the seat: without this, a pin
-  // stayed in the mouth of its bore.
+  // stayed in the mouth of its bore. A part that lies deeper than a step overlaps the object: there
+  // the deepest reading holds.
   const auto onset_m = [&](float min_m) {
     return std::min(min_m, std::max(min_m - 0.5f * step_m, -step_m));
   };
@@ -143,6 +144,7 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
     object.corner_floor_m = floor_m(object.corner_floor_m);
     object.feels_between = object.between_m > -kMaxBetweenVoxels * voxel_size_m;
     object.between_floor_m = floor_m(object.between_m);
+    object.installed_m = std::min(object.contact_m, 0.0f);
     object.contact_m = onset_m(object.contact_m);
     // The faces beside an edge may lie as near as others of the object.
     object.between_m = std::min(object.between_m, object.contact_m);

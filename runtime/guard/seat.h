@@ -14,8 +14,9 @@ namespace forcelayer::guard {
 struct SeatObject {
   std::uint32_t object = 0;  // its number in the file; 0 where the file names none
   // Where the force begins: 0.15 voxels before the surface, or as near or as deep as the part lies
-  // in the seat.
+  // in the seat, and half a step of the stored distances deeper.
   float contact_m = 0;
+  float installed_m = 0;     // how deep the part lies in the seat: of its deepest point, 0 or less
   float floor_m = 0;         // the guard bars shell points below this
   float corner_floor_m = 0;  // and those that touch it in a corner, there, below this
   // The same of what lies between two shell points, where that is felt.

@@ -20,6 +20,7 @@ namespace forcelayer::model {
 // The stiffness of one contact point of mean area on a rigid scene: 150 k_T, so that behind the
 // coupling it feels within 0.7% as stiff as many, and at least what pushes with the coupling's
 // force limit at a depth of 0.15 voxel, which is before the guard stops the part.
+// Beneath a covering the guard, which goes by voxels, may stop it before.
 inline constexpr double kRigidOverCoupling = 150;
 double rigid_stiffness_n_per_m(const Parameters& parameters) noexcept;
 

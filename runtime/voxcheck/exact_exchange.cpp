@@ -6,10 +6,11 @@ namespace forcelayer::voxcheck {
 // Found by their arguments alone, so not in a nameless namespace.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
-                                   pushed_into_seat, depth_m, max_depth_m, contact_s, inside)
+                                   pushed_into_seat, depth_m, max_depth_m, contact_s, contact_known,
+                                   inside)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactHole, edges_m, place_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
-                                   nearest_m, soon_m, settled, part_hole, object_hole)
+                                   nearest_m, soon_m, soon_s, settled, part_hole, object_hole)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s, max_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,

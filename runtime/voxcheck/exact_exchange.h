@@ -69,11 +69,12 @@ struct ExactViolation {
   // How deep the two were found to lie in each other, and at most do at that moment. Of surfaces
   // that meet elsewhere it is the deepest of some moments; 0 where one of the two has no inside.
   double depth_m = 0, max_depth_m = 0;
-  double contact_s = 0;  // from when on the surfaces meet, where touches()
+  // From when on the surfaces meet. Not known where the time was over before that was found.
+  double contact_s = 0;
+  bool contact_known = false;
   // All of the part was inside of a solid for a while, where its surface met none.
   bool inside = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
-  bool touches() const { return meets() && !inside; }
 };
 
 // Where a mesh is open.
@@ -93,6 +94,7 @@ struct ExactSeat {
   // How far they are apart once the part has moved out of its seat by twice the required clearance
   // and twice `installed_m`.
   double soon_m = 0;
+  double soon_s = 0;  // at this time of the path
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;
@@ -109,9 +111,9 @@ struct ExactNearest {
 
 // Where the measurement stopped because its time was over.
 struct ExactStop {
-  // In kBlockers the part is known to meet something, and in the last one all is proven but how
-  // near it comes.
-  enum Stage { kClearance, kBlockers, kInstalled, kContact, kSmallest };
+  // In kBlockers and kDepths the part is known to meet something; in the latter all that it meets
+  // is known, but for its seat. In the last one all is proven but how near it comes.
+  enum Stage { kClearance, kBlockers, kDepths, kInstalled, kContact, kSmallest };
   int stage = kClearance;
   std::uint32_t object = 0;  // of the seat, in the stages kInstalled and kContact
   double settled_s = 0;      // until then the path was checked in this stage,

@@ -136,6 +136,7 @@ std::string out_of_time_text(const CheckedPath& checked, const ExactStop& stop) 
   if (stop.stage == ExactStop::kBlockers) {
     return ended + "before all objects that block the part were found";
   }
+  if (stop.stage == ExactStop::kDepths) return ended + "before all depths were measured";
   const std::string what =
       stop.stage == ExactStop::kContact ? "contact with " + object : "the clearance";
   const double settled_m = along_m(checked, stop.settled_s);
@@ -223,14 +224,24 @@ VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& mom
 // From how far along the path on a violation blocks the part: where the meshes meet, from contact.
 double begins_m(const CheckedPath& checked, const Violation& v) {
   const ExactViolation* exact = exact_of(checked, v);
-  return along_m(checked, exact != nullptr && exact->touches() ? exact->contact_s : v.from_s);
+  return along_m(checked, exact != nullptr && exact->contact_known ? exact->contact_s : v.from_s);
 }
 
 command::VerdictBegin begin_of(const CheckedPath& checked, const Violation& v) {
   const ExactViolation* exact = exact_of(checked, v);
-  const bool touches = exact != nullptr && exact->touches();
+  const bool touches = exact != nullptr && exact->contact_known;
   const char* const as = v.pushed_into_seat ? "too deep" : touches ? "contact" : "too near";
   return {begins_m(checked, v), as};
+}
+
+// Whether the check ended before all was known that may block the part sooner.
+bool may_be_blocked_before(const CheckedPath& checked, const Violation& worst) {
+  if (checked.exact == nullptr || checked.exact->stop.empty()) return false;
+  const ExactStop& stop = checked.exact->stop[0];
+  if (stop.stage == ExactStop::kSmallest) return false;
+  const bool has_seat = !checked.result.seat_objects.empty();  // which is looked at last
+  return has_seat || stop.stage == ExactStop::kBlockers ||
+         along_m(checked, stop.settled_s) < begins_m(checked, worst);
 }
 
 VerdictDistance smallest_of(const CheckedPath& checked) {
@@ -267,16 +278,18 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
     for (const std::uint32_t object : checked.result.seat_objects) {
       const ExactSeat* const exact = exact_seat(checked, object);
       const bool is_passed = exact != nullptr && exact->nearest_m > kRoundingM;
-      const bool is_left =
-          exact != nullptr && checked.required_m > 0 && exact->soon_m >= checked.required_m;
+      const double soon_m = exact != nullptr ? along_m(checked, exact->soon_s) : 0;
+      const bool is_left = exact != nullptr && checked.required_m > 0 &&
+                           exact->soon_m >= checked.required_m && slide.from_m <= soon_m &&
+                           soon_m <= slide.to_m;
       (is_passed ? slide.passed
        : is_left ? slide.left
                  : slide.objects)
           .push_back(object_name(checked.scene, object));
       if (is_passed) slide.gap_m = std::min(slide.gap_m, exact->nearest_m + kDecimalM);
-      if (is_left && !is_passed) {  // ExactSeat::soon_m
-        slide.left_within_m =
-            std::max(slide.left_within_m, 2 * (checked.required_m + exact->installed_m));
+      if (is_left && !is_passed) {
+        const bool begins = slide.from_m <= 0;
+        slide.left_within_m = std::max(slide.left_within_m, begins ? soon_m : slide.to_m - soon_m);
       }
       const bool overlaps = exact != nullptr && exact->installed_m > checked.exact->margin_m;
       if (overlaps) slide.overlap_m = std::max(slide.overlap_m, exact->installed_m);
@@ -402,7 +415,7 @@ std::string violation_text(const CheckedPath& checked, const Violation& v) {
                            finding_text(checked, v);
   const bool is_somewhere = !v.unsettled_seat && !v.out_of_time;
   if (!is_somewhere) return line;
-  const bool touches = exact != nullptr && exact->touches();
+  const bool touches = exact != nullptr && exact->contact_known;
   const std::string contact =
       touches ? text(", contact from %.1f mm on, worst ", 1e3 * begins_m(checked, v)) : ", ";
   return line + contact + where_text(checked, v.worst);
@@ -425,9 +438,7 @@ command::Verdict verdict_of(const CheckedPath& checked) {
     verdict.begin = begin_of(checked, worst);
     if (r.begins_installed) verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.blocked_by = blockers(checked);
-    const bool is_stopped = checked.exact != nullptr && !checked.exact->stop.empty() &&
-                            checked.exact->stop[0].stage != ExactStop::kSmallest;
-    if (is_stopped) {
+    if (may_be_blocked_before(checked, worst)) {
       verdict.unchecked =
           "other objects may block the part before, because the time limit (--time) "
           "ended the check";
@@ -440,6 +451,11 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   if (worst.out_of_time) verdict.slides.clear();
   if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {
     verdict.finding = finding_text(checked, worst);
+    const std::string name = name_of(checked, worst.worst.object);
+    const std::size_t at = verdict.finding.find(name);
+    if (at != std::string::npos) {
+      verdict.finding.replace(at, name.size(), command::short_name(name));
+    }
   }
   for (const Violation& v : r.violations) {
     if (&v != &worst) verdict.more.push_back(violation_text(checked, v));

@@ -86,7 +86,7 @@ Json violation_json(const Report& report, const Violation& v) {
   if (v.pushed_into_seat || v.depth_m > 0) json["depth_m"] = v.depth_m;
   if (const ExactViolation* exact = exact_of(report.checked, v)) {
     if (v.depth_m > 0) json["max_depth_m"] = exact->max_depth_m;
-    if (exact->touches()) json["contact_from_m"] = along_m(report.checked, exact->contact_s);
+    if (exact->contact_known) json["contact_from_m"] = along_m(report.checked, exact->contact_s);
     add_exact(json, exact->worst);
     json["graze"] = exact->graze;
     json["inside"] = exact->inside;

@@ -92,7 +92,7 @@ done
 "$bin/voxelize" cube.obj --units cm --voxel-size 1mm -o scene.vox --quiet --compliance 1mm:500Pa,3mm:4kPa || fail "soft covering"
 "$bin/voxinfo" verify scene.vox --quiet || fail "the scene with a soft covering is not valid"
 "$bin/voxinfo" scene.vox --json report.json >out
-grep -q 'compliance        4000 Pa at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
+grep -q 'compliance        4 kPa at a depth of 3' out || fail "facts of a soft covering: $(cat out)"
 python3 - report.json <<'EOF' || fail "report of a soft covering"
 import json, sys
 r = json.load(open(sys.argv[1]))

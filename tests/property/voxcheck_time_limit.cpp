@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -171,6 +172,47 @@ TEST(TimeLimit, EndsEachStageWithWhatIsCertain) {
     all_stages.merge(stages);
   }
   EXPECT_EQ(all_stages.size(), 4u);
+}
+
+// Pulled into the wall: from when on the two touch is said where it was found, and is true then.
+TEST(TimeLimit, NamesABlockerBeforeAndAfterItsContactIsFound) {
+  PressFit fit;
+  const glm::dvec3 to_m{1.2 * kWallAwayM, 0, 5};
+  const auto wall_of = [](const ExactAnswer& answer) {
+    const auto found = std::ranges::find_if(answer.violations, [](const ExactViolation& v) {
+      return v.worst.object == kWall && v.meets();
+    });
+    return found == answer.violations.end() ? std::nullopt : std::optional(*found);
+  };
+  // So long until it is found: the rest takes long, and says no more.
+  std::uint64_t enough = 1;
+  std::optional<ExactViolation> whole;
+  while (enough < 1u << 20 && !(whole && whole->contact_known)) {
+    enough *= 2;
+    whole = wall_of(fit.pulled(to_m, 0.3, enough));
+  }
+  ASSERT_TRUE(whole && whole->contact_known);
+  EXPECT_GT(whole->contact_s, whole->from_s);
+  std::set<int> stages;
+  int before = 0, after = 0;
+  constexpr std::uint64_t kLimits = 16;
+  for (std::uint64_t n = 1; n <= kLimits; ++n) {
+    const std::uint64_t limit = enough * n / kLimits;
+    const ExactAnswer answer = fit.pulled(to_m, 0.3, limit);
+    ASSERT_EQ(answer.stop.size(), 1u);
+    stages.insert(answer.stop[0].stage);
+    const auto found = wall_of(answer);
+    if (!found) continue;
+    ++(found->contact_known ? after : before);
+    if (found->contact_known) {
+      EXPECT_EQ(found->contact_s, whole->contact_s);
+    } else {
+      EXPECT_LE(answer.stop[0].stage, ExactStop::kBlockers);
+    }
+  }
+  EXPECT_TRUE(stages.contains(ExactStop::kBlockers));
+  EXPECT_GT(before, 0);
+  EXPECT_GT(after, 0);
 }
 
 }  // namespace

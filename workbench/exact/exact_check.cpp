@@ -370,24 +370,23 @@ class ExactCheck {
     violation.graze =
         !violation.meets() && violation.worst.exact_m >= request_.required_m - rounding_m_;
     take(worst);
+    violation.contact_s = violation.from_s;
     answer.violations.push_back(violation);
     if (!violation.meets()) return;
     const int stage = std::exchange(stop_.stage, static_cast<int>(ExactStop::kBlockers));
     stop_.settled_s = violation.from_s;
-    if (near.inside) {
-      look_into(answer.violations.back());
-    } else {
-      add_blockers(near.pieces, answer);
-    }
+    const std::size_t first = answer.violations.size() - 1;
+    if (!near.inside) add_blockers(near.pieces, answer);
+    stop_.stage = ExactStop::kDepths;
+    stop_.settled_s = violation.to_s;
+    add_depths(std::span(answer.violations).subspan(first));
     stop_.stage = stage;
   }
 
   // The last violation is of all pieces, in which the part meets an object. Each object that it
   // meets gets a violation of its own, with the stretch in which it is too near by itself and from
-  // when on they touch; for one alone that is all. Then follow the depths of those that are touched
-  // first: they take long, and most are measured at few moments.
+  // when on they touch; for one alone the stretch is all. Those that are touched first come first.
   void add_blockers(const std::vector<Piece>& pieces, ExactAnswer& answer) {
-    constexpr std::size_t kMaxDepths = 16, kMoments = 4;
     const ExactViolation whole = answer.violations.back();
     const auto first = static_cast<std::ptrdiff_t>(answer.violations.size()) - 1;
     set_contact(pieces, answer.violations.back());
@@ -407,6 +406,11 @@ class ExactCheck {
     std::stable_sort(met.begin(), met.end(), [](const ExactViolation& a, const ExactViolation& b) {
       return a.contact_s < b.contact_s;
     });
+  }
+
+  // The depths of the first of some violations. They take long: most are measured at few moments.
+  void add_depths(std::span<ExactViolation> met) {
+    constexpr std::size_t kMaxDepths = 16, kMoments = 4;
     for (std::size_t n = 0; n < std::min(kMaxDepths, met.size()); ++n) {
       look_into(met[n], n == 0 ? SeatWalk::kMoments : kMoments);
     }
@@ -474,12 +478,13 @@ class ExactCheck {
       const auto parts = walk.nearer_than(piece, request_.required_m + margin_m_, kTravelM);
       near.insert(near.end(), parts.begin(), parts.end());
     }
-    violation.contact_s = violation.from_s;
     if (near.empty()) return false;
     violation.from_s = path_.time_s(near.front().from);
     violation.to_s = path_.time_s(near.back().to);
-    const auto begin = contact_begin(pieces, object);
-    violation.contact_s = begin ? path_.time_s(*begin) : violation.from_s;
+    if (const auto begin = contact_begin(pieces, object)) {
+      violation.contact_s = path_.time_s(*begin);
+      violation.contact_known = true;
+    }
     return true;
   }
 
@@ -724,25 +729,28 @@ class ExactCheck {
       seat.deepest_m = std::max(0.0, deepest->second.found_m);
     }
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.walk);
-    if (const auto pose = soon_out(2 * (request_.required_m + seat.installed_m))) {
-      seat.soon_m = object.distance.at(*pose, voxcheck::kNothingM).distance_m;
+    if (const auto soon_s = soon_out_s(2 * (request_.required_m + seat.installed_m))) {
+      seat.soon_s = *soon_s;
+      const Pose pose = path_.world_from_center(path_.at(*soon_s));
+      seat.soon_m = object.distance.at(pose, voxcheck::kNothingM).distance_m;
     }
     answer.moments += walk.measured();
     answer.seat.push_back(seat);
   }
 
-  // The first pose of some at which the part has moved so far, out of its seat or back from it;
+  // The first time of some at which the part has moved so far, out of its seat or back from it;
   // none where it does not move so far.
-  std::optional<Pose> soon_out(double far_m) const {
+  std::optional<double> soon_out_s(double far_m) const {
     if (seated_stretches_.empty()) return std::nullopt;
     constexpr int kSteps = 256;
     auto [at_s, end_s] = seated_stretches_.front();
     if (at_s > request_.stretches.front().from_s) std::swap(at_s, end_s);  // it goes in
     const Pose seated = path_.world_from_center(path_.at(at_s));
     for (int n = 1; n <= kSteps; ++n) {
-      const Pose pose = path_.world_from_center(path_.at(at_s + (end_s - at_s) * n / kSteps));
+      const double soon_s = at_s + (end_s - at_s) * n / kSteps;
+      const Pose pose = path_.world_from_center(path_.at(soon_s));
       const double moved_m = glm::length(pose.position_m - seated.position_m);
-      if (moved_m >= far_m) return pose;
+      if (moved_m >= far_m) return soon_s;
     }
     return std::nullopt;
   }

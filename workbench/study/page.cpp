@@ -144,7 +144,7 @@ std::string violations_table(const Json& violations) {
 View view_of(const Page& page) {
   View view{page.motion, page.curve};
   const auto add = [&](std::string name, const std::string& words, const Json& moment) {
-    if (moment.value("at_least", false)) return;
+    if (moment.value("at_least", false) || moment.value("out_of_time", false)) return;
     const std::string object = moment["object"].is_string() ? moment["object"] : "not known";
     if (name.empty()) name = object + ", after " + along(moment["along_path_m"]);
     const bool is_measured = moment.contains("exact_m") && moment["exact_m"].is_number();

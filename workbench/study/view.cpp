@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "formats/command/text.h"
@@ -86,6 +87,24 @@ Result<Motion> read_motion(const std::string& path) {
   return motion;
 }
 
+// Neighbors are joined until there are few enough: with the least clearance of both.
+std::vector<CurvePiece> joined(std::vector<CurvePiece> pieces) {
+  constexpr std::size_t kMaxPieces = 4000;
+  while (pieces.size() > kMaxPieces) {
+    for (std::size_t n = 0; n < pieces.size(); n += 2) {
+      CurvePiece piece = pieces[n];
+      if (n + 1 < pieces.size()) {
+        const CurvePiece& next = pieces[n + 1];
+        piece.to_m = next.to_m, piece.to_s = next.to_s;
+        piece.clearance_m = std::min(piece.clearance_m, next.clearance_m);
+      }
+      pieces[n / 2] = piece;
+    }
+    pieces.resize((pieces.size() + 1) / 2);
+  }
+  return pieces;
+}
+
 // JSON as the text of a script element, which "</" would end.
 std::string script_text(const nlohmann::json& json) {
   std::string text;
@@ -121,10 +140,10 @@ Result<std::string> view_html(const View& view) {
            "show " +
            html(std::filesystem::path(view.motion).filename().string()) + ".</p>\n";
   }
-  const auto pieces = read_curve(view.curve);
+  auto pieces = read_curve(view.curve);
   if (!pieces) return pieces.error();
   nlohmann::json data{{"moments", view.moments}, {"near", view.near}};
-  for (const CurvePiece& p : *pieces) {
+  for (const CurvePiece& p : joined(std::move(*pieces))) {
     data["curve"].push_back({p.from_m, p.to_m, p.from_s, p.to_s, p.clearance_m});
   }
   const auto glb = std::as_bytes(std::span(motion->glb));

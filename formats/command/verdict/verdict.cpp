@@ -33,14 +33,8 @@ std::string cut_mm(double length_m, int decimals) {
 // No two doubles have the same: a thousand times one fits into a long double.
 std::string all_digits(double length_m) { return text("%.21Lg mm", 1e3L * length_m); }
 
-// A name in a sentence: of a long path its end, by which commands know it, too.
 std::string printed(const std::string& object) {
-  constexpr std::size_t kMaxBytes = 64;
-  if (object.empty()) return "the scene";
-  if (object.size() <= kMaxBytes) return escaped(object);
-  const std::size_t slash = object.find('/', object.size() - kMaxBytes);
-  const std::size_t cut = slash != std::string::npos ? slash : object.rfind('/');
-  return cut == std::string::npos ? escaped(object) : "..." + escaped(object.substr(cut));
+  return object.empty() ? "the scene" : escaped(short_name(object));
 }
 
 // "A", "A and B", "A, B and 3 more".
@@ -248,6 +242,14 @@ static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
 bool is_yes(VerdictKind kind) {
   return kind == VerdictKind::kComesOut || kind == VerdictKind::kKeepsClearance ||
          kind == VerdictKind::kStaysInstalled;
+}
+
+std::string short_name(const std::string& name) {
+  constexpr std::size_t kMaxBytes = 64;
+  if (name.size() <= kMaxBytes) return name;
+  const std::size_t slash = name.find('/', name.size() - kMaxBytes);
+  const std::size_t cut = slash != std::string::npos ? slash : name.rfind('/');
+  return cut == std::string::npos ? name : "..." + name.substr(cut);
 }
 
 const char* to_text(VerdictKind kind) { return kWords[static_cast<std::size_t>(kind)]; }

@@ -98,6 +98,9 @@ struct Verdict {
   std::vector<std::string> remarks;     // to be shown as warnings: overlaps as installed
 };
 
+// The end of a name with a long path, by which commands know it, too: ".../Lid/Bolt".
+std::string short_name(const std::string& name);
+
 // "12.7 mm": rounded down to three decimals, or to as many as a small length needs.
 std::string length_text(double length_m);
 

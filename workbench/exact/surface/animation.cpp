@@ -22,7 +22,7 @@ namespace {
 using mesh::GlbMotion;
 using mesh::GlbNode;
 
-constexpr double kWithinM = 1e-6;  // of thinned(): finer than 32-bit floats at 10 m
+constexpr double kWithinM = 1e-6;  // of thinned(): about a step of 32-bit floats at 10 m
 
 // More are no view of a motion, and take long to read: the farthest objects are left out.
 constexpr std::size_t kMaxTriangles = 4'000'000;

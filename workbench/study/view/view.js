@@ -148,8 +148,9 @@
 
   // Pieces at a position: two where one ends and the next begins.
   function pieces_at(m) {
-    const slack_m = 1e-9 * length_m;
-    return curve.filter((piece) => piece[0] <= m + slack_m && m - slack_m <= piece[1]);
+    const slack_m = 1e-9 * length_m, end_m = curve[curve.length - 1][1];  // 0 of a part that rests
+    const at_m = Math.min(m, end_m);
+    return curve.filter((piece) => piece[0] <= at_m + slack_m && at_m - slack_m <= piece[1]);
   }
 
   const mm = (m) => (Math.floor(1e6 * m + 1e-6) / 1e3).toFixed(3).replace(/\.?0+$/, '') + ' mm';
