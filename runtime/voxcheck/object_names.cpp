@@ -1,6 +1,8 @@
 #include "runtime/voxcheck/object_names.h"
 
 #include "formats/command/spelling/spelling.h"
+#include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
 
 namespace forcelayer::voxcheck {
 namespace {
@@ -34,6 +36,18 @@ std::string object_name(const Voxmap& scene, std::uint32_t object) {
   if (object == 0) return "";
   const std::string_view name = scene.object_name(object);
   return name.empty() ? "object " + std::to_string(object) : std::string(name);
+}
+
+std::vector<std::string> object_names(const Voxmap& scene) {
+  std::vector<std::string> names;
+  for (std::uint32_t n = 1; n <= scene.header().object_count; ++n) {
+    names.push_back(object_name(scene, n));
+  }
+  return names;
+}
+
+std::string shown_name(const Voxmap& scene, std::uint32_t object) {
+  return escaped(command::short_name(object_name(scene, object), object_names(scene)));
 }
 
 bool fits(std::string_view name, std::string_view pattern) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "formats/result.h"
 #include "formats/voxmap.h"
@@ -14,6 +15,13 @@ namespace forcelayer::voxcheck {
 
 // The object's name in the file; "object N" where that is empty; empty for object 0.
 std::string object_name(const Voxmap& scene, std::uint32_t object);
+
+// All of them, in the order of their numbers.
+std::vector<std::string> object_names(const Voxmap& scene);
+
+// As a sentence shows the object: the end of its name, by which --allow knows it, too. Empty for
+// object 0.
+std::string shown_name(const Voxmap& scene, std::uint32_t object);
 
 // Whether `pattern` matches the whole `name`, or all of it behind one of its slashes. `*` stands
 // for any number of characters but "/", `?` for one.

@@ -38,7 +38,7 @@ const ExactSeat* exact_seat(const CheckedPath& checked, std::uint32_t object) {
 }
 
 std::string name_of(const CheckedPath& checked, std::uint32_t object) {
-  return object == 0 ? "the scene" : escaped(object_name(checked.scene, object));
+  return object == 0 ? "the scene" : shown_name(checked.scene, object);
 }
 
 VerdictKind kind_of(const CheckedPath& checked, const Violation& v) {
@@ -427,6 +427,7 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.required_m = checked.required_m;
   verdict.motion = motion_text(checked.rows, checked.part);
   verdict.path_m = checked.length.whole_m();
+  verdict.scene_names = object_names(checked.scene);
   verdict.slides = slides_of(checked);
   verdict.nearest = smallest_of(checked);
   verdict.beyond = beyond_of(checked);
@@ -451,11 +452,6 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   if (worst.out_of_time) verdict.slides.clear();
   if (!(verdict.kind == VerdictKind::kTooNear && exact != nullptr)) {
     verdict.finding = finding_text(checked, worst);
-    const std::string name = name_of(checked, worst.worst.object);
-    const std::size_t at = verdict.finding.find(name);
-    if (at != std::string::npos) {
-      verdict.finding.replace(at, name.size(), command::short_name(name));
-    }
   }
   for (const Violation& v : r.violations) {
     if (&v != &worst) verdict.more.push_back(violation_text(checked, v));
@@ -485,7 +481,7 @@ std::vector<std::string> bounds_texts(const CheckedPath& checked) {
   const VerdictDistance beyond = beyond_of(checked);
   if (r.clear() && beyond.known != Known::kNot) {
     lines.push_back("nearest other object, measured: " + length_text(beyond.distance_m) + " to " +
-                    (beyond.object.empty() ? "the scene" : escaped(beyond.object)) +
+                    name_of(checked, checked.exact->beyond.object) +
                     text(", after %.1f mm", 1e3 * beyond.along_m));
   }
   return lines;

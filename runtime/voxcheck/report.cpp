@@ -42,7 +42,7 @@ std::vector<std::string> overlap_texts(const Report& report) {
   for (const ExactSeat& seat : report.exact->seat) {
     if (seat.installed_m <= report.exact->margin_m) continue;
     texts.push_back("where the part is installed, it overlaps " +
-                    escaped(object_name(report.checked.scene, seat.object)) + " by at least " +
+                    shown_name(report.checked.scene, seat.object) + " by at least " +
                     length_text(seat.installed_m) + "; the force that this takes is not computed");
   }
   return texts;
@@ -65,6 +65,7 @@ Json seat_depths_json(const Report& report) {
   Json list = Json::array();
   for (const ExactSeat& seat : report.exact->seat) {
     list.push_back({{"object", object_name(report.checked.scene, seat.object)},
+                    {"shown_as", shown_name(report.checked.scene, seat.object)},
                     {"gap_m", seat.gap_m},
                     {"nearest_m", seat.nearest_m},
                     {"installed_m", seat.installed_m},
@@ -146,7 +147,7 @@ std::string seat_depth_text(const Report& report) {
       [&](const ExactSeat& a, const ExactSeat& b) { return deeper(a) < deeper(b); });
   if (deepest == seats.end()) return "";
   const double allowed_m = deepest->allowed_m - deepest->installed_m;
-  const std::string object = escaped(object_name(report.checked.scene, deepest->object));
+  const std::string object = shown_name(report.checked.scene, deepest->object);
   if (allowed_m < kRoundingM && deeper(*deepest) < kRoundingM) {
     return "in its seat, the part never goes deeper than installed";
   }

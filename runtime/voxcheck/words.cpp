@@ -19,14 +19,14 @@ double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
 double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
 
 std::string to_object(const Voxmap& scene, std::uint32_t object) {
-  return object == 0 ? "" : " to " + escaped(object_name(scene, object));
+  return object == 0 ? "" : " to " + shown_name(scene, object);
 }
 
 std::string listed_names(const Voxmap& scene, std::span<const std::uint32_t> objects) {
   std::string line;
   for (std::size_t n = 0; n < objects.size(); ++n) {
     if (n == kListed) return line + text(" and %zu more", objects.size() - kListed);
-    line += (n == 0 ? "" : ", ") + escaped(object_name(scene, objects[n]));
+    line += (n == 0 ? "" : ", ") + shown_name(scene, objects[n]);
   }
   return line;
 }

@@ -339,8 +339,8 @@ std::string touched_text(const Scenes& scenes, const loop::LoopStatistics& s) {
   std::string line;
   for (std::size_t i = 0; i < totals.size() && i < kNamed; ++i) {
     line += text("%s%s (%.3f s, up to %.3g N)", i == 0 ? "touched " : ", ",
-                 escaped(scenes.object_text(totals[i].object)).c_str(),
-                 seconds_of(scenes, totals[i]), totals[i].max_force_n);
+                 scenes.shown_name(totals[i].object).c_str(), seconds_of(scenes, totals[i]),
+                 totals[i].max_force_n);
   }
   if (totals.size() > kNamed) line += text(" and %zu more", totals.size() - kNamed);
   return line + "\n";

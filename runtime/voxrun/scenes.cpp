@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
 #include "runtime/machine/real_time.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxrun/verdict.h"
@@ -67,6 +68,20 @@ std::string Scenes::object_text(std::uint32_t object) const {
   if (object == 0) return "";
   const std::string name = object_name(object);
   return name.empty() ? text("object %u", object) : name;
+}
+
+std::vector<std::string> Scenes::object_texts() const {
+  std::vector<std::string> texts;
+  for (std::size_t n = 0; n < count(); ++n) {
+    for (std::size_t i = 0; i < (*this)[n].object_names.size(); ++i) {
+      texts.push_back(object_text(static_cast<std::uint32_t>(texts.size() + 1)));
+    }
+  }
+  return texts;
+}
+
+std::string Scenes::shown_name(std::uint32_t object) const {
+  return escaped(command::short_name(object_text(object), object_texts()));
 }
 
 std::vector<guard::SeatObject> Scenes::seat() const {

@@ -46,6 +46,9 @@ class Scenes {
   std::string object_name(std::uint32_t object) const;
   // "object 3" by its number in the file, where it has no name there.
   std::string object_text(std::uint32_t object) const;
+  std::vector<std::string> object_texts() const;  // of all objects, in the order of their numbers
+  // As a sentence shows it: the end of its name that no other object has. Empty for 0.
+  std::string shown_name(std::uint32_t object) const;
   std::vector<guard::SeatObject> seat() const;  // in the scene that came last
   SeparationGuarantee guarantee() const;        // the least of all
 

@@ -34,7 +34,7 @@ void end_list(std::string& line, std::size_t count) {
 
 // The object's name, or "the scene" where it has no names.
 std::string printed(const Scenes& scenes, std::uint32_t object) {
-  return object == 0 ? "the scene" : escaped(scenes.object_text(object));
+  return object == 0 ? "the scene" : scenes.shown_name(object);
 }
 
 bool is_of_seat(const Scenes& scenes, std::uint32_t object) {
@@ -135,9 +135,8 @@ std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
     part = text("clearance at least %.3f mm (nothing was near enough to measure)", mm);
   } else {
     part = text("least proven clearance %.3f mm%s%s at %.3f s, at x %.2f, y %.2f, z %.2f mm", mm,
-                smallest.object != 0 ? " to " : "",
-                escaped(scenes.object_text(smallest.object)).c_str(), smallest.time_s,
-                near_zero_mm(smallest.point_m.x), near_zero_mm(smallest.point_m.y),
+                smallest.object != 0 ? " to " : "", scenes.shown_name(smallest.object).c_str(),
+                smallest.time_s, near_zero_mm(smallest.point_m.x), near_zero_mm(smallest.point_m.y),
                 near_zero_mm(smallest.point_m.z));
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
@@ -226,6 +225,7 @@ std::string seat_text(const Scenes& scenes, double min_overlap_m) {
 command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const LoopStatistics& s) {
   command::Verdict verdict;
   verdict.is_asked = false;
+  verdict.scene_names = scenes.object_texts();
   const std::optional<Pull>& pull = outcome.pull;
   const bool open = seat_open(scenes, s);
   if (s.penetration_frames > 0) {

@@ -12,7 +12,7 @@ grep '^    vox\(elize\|run\|check\)\|^    pointshell' commands | sed 's/ *#[^"'"
 [ "$(wc -l <offline.sh)" = 5 ] || fail "not five commands but voxview: $(cat offline.sh)"
 bash -e offline.sh >out 2>err || fail "the commands of the tutorial: $(cat err)"
 grep -q " Gearbox/Pin$" out || fail "the list has no pin: $(cat out)"
-grep -qE "^seated on .*Gearbox/Housing.* until [0-9.]+ s; then least proven clearance [0-9.]+ mm to Gearbox/" out ||
+grep -qE "^seated on .*Housing.* until [0-9.]+ s; then least proven clearance [0-9.]+ mm to " out ||
   fail "no answer for the pin: $(tail -3 out)"
 if [ -x "$bin/voxview" ] && command -v xvfb-run >/dev/null; then
   view=$(grep '^    voxview' commands | sed 's/ *#.*$//')
@@ -26,7 +26,7 @@ clearance_mm, name, t_s = open("answer").read().split()
 assert shown["name"] == "the least proven clearance" and abs(shown["t_s"] - float(t_s)) < 0.0006, (shown, t_s)
 for told_m in shown["clearance"]["clearance_m"], shown["clearance_m"]:
     assert abs(1e3 * told_m - float(clearance_mm)) < 0.002, (shown, clearance_mm)
-assert shown["nearest_object"] == shown["clearance"]["object"] == name, (shown, name)' || fail "voxview shows another moment: $(cat answer)"
+assert shown["nearest_object"] == shown["clearance"]["object"] and shown["nearest_object"].endswith("/" + name), (shown, name)' || fail "voxview shows another moment: $(cat answer)"
   # A picture in the seat shows the contacts that the run felt there.
   seated=$(python3 -c '
 import csv
@@ -63,18 +63,18 @@ answer() {  # answer PART: the end of its run, straight up
   tail -3 out
 }
 answer Pin >pin
-grep -q "^touched nothing$" pin || grep -q "^touched Gearbox/" pin || fail "what the pin touched: $(cat pin)"
+grep -q "^touched nothing$" pin || grep -q "^touched " pin || fail "what the pin touched: $(cat pin)"
 answer Cover >cover
-grep -q "^touched Gearbox/.*Gearbox/Lid/Bolt" cover || fail "the bolts do not hold the cover: $(cat cover)"
-grep -qE "^Does not come out: the hand pulled 60 mm, the part moved 0\.[0-9]+ mm; blocked by Gearbox/Lid/Bolt" cover || fail "the sentence of the cover: $(cat cover)"
-grep -q "^Comes out: the part leaves Gearbox/Housing, " pin || fail "the sentence of the pin: $(cat pin)"
+grep -q "^touched .*Bolt" cover || fail "the bolts do not hold the cover: $(cat cover)"
+grep -qE "^Does not come out: the hand pulled 60 mm, the part moved 0\.[0-9]+ mm; blocked by Bolt" cover || fail "the sentence of the cover: $(cat cover)"
+grep -q "^Comes out: the part leaves Housing, " pin || fail "the sentence of the pin: $(cat pin)"
 grep -q "the part did not leave its seat on " cover || fail "the cover came out through its bolts: $(cat cover)"
 python3 -c '
 import json
 names = {t["name"] for t in json.load(open("run.json"))["touched_objects"]}
 assert {"Gearbox/Lid/Bolt", "Gearbox/Lid/Bolt[2]", "Gearbox/Lid/Bolt[4]"} <= names, names' || fail "not by name: $(cat cover)"
 answer Lid >lid
-grep -qE "^seated on Gearbox/Housing until [0-9.]+ s; then least proven clearance [0-9.]+ mm to Gearbox/Housing" lid ||
+grep -qE "^seated on Housing until [0-9.]+ s; then least proven clearance [0-9.]+ mm to Housing" lid ||
   fail "the lid, with its bolts: $(cat lid)"
 
 refuses() {  # refuses TEXT ARGUMENTS...

@@ -43,10 +43,10 @@ PYTHON
 # It comes out, and every question is answered well.
 run 0 opened.vox cover.pshell --motion out.csv --json run.json --trace run.csv --fail-on penetration \
   --fail-on contact --fail-on outside --fail-on seat
-grep -q '^the part is seated on Gearbox/Housing$' out.txt || { cat out.txt; fail "no seat at the start"; }
+grep -q '^the part is seated on Housing$' out.txt || { cat out.txt; fail "no seat at the start"; }
 grep -q '^guaranteed separation, once the part has left its seat: [0-9.]* mm' out.txt || fail "no guarantee"
-says '^seated on Gearbox/Housing until 0\.[0-9]{3} s; then least proven clearance [0-9.]+ mm to Gearbox/Housing at 0\.[0-9]{3} s, .*; 0 penetration frames; the part followed the motion$'
-first '^Comes out: the part leaves Gearbox/Housing after 0\.[0-9]{3} s, and from then on stays [0-9.]+ mm away or more \(proven; nearest to Gearbox/Housing, at 0\.[0-9]{3} s\)\.$'
+says '^seated on Housing until 0\.[0-9]{3} s; then least proven clearance [0-9.]+ mm to Housing at 0\.[0-9]{3} s, .*; 0 penetration frames; the part followed the motion$'
+first '^Comes out: the part leaves Housing after 0\.[0-9]{3} s, and from then on stays [0-9.]+ mm away or more \(proven; nearest to Housing, at 0\.[0-9]{3} s\)\.$'
 python3 - <<'PYTHON'
 import csv, json
 run, rows = json.load(open("run.json")), list(csv.DictReader(open("run.csv")))
@@ -69,10 +69,10 @@ PYTHON
 
 # Bolted, it stays, and the bolts hold it.
 run 0 bolted.vox cover.pshell --motion out.csv --json run.json
-says '^the part did not leave its seat on Gearbox/Housing, Gearbox/Lid/Bolt, .* and 1 more, and no separation is guaranteed; .*0 penetration frames; the part did not follow the motion: held back by up to 24 mm at 0\.999 s by Gearbox/Lid/Bolt, .*'
-says ' no separation is guaranteed; held, against Gearbox/Lid/Bolt.*; no clearance is known; '
-first '^Does not come out: the part is still installed on Gearbox/Housing, .*; blocked by Gearbox/Lid/Bolt.*\.$'
-grep -q '^touched Gearbox/.*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { cat out.txt; fail "nothing touched"; }
+says '^the part did not leave its seat on Housing, Bolt\[1\], .* and 1 more, and no separation is guaranteed; .*0 penetration frames; the part did not follow the motion: held back by up to 24 mm at 0\.999 s by Bolt\[1\], .*'
+says ' no separation is guaranteed; held, against Bolt.*; no clearance is known; '
+first '^Does not come out: the part is still installed on Housing, .*; blocked by Bolt.*\.$'
+grep -q '^touched .*Bolt.* ([0-9.]* s, up to [0-9.]* N)' out.txt || { cat out.txt; fail "nothing touched"; }
 python3 - <<'PYTHON'
 import json
 run = json.load(open("run.json"))
@@ -86,18 +86,18 @@ assert forces == sorted(forces, reverse=True) and forces[0] > 1, touched
 assert all(0 < t["seconds"] <= run["frames"] / 1000 for t in touched), touched
 PYTHON
 run 6 bolted.vox cover.pshell --motion out.csv --fail-on penetration --fail-on seat --quiet
-errs 'cover.pshell: at the end: does not come out: the part is still installed on Gearbox/Housing, .*; blocked by Gearbox/Lid/Bolt'
+errs 'cover.pshell: at the end: does not come out: the part is still installed on Housing, .*; blocked by Bolt'
 [ ! -s out.txt ] || fail "--quiet is not"
 # Contact with the objects of the seat does not count while it is open.
 run 0 bolted.vox cover.pshell --motion out.csv --fail-on contact --fail-on penetration,outside
 
 # Lifted by a millimeter it is free, but not yet out.
 run 0 opened.vox cover.pshell --motion lift.csv
-says '^the part did not leave its seat on Gearbox/Housing, .* guaranteed; nothing blocks the part; no clearance is known; 0 penetration frames; the part followed the motion$'
+says '^the part did not leave its seat on Housing, .* guaranteed; nothing blocks the part; no clearance is known; 0 penetration frames; the part followed the motion$'
 
 # Out and pressed down again: it touches what was its seat.
 run 0 opened.vox cover.pshell --motion back.csv --json run.json
-says '^seated on Gearbox/Housing until .* s; then least proven clearance .*; the part did not follow the motion: held back by up to [0-9.]+ mm( and [0-9.]+ degrees)? at [01]\.[0-9]{3} s by Gearbox/Housing$'
+says '^seated on Housing until .* s; then least proven clearance .*; the part did not follow the motion: held back by up to [0-9.]+ mm( and [0-9.]+ degrees)? at [01]\.[0-9]{3} s by Housing$'
 python3 - <<'PYTHON'
 import json
 run = json.load(open("run.json"))
@@ -106,7 +106,7 @@ assert touched["name"] == "Gearbox/Housing" and touched["max_force_n"] > 1, touc
 assert run["min_clearance"]["clearance_m"] >= run["guaranteed_separation_m"] - 1e-9, run["min_clearance"]
 PYTHON
 run 6 opened.vox cover.pshell --motion back.csv --fail-on contact --fail-on penetration
-errs 'cover.pshell: at 0\.[0-9]{3} s: the part touched the scene, against Gearbox/Housing; --trace shows every frame$'
+errs 'cover.pshell: at 0\.[0-9]{3} s: the part touched the scene, against Housing; --trace shows every frame$'
 
 # The energy that is reported is what the trace says that the motors did, at every scale: the sum of the peaks of the
 # work on the hand, by episode of contact.
@@ -200,7 +200,7 @@ errs 'the part starts inside the scene, and a scene without stored distances can
 
 # Apart from its seat, it may start anywhere but in the scene.
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,0mm
-says '^the part was never in its seat: no separation from Gearbox/Housing is guaranteed'
+says '^the part was never in its seat: no separation from Housing is guaranteed'
 run 2 opened.vox cover.pshell --motion rest.csv --start 0,0,-1mm --seat 0,0,0mm
 errs 'outside its seat, the part is inside .* or nearer to .* than the guard allows; start clear'
 run 0 opened.vox cover.pshell --motion rest.csv --start 0,0,30mm --seat 0,0,30mm

@@ -88,13 +88,14 @@ TEST(StudyVoxels, NoChoiceTakesMoreThanIsAllowed) {
 TEST(StudyVoxels, PlayIsTheSmallestGapThatIsNoContact) {
   const auto report = nlohmann::json::parse(R"({"exact": {}, "seat_depths": [
     {"object": "far", "gap_m": 0.002, "installed_m": 0},
-    {"object": "pressed", "gap_m": 0, "installed_m": 0.0001},
+    {"object": "a/pressed", "shown_as": "pressed", "gap_m": 0, "installed_m": 0.0001},
     {"object": "near", "gap_m": 0.0001, "installed_m": 0},
     {"object": "flush", "gap_m": 1e-9, "installed_m": 0}]})");
   const Play play = play_of(report);
   EXPECT_EQ(play.play_m, 0.0001);
   EXPECT_EQ(play_text(play),
             "smallest gap when installed: 0.1 mm, to near; in contact with pressed, flush");
+  EXPECT_EQ(play.touched.front(), "a/pressed");
   EXPECT_FALSE(play_of(nlohmann::json::object()).is_measured);
 }
 

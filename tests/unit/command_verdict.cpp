@@ -277,6 +277,41 @@ TEST(Verdict, NamesTheEndOfALongPath) {
   EXPECT_EQ(verdict_json(v)["blocked_by"][0], v.blocked_by[0]);
 }
 
+// The end of a name that a sentence shows means one object of the scene, and no shorter end does.
+TEST(Verdict, ShowsTheShortestEndOfANameThatMeansOneObject) {
+  std::mt19937 random(5);
+  const auto pick = [&](int n) { return static_cast<int>(random() % n); };
+  for (int scene = 0; scene < 300; ++scene) {
+    std::set<std::string> all;
+    for (int n = 0; n < 1 + pick(12); ++n) {
+      std::string name;
+      for (int depth = 1 + pick(4); depth > 0; --depth) {
+        name += std::string(name.empty() ? "" : "/") + "ab"[pick(2)] + (pick(4) == 0 ? "b" : "");
+      }
+      all.insert(name);
+    }
+    const std::vector<std::string> names(all.begin(), all.end());
+    const auto meant = [&](const std::string& end) {
+      return std::count_if(names.begin(), names.end(), [&](const std::string& name) {
+        return name == end || name.ends_with("/" + end);
+      });
+    };
+    for (const std::string& name : names) {
+      const std::string shown = short_name(name, names);
+      ASSERT_TRUE(name == shown || name.ends_with("/" + shown)) << name << ": " << shown;
+      // A whole name means its object, whatever others end with.
+      EXPECT_TRUE(shown == name || meant(shown) == 1) << name << ": " << shown;
+      if (const auto slash = shown.find('/'); slash != std::string::npos) {
+        EXPECT_GT(meant(shown.substr(slash + 1)), 1) << name << ": " << shown;
+      }
+    }
+  }
+  EXPECT_EQ(short_name("Engine/Bolt", std::vector<std::string>{"Engine/Bolt", "Engine/Bolt[2]"}),
+            "Bolt[1]");
+  EXPECT_EQ(short_name("Engine/Bolt[2]", std::vector<std::string>{"Engine/Bolt", "Engine/Bolt[2]"}),
+            "Bolt[2]");
+}
+
 // A sentence never says that one figure equals another that it does not equal, nor turns them
 // round.
 TEST(Verdict, UnequalLengthsHaveUnequalTexts) {

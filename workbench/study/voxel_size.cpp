@@ -68,13 +68,16 @@ Play play_of(const nlohmann::json& report) {
   play.is_measured = report.contains("exact");
   for (const auto& object : objects) {
     const std::string name = object.value("object", "");
+    const std::string shown = object.value("shown_as", escaped(name));
     const double gap_m = object.value("gap_m", 0.0), overlap_m = object.value("installed_m", 0.0);
     if (overlap_m > 0 || gap_m <= kContactM) {
       play.touched.push_back(name);
+      play.shown_touched.push_back(shown);
       play.overlap_m = std::max(play.overlap_m, overlap_m);
     } else if (gap_m < play.play_m) {
       play.play_m = gap_m;
       play.object = name;
+      play.shown_object = shown;
     }
   }
   return play;
@@ -128,11 +131,12 @@ std::string play_text(const Play& play) {
   std::string line = play.object.empty()
                          ? "no other object is nearer than the required clearance"
                          : "smallest gap when installed: " + length_text(play.play_m + kDecimalM) +
-                               ", to " + escaped(play.object);
+                               ", to " + play.shown_object;
   std::string touched;
-  for (std::size_t n = 0; n < play.touched.size() && n <= kListed; ++n) {
-    touched += n == kListed ? text(" and %zu more", play.touched.size() - n)
-                            : (n == 0 ? "in contact with " : ", ") + escaped(play.touched[n]);
+  const std::vector<std::string>& names = play.shown_touched;
+  for (std::size_t n = 0; n < names.size() && n <= kListed; ++n) {
+    touched += n == kListed ? text(" and %zu more", names.size() - n)
+                            : (n == 0 ? "in contact with " : ", ") + names[n];
   }
   if (play.object.empty() && touched.empty())
     return "no object is nearer than the required clearance";

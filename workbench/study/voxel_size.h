@@ -31,6 +31,8 @@ struct Play {
   std::vector<std::string> touched;                         // objects without any
   double overlap_m = 0;                                     // with one of these, at most
   bool is_measured = true;                                  // between the meshes
+  std::string shown_object = {};                            // both as sentences show them
+  std::vector<std::string> shown_touched = {};
 };
 // By a report of voxcheck --exact for the installed pose.
 Play play_of(const nlohmann::json& report);

@@ -60,16 +60,15 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                  "is known beyond this side",
                  "bake the scene with a larger --roi, or without --roi"};
   }
-  const std::string object = voxcheck::object_name(problem.scene, worst.worst.object);
+  const std::string object = voxcheck::shown_name(problem.scene, worst.worst.object);
   if (worst.object_inside) {
-    return Error{
-        ErrorCode::kUsage, "", option,
-        (object.empty() ? "an object" : escaped(object)) + " lies inside the part at this pose",
-        "bake the scene without that object (--without), or check the pose"};
+    return Error{ErrorCode::kUsage, "", option,
+                 (object.empty() ? "an object" : object) + " lies inside the part at this pose",
+                 "bake the scene without that object (--without), or check the pose"};
   }
   return Error{ErrorCode::kUsage, "", option,
                command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
-                             object.empty() ? "the scene" : escaped(object).c_str(),
+                             object.empty() ? "the scene" : object.c_str(),
                              std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
                "use a smaller --clearance, name this object in --allow, or bake with smaller "
                "voxels: the proven distance to an object of the seat is up to 1.7 voxels less than "

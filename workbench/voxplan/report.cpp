@@ -61,6 +61,7 @@ command::Verdict not_found_verdict(const Report& report) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
+  verdict.scene_names = voxcheck::object_names(report.problem.scene);
   for (const std::uint32_t object : result.blocked_by) {
     verdict.blocked_by.push_back(voxcheck::object_name(report.problem.scene, object));
   }

@@ -33,22 +33,22 @@ std::string cut_mm(double length_m, int decimals) {
 // No two doubles have the same: a thousand times one fits into a long double.
 std::string all_digits(double length_m) { return text("%.21Lg mm", 1e3L * length_m); }
 
-std::string printed(const std::string& object) {
-  return object.empty() ? "the scene" : escaped(short_name(object));
+std::string printed(const Verdict& v, const std::string& object) {
+  return object.empty() ? "the scene" : escaped(short_name(object, v.scene_names));
 }
 
 // "A", "A and B", "A, B and 3 more".
-std::string listed(std::span<const std::string> objects) {
+std::string listed(const Verdict& v, std::span<const std::string> objects) {
   std::size_t shown = 0, bytes = 0;
   while (shown < std::min(kListed, objects.size())) {
-    bytes += printed(objects[shown]).size();
+    bytes += printed(v, objects[shown]).size();
     if (shown > 0 && bytes > kListedBytes) break;
     ++shown;
   }
   std::string line;
   for (std::size_t n = 0; n < shown; ++n) {
     const bool is_last = n + 1 == objects.size();
-    line += (n == 0 ? "" : is_last ? " and " : ", ") + printed(objects[n]);
+    line += (n == 0 ? "" : is_last ? " and " : ", ") + printed(v, objects[n]);
   }
   if (objects.size() > shown) line += text(" and %zu more", objects.size() - shown);
   return line;
@@ -100,21 +100,21 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   std::string line;
   const bool is_short = is_off_or_onto(v, slide);
   if (!slide.left.empty() && !is_short) {
-    line = (ends && !begins ? "reaches " : "leaves ") + listed(slide.left) + " within the " +
+    line = (ends && !begins ? "reaches " : "leaves ") + listed(v, slide.left) + " within the " +
            (ends && !begins ? "last " : "first ") + short_mm(slide.left_within_m) + " mm";
   }
   std::vector<std::string> touched = slide.objects;
   if (is_short) touched.insert(touched.end(), slide.left.begin(), slide.left.end());
   if (!touched.empty()) {
     line += line.empty() ? "" : " and ";
-    line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(touched);
+    line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(v, touched);
   }
   if (slide.overlap_m > 0) {
     line += ", overlapping by at least " + length_text(slide.overlap_m) +
             " when installed (the force for that is not computed),";
   }
   if (!slide.passed.empty()) {
-    line += std::string(line.empty() ? "" : " and ") + "passes " + listed(slide.passed) +
+    line += std::string(line.empty() ? "" : " and ") + "passes " + listed(v, slide.passed) +
             " with a gap of " + length_text(slide.gap_m);
   }
   if (line.empty()) line = "is in its seat";
@@ -151,8 +151,8 @@ std::string source_text(const Verdict& v, const VerdictDistance& distance) {
   if (distance.known == Known::kAtLeast) return "nothing is nearer";
   const bool is_measured =
       distance.known == Known::kMeasured && shown_m(v, distance) == distance.distance_m;
-  return (is_measured ? "measured to " : "proven; nearest to ") + printed(distance.object) + ", " +
-         position_text(v, distance.along_m);
+  return (is_measured ? "measured to " : "proven; nearest to ") + printed(v, distance.object) +
+         ", " + position_text(v, distance.along_m);
 }
 
 // The distance, and in parentheses to what, where, and what was required.
@@ -213,7 +213,7 @@ std::string reason_text(const Verdict& v) {
   if (names_one) std::erase(others, v.nearest.object);
   if (others.empty()) return reason;
   const bool also = others.size() < v.blocked_by.size();
-  return reason + (also ? "; also blocked by " : "; blocked by ") + listed(others);
+  return reason + (also ? "; also blocked by " : "; blocked by ") + listed(v, others);
 }
 
 std::string head_of(const Verdict& v) {
@@ -244,12 +244,27 @@ bool is_yes(VerdictKind kind) {
          kind == VerdictKind::kStaysInstalled;
 }
 
-std::string short_name(const std::string& name) {
+std::string short_name(const std::string& name, std::span<const std::string> scene_names) {
   constexpr std::size_t kMaxBytes = 64;
-  if (name.size() <= kMaxBytes) return name;
-  const std::size_t slash = name.find('/', name.size() - kMaxBytes);
-  const std::size_t cut = slash != std::string::npos ? slash : name.rfind('/');
-  return cut == std::string::npos ? name : "..." + name.substr(cut);
+  const auto is_shared = [&](std::string_view end) {
+    return std::any_of(scene_names.begin(), scene_names.end(), [&](const std::string& other) {
+      return other != name && other.ends_with(end) &&
+             (other.size() == end.size() || other[other.size() - end.size() - 1] == '/');
+    });
+  };
+  std::size_t from = scene_names.empty() ? 0 : name.size();
+  while (from > 0 && (from == name.size() || is_shared(std::string_view(name).substr(from)))) {
+    const std::size_t slash = from < 2 ? std::string::npos : name.rfind('/', from - 2);
+    from = slash == std::string::npos ? 0 : slash + 1;
+  }
+  std::string end = name.substr(from);
+  const bool is_first =
+      std::find(scene_names.begin(), scene_names.end(), name + "[2]") != scene_names.end();
+  if (is_first) end += "[1]";
+  if (end.size() <= kMaxBytes) return end;
+  const std::size_t slash = end.find('/', end.size() - kMaxBytes);
+  const std::size_t cut = slash != std::string::npos ? slash : end.rfind('/');
+  return cut == std::string::npos ? end : "..." + end.substr(cut);
 }
 
 const char* to_text(VerdictKind kind) { return kWords[static_cast<std::size_t>(kind)]; }

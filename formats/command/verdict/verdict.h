@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -91,15 +92,19 @@ struct Verdict {
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
   std::string finding;    // what is wrong, or not decided, where a distance does not say it
   std::string unchecked;  // why there may be more that is wrong; empty: there is not
-  std::vector<std::string> blocked_by;  // objects, the most important first
-  std::string advice;                   // what to do next
-  std::vector<std::string> more;        // further stretches in which the answer is no
-  std::vector<std::string> notes;       // lines for people behind the first
-  std::vector<std::string> remarks;     // to be shown as warnings: overlaps as installed
+  std::vector<std::string> blocked_by;        // objects, the most important first
+  std::vector<std::string> scene_names = {};  // of all objects: sentences shorten names by them
+  std::string advice;                         // what to do next
+  std::vector<std::string> more;              // further stretches in which the answer is no
+  std::vector<std::string> notes;             // lines for people behind the first
+  std::vector<std::string> remarks;           // to be shown as warnings: overlaps as installed
 };
 
-// The end of a name with a long path, by which commands know it, too: ".../Lid/Bolt".
-std::string short_name(const std::string& name);
+// The shortest end of a name, from a slash on, that no other name of the scene ends with:
+// "Lid/Bolt" of "Engine/Lid/Bolt" beside "Engine/Block/Bolt". Commands know the object by it, too.
+// The first of several siblings of one name gets its number: "Bolt[1]" beside "Bolt[2]". An end
+// that is still long is cut: ".../Lid/Bolt". Without names of a scene, a name is only cut.
+std::string short_name(const std::string& name, std::span<const std::string> scene_names);
 
 // "12.7 mm": rounded down to three decimals, or to as many as a small length needs.
 std::string length_text(double length_m);
