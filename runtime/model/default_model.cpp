@@ -382,8 +382,7 @@ void DefaultModel::add_found_contacts(Motion& motion) noexcept {
     const double separation = coupling::dot(separation_row(c), motion.velocity);
     if (!c.barred) {
       for (const ContactLaw& law : laws_) {
-        const double slope = law.is_pressed(c) ? law.slope(c) : 1;
-        rows_.add(spring_row(c, law.force_m(c) + slope * dt_s * separation, law, dt_s));
+        rows_.add(spring_row(c, law.force_m(c) + law.slope(c) * dt_s * separation, law, dt_s));
       }
       continue;
     }

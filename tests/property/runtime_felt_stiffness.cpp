@@ -251,12 +251,13 @@ TEST(SoftCovering, FeelsTheSameForAnyNumberOfPointsAndVoxelSize) {
 }
 
 // Beneath a covering lies a rigid core. A hand that goes on pressing feels no jump where the part
-// meets it, and from there on no less than a rigid scene. The lattice stands so that the guard,
-// which goes by voxels, stops the part no earlier.
+// meets it, and from there on no less than a rigid scene. The guard goes by voxels: where they lie
+// otherwise, it stops the part before the core, by less than half a voxel.
 TEST(SoftCovering, GivesWayToItsRigidCoreWithoutAJump) {
   constexpr double kStepM = 1e-4, kDepthM = 0.006;
   for (const double voxel_m : voxel_sizes_m()) {
-    for (const double shift_voxels : {0.3, 0.4, 0.5}) {
+    for (const double shift_voxels : {0.0, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8}) {
+      const bool meets_core = shift_voxels >= 0.2 && shift_voxels <= 0.6;
       const VoxelScene scene = covered_scene(
           voxel_m, kDepthM, [=](const glm::dvec3& p) { return p.z - shift_voxels * voxel_m; },
           foam_pa);
@@ -277,9 +278,9 @@ TEST(SoftCovering, GivesWayToItsRigidCoreWithoutAJump) {
           force_n.push_back(result.wrench.force_n.z);
           deepest_m = std::max(deepest_m, result.report.depth_m);
         }
-        EXPECT_GT(deepest_m, kDepthM);
+        EXPECT_GT(deepest_m, meets_core ? kDepthM : kDepthM - 0.5 * voxel_m);
         EXPECT_LT(deepest_m, kDepthM + 0.2 * voxel_m);
-        for (std::size_t i = 1; i < force_n.size(); ++i) {
+        for (std::size_t i = 1; meets_core && i < force_n.size(); ++i) {
           const double rise = (force_n[i] - force_n[i - 1]) / (kStepM * coupling);
           EXPECT_GE(rise, -1e-6) << i;
           EXPECT_LE(rise, 1 + 1e-6) << i;

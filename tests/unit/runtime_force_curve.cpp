@@ -70,6 +70,18 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
       }
       return double{table.back()};
     };
+    // The steepest slope of the table within a distance of a depth, over that of the whole table.
+    const auto steepest = [&](double depth_m, double reach_m) {
+      double steepest_pa_per_m = 0;
+      for (std::size_t i = 1; i < table.size(); ++i) {
+        const double to_m = static_cast<double>(i) * step_m;
+        if (to_m < depth_m - reach_m || to_m - step_m > depth_m + reach_m) continue;
+        steepest_pa_per_m =
+            std::max(steepest_pa_per_m, (double{table[i]} - double{table[i - 1]}) / step_m);
+      }
+      return steepest_pa_per_m / stiffness;
+    };
+    const double end_m = static_cast<double>(table.size() - 1) * step_m;
     const field::ForceCurve curve(voxmap);
     ASSERT_FALSE(curve.is_straight());
     const double max_pa = table.back();
@@ -79,6 +91,11 @@ TEST(ForceCurve, IsTheTableAndItsIntegral) {
       EXPECT_LE(curve.force_m(depth_m + 1e-5) - curve.force_m(depth_m),
                 1e-5 * curve.slope(depth_m) * (1 + 1e-9));
       EXPECT_LE(curve.slope(depth_m), 1);
+      // That within a tenth of a voxel, which is rounded up to whole steps of the table.
+      const double in_table_m = std::min(depth_m, end_m);
+      EXPECT_GE(curve.slope(depth_m), steepest(in_table_m, 0.1 * kS) * (1 - 1e-9));
+      EXPECT_LE(curve.slope(depth_m),
+                std::max(1e-3, steepest(in_table_m, 0.1 * kS + 2 * step_m)) * (1 + 1e-9));
       constexpr int kStrips = 4000;
       const double strip_m = depth_m / kStrips;
       double area_pam = 0;
