@@ -52,6 +52,7 @@ FILES = {
     "wrench": (("voxel_m", "contacts", "method", "figure", "n"), {"p50": 1.6}),  # of as many cases
     "wrench_hand": (("voxel_m", "covering_voxels", "contacts", "motion", "n"), {"p50": 1.6}),
     "wrench_hand_cases": (("voxel_m", "covering_voxels", "contacts", "cases"), times("step_p50_us")),
+    "wrench_hand_causes": (("voxel_m", "covering_voxels", "contacts", "cause", "n"), {"p50": 1.6}),
     "wrench_hand_each": (("voxel_m", "covering_voxels", "contacts", "number"), {}),
     "motion_drift": (("model", "frames"), {}),
     "stability": (("campaign", "case", "model"), {"penetration_ratio": 1.5, "quiet_fraction": 1.3}),

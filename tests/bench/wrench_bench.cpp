@@ -451,6 +451,22 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
                                       {"p95", s.p95},
                                       {"max", max}});
   }
+  for (std::size_t i = 0; i < Hand::kCauses; ++i) {
+    const std::vector<double>& errors = hand.cause(i);
+    if (errors.empty()) continue;
+    const Spread s = spread(errors);
+    const double max = *std::max_element(errors.begin(), errors.end());
+    std::printf("  E_hand %-20s from %-6s n %3zu: median %.2f%%, p95 %.2f%%, max %.1f%%\n", group,
+                Hand::kCauseNames[i], s.n, 100 * s.p50, 100 * s.p95, 100 * max);
+    results["wrench_hand_causes"].push_back({{"voxel_m", voxel_m},
+                                             {"covering_voxels", covering_voxels},
+                                             {"contacts", group},
+                                             {"cause", Hand::kCauseNames[i]},
+                                             {"n", s.n},
+                                             {"p50", s.p50},
+                                             {"p95", s.p95},
+                                             {"max", max}});
+  }
   for (std::size_t i = 0; i < hand.each().size(); ++i) {
     const Hand::Each& each = hand.each()[i];
     Json row = {{"voxel_m", voxel_m},
@@ -461,17 +477,24 @@ void add_hand(const Hand& hand, double voxel_m, double covering_voxels, const ch
       const double error = each.median[motion];
       row[Hand::kNames[motion]] = std::isnan(error) ? Json(nullptr) : Json(error);
     }
+    for (std::size_t cause = 0; cause < Hand::kCauses; ++cause) {
+      const double error = each.causes[cause];
+      row[Hand::kCauseNames[cause]] = std::isnan(error) ? Json(nullptr) : Json(error);
+    }
     results["wrench_hand_each"].push_back(row);
   }
   const double off = hand.off().empty() ? 0 : *std::ranges::max_element(hand.off());
   std::printf(
-      "  E_hand %s: %zu cases, %zu not at rest; %zu poses unsolved, %zu outside the map; off by "
+      "  E_hand %s: %zu cases, %zu pass by, %zu not at rest; %zu poses unsolved, %zu outside the "
+      "map; off by "
       "at most %.1g, %zu of three contacts or more\n",
-      group, hand.seen(), hand.restless(), hand.unsolved(), hand.outside(), off, hand.flush());
+      group, hand.seen(), hand.passed(), hand.restless(), hand.unsolved(), hand.outside(), off,
+      hand.flush());
   results["wrench_hand_cases"].push_back({{"voxel_m", voxel_m},
                                           {"covering_voxels", covering_voxels},
                                           {"contacts", group},
                                           {"cases", hand.seen()},
+                                          {"passed", hand.passed()},
                                           {"restless", hand.restless()},
                                           {"unsolved", hand.unsolved()},
                                           {"outside", hand.outside()},

@@ -56,14 +56,19 @@ Wrench ModelFrame::of_step() noexcept {
   return {coupling::linear_part(impulse) / kStepS, coupling::angular_part(impulse) / kStepS};
 }
 
+const field::ContactSet& ModelFrame::contacts_at(const Pose& world_from_center) {
+  probe_.query_pose(world_from_center, set_);
+  return set_;
+}
+
 Wrench ModelFrame::at(const Pose& world_from_center) {
   if (averaging_ == Averaging::kStep) {
-    probe_.query_pose(world_from_center, set_);
+    contacts_at(world_from_center);
     return of_step();
   }
   const bool averaged = averaging_ == Averaging::kDirections;
   if (averaged) {
-    probe_.query_pose(world_from_center, set_);
+    contacts_at(world_from_center);
   } else {
     query_.run(world_from_center, points_);
     field_.measure(points_, samples_);

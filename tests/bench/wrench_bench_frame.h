@@ -30,6 +30,9 @@ class ModelFrame {
   // look-up says by what they count.
   void weigh_by_area();
 
+  // The contacts there, as the default model's look-up finds them; until the next call.
+  const field::ContactSet& contacts_at(const Pose& world_from_center);
+
   Wrench at(const Pose& world_from_center);  // per N/m of stiffness, about the center, world axes
 
  private:

@@ -31,18 +31,44 @@ constexpr double kReachM =
 // A truth is taken whose own conditions hold as well as this, far below what is measured.
 constexpr double kNearM = 1e-7, kBalancedN = 5e-3;
 
+bool is_solved(const test::RigidContact& truth) {
+  return truth.too_near_m <= kNearM && truth.unbalanced_n <= kBalancedN;
+}
+
+std::vector<glm::dvec3> points_of(const Pshell& shell) {
+  const PshellView view = shell.view();
+  std::vector<glm::dvec3> points_m;
+  for (std::uint64_t i = 0; i < view.point_count; ++i) {
+    points_m.emplace_back(view.x[i], view.y[i], view.z[i]);
+  }
+  return points_m;
+}
+
+// The gaps of the shell's points by the stored distances.
+std::vector<test::Gap> stored_gaps(ModelFrame& frame, const Pose& world_from_center) {
+  const field::ContactSet& set = frame.contacts_at(world_from_center);
+  std::vector<test::Gap> gaps;
+  for (std::uint32_t i = 0; i < set.count; ++i) {
+    const field::Contact c = set[i];
+    if (-c.depth_m > kReachM) continue;
+    gaps.push_back({-double{c.depth_m}, glm::dvec3(c.direction),
+                    world_from_center.position_m + glm::dvec3(c.arm_m)});
+  }
+  return gaps;
+}
+
 // A simulation in a hand, frame by frame.
 class Session {
  public:
   explicit Session(const HandCase& contact)
-      : simulation_(open(contact)),
-        gaps_(contact.scene, contact.part, simulation_->voxmap().header().zero_force_m, kReachM) {
+      : simulation_(open(contact)), gaps_(contact.scene, contact.part, standoff_m(), kReachM) {
     Pose far = contact.above;
     far.position_m -= kFarM * contact.in;
     handle = simulation_->world_from_part(far);
     state_ = simulation_->registered(handle, handle);
   }
 
+  double standoff_m() const { return simulation_->voxmap().header().zero_force_m; }
   const Parameters& parameters() const { return simulation_->parameters(); }
   model::Simulation& simulation() { return *simulation_; }
 
@@ -55,7 +81,9 @@ class Session {
   bool rests() const { return state_.settled != 0 && result.report.contacts > 0; }
 
   // The truth beside the part's present pose.
-  test::RigidContact truth() {
+  test::RigidContact truth() const { return rigid_contact(std::ref(gaps_)); }
+  // Rigid contact beside that pose, by other gaps.
+  test::RigidContact rigid_contact(const test::GapsAt& gaps_at) const {
     const Parameters& p = parameters();
     const coupling::GripTarget target = coupling::grip_target(state_, input_);
     const test::HeldPart held{{p.coupling_n_per_m, p.coupling_force_limit_n},
@@ -64,7 +92,7 @@ class Session {
                               target.orientation,
                               target.lever_m,
                               p.part_radius_m};
-    return test::rigid_contact(held, std::ref(gaps_), result.report.world_from_center);
+    return test::rigid_contact(held, gaps_at, result.report.world_from_center);
   }
 
   Pose handle;
@@ -84,7 +112,7 @@ class Session {
   }
 
   std::unique_ptr<model::Simulation> simulation_;
-  test::MeshGaps gaps_;
+  mutable test::MeshGaps gaps_;  // keeps which features are near
   State state_;
   StepInput input_;
   loop::HandleVelocity velocity_;
@@ -97,8 +125,8 @@ double Hand::step_us() const { return step_us_.empty() ? NAN : spread(step_us_).
 void Hand::see(const HandCase& contact, std::uint64_t seed) {
   std::array<std::size_t, kMotions> before;
   for (std::size_t motion = 0; motion < kMotions; ++motion) before[motion] = errors_[motion].size();
-  press(contact, seed);
   Each& each = each_.emplace_back(Each{contact.name, {}});
+  press(contact, seed, each);
   for (std::size_t motion = 0; motion < kMotions; ++motion) {
     const auto first = errors_[motion].begin() + static_cast<std::ptrdiff_t>(before[motion]);
     std::vector<double> errors(first, errors_[motion].end());
@@ -106,7 +134,7 @@ void Hand::see(const HandCase& contact, std::uint64_t seed) {
   }
 }
 
-void Hand::press(const HandCase& contact, std::uint64_t seed) {
+void Hand::press(const HandCase& contact, std::uint64_t seed, Each& each) {
   ++seen_;
   Session session(contact);
   const Parameters& p = session.parameters();
@@ -115,21 +143,36 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
   if (!field) throw std::runtime_error(to_line(field.error()));
   ModelFrame frame(session.simulation().voxmap(), session.simulation().shell(), **field,
                    Averaging::kStep);
+  const auto error = [&](const Wrench& felt, const Wrench& truth) {
+    return std::hypot(glm::length(felt.force_n - truth.force_n),
+                      glm::length(felt.torque_nm - truth.torque_nm) / p.part_radius_m) /
+           p.coupling_force_limit_n;
+  };
   const auto compare = [&](std::size_t motion) {
     if (session.result.report.outside_map != 0) {
       ++outside_;
       return;
     }
     const test::RigidContact truth = session.truth();
-    if (!(truth.too_near_m <= kNearM && truth.unbalanced_n <= kBalancedN)) {
+    if (!is_solved(truth)) {
       ++unsolved_;
       return;
     }
-    const Wrench& felt = session.result.at_handle;
-    errors_[motion].push_back(
-        std::hypot(glm::length(felt.force_n - truth.on_hand.force_n),
-                   glm::length(felt.torque_nm - truth.on_hand.torque_nm) / p.part_radius_m) /
-        p.coupling_force_limit_n);
+    errors_[motion].push_back(error(session.result.at_handle, truth.on_hand));
+  };
+  const auto find_causes = [&] {
+    if (session.result.report.outside_map != 0) return;
+    test::MeshGaps points(contact.scene, points_of(contact.shell), session.standoff_m(), kReachM);
+    const test::RigidContact steps[] = {
+        session.truth(), session.rigid_contact(std::ref(points)),
+        session.rigid_contact([&](const Pose& pose) { return stored_gaps(frame, pose); })};
+    if (!std::ranges::all_of(steps, is_solved)) return;
+    const Wrench wrenches[] = {steps[0].on_hand, steps[1].on_hand, steps[2].on_hand,
+                               session.result.at_handle};
+    for (std::size_t i = 0; i < kCauses; ++i) {
+      each.causes[i] = error(wrenches[i + 1], wrenches[i]);
+      causes_[i].push_back(each.causes[i]);
+    }
   };
 
   test::Random random(seed);
@@ -151,7 +194,7 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
   }
   const double force_n = glm::length(session.result.wrench.force_n);
   if (!session.rests() || force_n == 0) {
-    ++restless_;
+    ++(session.result.report.contacts == 0 ? passed_ : restless_);
     return;
   }
   const Wrench there = frame.at(session.result.report.world_from_center);
@@ -163,6 +206,7 @@ void Hand::press(const HandCase& contact, std::uint64_t seed) {
   flush_ += session.result.report.contacts >= 3;
 
   compare(0);
+  find_causes();
   for (std::size_t slide = 0; slide < std::size(kSlideMps); ++slide) {
     for (int i = 1; i <= kSlideFrames; ++i) {
       session.handle.position_m += kSlideMps[slide] * kDtS * contact.along;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -41,15 +42,28 @@ class Hand {
 
   const std::vector<double>& errors(std::size_t motion) const { return errors_[motion]; }
 
-  // The errors of one case: the median over the poses of each motion; NaN without poses.
+  // The causes of the error at rest. From the true wrench to the felt one there are three steps.
+  // Each error is the difference of two wrenches, as E_hand is that of the first and the last:
+  //   points   rigid contact of the shell's points in place of the part's surface
+  //   field    the same with the stored distances at these points in place of exact ones
+  //   law      the force of the contacts and a part at rest in place of rigid contact
+  // A case is left out where one of the two wrenches between was not found.
+  static constexpr std::size_t kCauses = 3;
+  static constexpr std::array<const char*, kCauses> kCauseNames{"points", "field", "law"};
+  const std::vector<double>& cause(std::size_t i) const { return causes_[i]; }
+
+  // The errors of one case: the median over the poses of each motion, and the causes; NaN without
+  // poses.
   struct Each {
     std::string contact;
     std::array<double, kMotions> median;
+    std::array<double, kCauses> causes{NAN, NAN, NAN};
   };
   const std::vector<Each>& each() const { return each_; }
 
   std::size_t seen() const { return seen_; }          // cases
-  std::size_t restless() const { return restless_; }  // cases that slip off or do not rest
+  std::size_t passed() const { return passed_; }      // cases that touch nothing in the end
+  std::size_t restless() const { return restless_; }  // cases that touch and do not rest
   std::size_t unsolved() const { return unsolved_; }  // poses whose truth was not found
   std::size_t outside() const { return outside_; }    // poses beyond the map's sides
 
@@ -63,12 +77,13 @@ class Hand {
   double step_us() const;  // median of the steps while sliding; NaN without steps
 
  private:
-  void press(const HandCase& contact, std::uint64_t seed);
+  void press(const HandCase& contact, std::uint64_t seed, Each& each);
 
   std::array<std::vector<double>, kMotions> errors_;
+  std::array<std::vector<double>, kCauses> causes_;
   std::vector<Each> each_;
   std::vector<double> off_, step_us_;
-  std::size_t flush_ = 0, seen_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
+  std::size_t flush_ = 0, seen_ = 0, passed_ = 0, restless_ = 0, unsolved_ = 0, outside_ = 0;
 };
 
 }  // namespace forcelayer::bench

@@ -209,5 +209,33 @@ TEST(MeshGaps, TheLeastStaysThatOfAllTrianglesOverSmallSteps) {
   }
 }
 
+// Where a part is points alone, each has its own gap, and nothing lies between them: over the
+// middle of a face of the box, its corners are farther from a ball than the face is.
+TEST(MeshGaps, OfPointsAreThoseOfEachPoint) {
+  constexpr double kStandoff = 0.005, kReach = 0.02;
+  Random random(20261201);
+  const mesh::Mesh scene = stress::sphere(0.05, 16), box = stress::box(kHalfM);
+  std::vector<glm::dvec3> corners_m;
+  mesh::Mesh corners;  // a triangle without extent at each
+  for (const mesh::Vec3d& v : box.vertices) {
+    const auto at = static_cast<std::uint32_t>(corners_m.size());
+    corners_m.emplace_back(v[0], v[1], v[2]);
+    corners.vertices.push_back(v);
+    corners.triangles.push_back({at, at, at});
+  }
+  MeshGaps gaps_at(scene, corners_m, kStandoff, kReach);
+  for (int i = 0; i < 40; ++i) {
+    SCOPED_TRACE(i);
+    const double out_m = uniform(random, 0.07, 0.1), turn = uniform(random, 0, 3);
+    const glm::dvec3 direction = random_direction(random), axis = random_direction(random);
+    const Pose pose{out_m * direction, coupling::rotation_by(turn * axis)};
+    ASSERT_NO_FATAL_FAILURE(
+        expect_least(gaps_at, pose, kReach, least_gap_m(scene, corners, pose, kStandoff)));
+  }
+  const Pose over{{0, 0, 0.05 + kHalfM.z + kStandoff}, kLevel};
+  EXPECT_GT(least_gap_m(scene, corners, over, kStandoff), 0.005);
+  for (const Gap& gap : gaps_at(over)) EXPECT_GT(gap.gap_m, 0.005);
+}
+
 }  // namespace
 }  // namespace forcelayer::test

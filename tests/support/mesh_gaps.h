@@ -20,12 +20,11 @@ class MeshGaps {
  public:
   // `scene` in the world, `part` about its center, m; gaps beyond `reach_m` are left out.
   MeshGaps(const mesh::Mesh& scene, const mesh::Mesh& part, double standoff_m, double reach_m)
-      : scene_(scene), part_(part), standoff_m_(standoff_m), reach_m_(reach_m) {
-    for (const part::Vec3& v : part_.soup.vertices) {
-      radius_m_ = std::max(radius_m_, glm::length(glm_of(v)));
-    }
-    far_m_.resize(part_.soup.vertices.size() + scene_.soup.vertices.size() + part_.edges.size());
-  }
+      : MeshGaps(scene, soup_of(part), standoff_m, reach_m) {}
+  // The same for points alone, about the part's center, with nothing between them.
+  MeshGaps(const mesh::Mesh& scene, const std::vector<glm::dvec3>& points_m, double standoff_m,
+           double reach_m)
+      : MeshGaps(scene, soup_of(points_m), standoff_m, reach_m) {}
   MeshGaps(const MeshGaps&) = delete;  // the trees know the soups
 
   std::vector<Gap> operator()(const Pose& pose) {
@@ -55,7 +54,7 @@ class MeshGaps {
     part::TriangleTree tree;
     std::vector<Feature> edges;
 
-    explicit Surface(const mesh::Mesh& mesh) : soup(soup_of(mesh)), tree(soup) {
+    explicit Surface(part::Part triangles) : soup(std::move(triangles)), tree(soup) {
       for (const auto& t : soup.triangles) {
         for (std::size_t n = 0; n < 3; ++n) edges.push_back(edge_of(t, n));
       }
@@ -68,6 +67,14 @@ class MeshGaps {
     }
   };
 
+  MeshGaps(const mesh::Mesh& scene, part::Part part, double standoff_m, double reach_m)
+      : scene_(soup_of(scene)), part_(std::move(part)), standoff_m_(standoff_m), reach_m_(reach_m) {
+    for (const part::Vec3& v : part_.soup.vertices) {
+      radius_m_ = std::max(radius_m_, glm::length(glm_of(v)));
+    }
+    far_m_.resize(part_.soup.vertices.size() + scene_.soup.vertices.size() + part_.edges.size());
+  }
+
   static glm::dvec3 glm_of(const part::Vec3& v) { return {v.x, v.y, v.z}; }
   static part::Vec3 vec3_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
   static part::Part soup_of(const mesh::Mesh& mesh) {
@@ -77,6 +84,11 @@ class MeshGaps {
     assembly.meters_per_unit = 1;
     const part::PartInput input{&assembly, 1};
     return std::move(part::assemble_part({&input, 1}).value());
+  }
+  static part::Part soup_of(const std::vector<glm::dvec3>& points_m) {
+    part::Part soup;
+    for (const glm::dvec3& p : points_m) soup.vertices.push_back(vec3_of(p));
+    return soup;
   }
   static Feature edge_of(const Feature& t, std::size_t n) {
     const auto [a, b] = std::minmax(t[n], t[(n + 1) % 3]);
