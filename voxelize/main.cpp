@@ -22,6 +22,7 @@
 #include "formats/mesh/step_support.h"
 #include "formats/mesh/units.h"
 #include "formats/mesh/up_axis.h"
+#include "formats/path/path_file.h"
 #include "voxelize/bake.h"
 #include "voxelize/cache/cache_folder.h"
 #include "voxelize/cache/mesh_source.h"
@@ -33,6 +34,7 @@
 #include "voxelize/report.h"
 #include "voxelize/size_text.h"
 #include "voxelize/stopwatch.h"
+#include "voxelize/sweep/swept_scene.h"
 #include "voxelize/warnings.h"
 
 namespace forcelayer::voxelize {
@@ -46,7 +48,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string output, json_path;
   std::string voxel_size, units, mesh_deviation, roi;
-  std::string cache, shard;
+  std::string cache, shard, along;
   std::optional<std::uint32_t> layers;
   std::string kind = "full", standoff, range, compliance;
   mesh::TrustOptions trust;
@@ -107,6 +109,8 @@ void declare(CLI::App& app, Arguments& arguments) {
          "accept up to this many lost faces (faces that give no triangles) in each STEP or IGES "
          "file (default 0); no guarantee covers them")
       ->check(CLI::Range(0, 1'000'000));
+  app.add_option("--along", arguments.along,
+                 "path (CSV of poses, or a trace): bake the space that the input sweeps along it");
   app.add_option("--roi", arguments.roi,
                  "x0,y0,z0,x1,y1,z1: the region to keep in the file (default: everything)");
   app.add_option("--cache", arguments.cache,
@@ -135,13 +139,14 @@ void arrange(CLI::App& app) {
        {"Meshes", {"--units", "--up", "--without", "--missing-faces", "--mesh-deviation"}},
        {"The map",
         {"--voxel-size", "--layers", "--standoff", "--kind", "--range", "--compliance",
-         "--free-seed", "--roi"}},
+         "--free-seed", "--along", "--roi"}},
        {"Many bakes", {"--cache", "--shard", "--threads"}},
        {"Untrusted files", {"--sandbox", "--allow-outside"}}},
       "  voxelize bay.json --voxel-size 5mm --plan                 the cost of a voxel size\n"
       "  voxelize bay.json --voxel-size 5mm -o bay.vox             a scene of many files\n"
       "  voxelize --list gearbox.glb                               the parts of an assembly\n"
-      "  voxelize gearbox.glb --without Cover --voxel-size 1mm -o opened.vox");
+      "  voxelize gearbox.glb --without Cover --voxel-size 1mm -o opened.vox\n"
+      "  voxelize part.obj --units mm --voxel-size 2mm --along lift.csv -o swept.vox");
 }
 
 Error usage(const char* option, const Error& error) {
@@ -272,6 +277,9 @@ Status check_early(const Arguments& arguments) {
                  std::string("cannot be combined with ") + (is_shard ? "--shard" : "--plan"),
                  "leave one of them out"};
   }
+  if (arguments.list && !arguments.along.empty()) {
+    return Error{ErrorCode::kUsage, "", "--along", "has no effect with --list", "leave it out"};
+  }
   const bool writes_file = !is_shard && !arguments.plan && !arguments.list;
   if (!writes_file && !arguments.output.empty()) {
     const char* const other = is_shard ? "--shard" : arguments.plan ? "--plan" : "--list";
@@ -308,6 +316,26 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
         faces / (voxel_size_m * voxel_size_m) + static_cast<double>(outline.triangle_count);
   }
   return objects;
+}
+
+// Replaces the objects of the scene by the space that they sweep along --along.
+Status sweep_objects(const Arguments& arguments, mesh::Scene& scene, cache::MeshSource& meshes,
+                     const BakeOptions& options) {
+  const auto rows = read_path(arguments.along, PathOf::kPart);
+  if (!rows) return rows.error();
+  const auto swept =
+      sweep::sweep_scene(scene, meshes, *rows, options.voxel_size_m, !options.free_seeds_m.empty());
+  if (!swept) {
+    Error error = swept.error();
+    if (error.file.empty()) error.file = arguments.along;
+    return error;
+  }
+  if (!arguments.quiet) {
+    std::printf("along %s: %llu poses, at most %.3g mm from the motion\n",
+                escaped(arguments.along).c_str(), static_cast<unsigned long long>(swept->poses),
+                swept->deviation_m * 1e3);
+  }
+  return {};
 }
 
 // Before the bake, so that a wrong unit is seen in time.
@@ -481,12 +509,17 @@ Status voxelize(const Arguments& arguments) {
     cache.emplace(std::move(*folder));
   }
   cache::MeshSource meshes(cache ? &*cache : nullptr, *arguments.trust.reader());
-  const auto scene = read_inputs(arguments, meshes, progress);
+  auto scene = read_inputs(arguments, meshes, progress);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) command::note_warning(warning);
   auto options = options_of(arguments, *scene);
   if (!options) return options.error();
   options->cache = cache ? &*cache : nullptr;
+  if (!arguments.along.empty()) {
+    if (Status checked = check_options(*options); !checked) return checked;
+    const Status swept = sweep_objects(arguments, *scene, meshes, *options);
+    if (!swept) return swept;
+  }
   run.threads = options->threads;
   run.read_s = clock.lap_s();
 
@@ -563,7 +596,9 @@ int run(int argc, char** argv) {
     const command::OutputFile outputs[] = {
         {"--output", &arguments.output, command::FileKind::kVoxmap},
         {"--json", &arguments.json_path, command::FileKind::kReport}};
-    const Status prepared = command::prepare_outputs(outputs, arguments.inputs);
+    std::vector<std::string> inputs = arguments.inputs;
+    if (!arguments.along.empty()) inputs.push_back(arguments.along);
+    const Status prepared = command::prepare_outputs(outputs, inputs);
     return prepared ? voxelize(arguments) : prepared;
   });
 }

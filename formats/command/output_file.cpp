@@ -28,7 +28,7 @@ struct Kind {
   const char* name;         // "a voxmap"
   std::string_view ending;  // in lower case; empty: any, which says what it is
   // How the files begin that commands write. Only such a file is replaced.
-  std::array<std::string_view, 6> beginnings;
+  std::array<std::string_view, 8> beginnings;
 };
 
 // The beginnings are those of report.cpp, of the viewer's frame times and of code quality; of
@@ -50,7 +50,9 @@ const Kind& kind_of(FileKind kind) {
       {"an export",
        "",
        {"i,j,k,value\n",
-        "ply\nformat binary_little_endian 1.0\ncomment voxel faces of the force layer",
+        "ply\nformat binary_little_endian 1.0\ncomment surface that contains the solid",
+        "Forcelayer: surface that contains the solid",
+        "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Forcelayer",
         "ply\nformat binary_little_endian 1.0\ncomment shell points with inward",
         {" BDV\0\0\0\0", 8},
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"voxcheck\"",

@@ -6,6 +6,7 @@
 
 #include "formats/voxinfo/occupied_boxes.h"
 #include "formats/voxinfo/output.h"
+#include "formats/voxinfo/surface.h"
 #include "formats/voxmap_walk.h"
 
 namespace forcelayer::voxinfo {
@@ -39,25 +40,39 @@ Error unfit(const std::string& out, const char* what, const char* mend) {
   return {ErrorCode::kUsage, out, "", what, mend};
 }
 
-Status export_voxmap(const Voxmap& map, const std::string& out, const std::string& ending) {
-  if (ending == ".csv") return export_voxmap_csv(map, out);
-  if (ending == ".ply") return export_voxmap_ply(map, out);
-  if (ending == ".vdb") return export_voxmap_vdb(map, out);
-  return unfit(out, "a scene can be exported to .csv, .ply or .vdb", "choose one of these endings");
+bool is_surface(const std::string& ending) {
+  return ending == ".stl" || ending == ".glb" || ending == ".ply";
 }
 
-Status export_pshell(const Pshell& shell, const std::string& out, const std::string& ending) {
-  if (ending == ".ply") return export_pshell_ply(shell, out);
-  return unfit(out, "a part can be exported to .ply", "choose a name that ends in .ply");
+Status export_surface(const Voxmap& map, const std::string& path, const std::string& out,
+                      const std::string& ending, double offset_m) {
+  const auto surface = solid_surface(map, offset_m, ending != ".ply", path);
+  if (!surface) return surface.error();
+  if (ending == ".stl") return write_stl(*surface, out);
+  return ending == ".glb" ? write_surface_glb(*surface, out) : write_ply(*surface, out);
 }
 
 }  // namespace
 
-Status export_baked_file(const BakedFile& file, const std::string& out) {
+Status export_baked_file(const BakedFile& file, const std::string& path, const std::string& out,
+                         std::optional<double> offset_m) {
   const std::string ending = std::filesystem::path(out).extension().string();
   const Voxmap* map = std::get_if<Voxmap>(&file);
-  return map ? export_voxmap(*map, out, ending)
-             : export_pshell(std::get<Pshell>(file), out, ending);
+  if (map != nullptr && is_surface(ending)) {
+    return export_surface(*map, path, out, ending, offset_m.value_or(0));
+  }
+  if (offset_m) {
+    return Error{ErrorCode::kUsage, "", "--offset", "applies only to the surface of a scene",
+                 "leave it out, or export a scene to .stl, .glb or .ply"};
+  }
+  if (map == nullptr) {
+    if (ending == ".ply") return export_pshell_ply(std::get<Pshell>(file), out);
+    return unfit(out, "a part can be exported to .ply", "choose a name that ends in .ply");
+  }
+  if (ending == ".csv") return export_voxmap_csv(*map, out);
+  if (ending == ".vdb") return export_voxmap_vdb(*map, out);
+  return unfit(out, "a scene can be exported to .stl, .glb, .ply, .csv or .vdb",
+               "choose one of these endings");
 }
 
 Status export_voxmap_csv(const Voxmap& map, const std::string& out) {

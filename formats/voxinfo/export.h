@@ -1,21 +1,23 @@
 // Baked files in formats that other programs read.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "formats/voxinfo/files.h"
 
 namespace forcelayer::voxinfo {
 
-// Writes `file` to `out` in the format that the name's ending asks for: .csv (i,j,k,value of every
-// non-free voxel), .ply (the force layer's voxel faces, or a shell's points) or .vdb. Errors:
-// kUsage for an ending that is not one of these or does not fit the file, or a .vdb in a build
-// without OpenVDB.
-Status export_baked_file(const BakedFile& file, const std::string& out);
+// Writes `file` (read from `path`) to `out` in the format that the name's ending asks for: .csv
+// (i,j,k,value of every non-free voxel), .vdb, .stl, .glb or .ply (a surface that contains all
+// points within `offset_m` of the solid, or a shell's points). Errors: kUsage for an ending that is
+// not one of these or does not fit the file, an offset that has no effect, a format whose library
+// this build lacks, and those of solid_surface().
+Status export_baked_file(const BakedFile& file, const std::string& path, const std::string& out,
+                         std::optional<double> offset_m);
 
 // The single formats; memory does not grow with the scene's volume.
 Status export_voxmap_csv(const Voxmap& map, const std::string& out);
-Status export_voxmap_ply(const Voxmap& map, const std::string& out);
 Status export_pshell_ply(const Pshell& shell, const std::string& out);
 // Grids of OpenVDB's own types; index (i, j, k) is world voxel (i, j, k), and the transform puts it
 // at the voxel's center in meters:

@@ -9,6 +9,7 @@
 #include "formats/command/command.h"
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
+#include "formats/command/quantity.h"
 #include "formats/command/report.h"
 #include "formats/voxinfo/export.h"
 #include "formats/voxinfo/facts.h"
@@ -98,10 +99,22 @@ Status sample_file(const std::string& path, bool quiet) {
   return flushed;
 }
 
-Status export_file(const std::string& path, const std::string& out) {
+Status export_file(const std::string& path, const std::string& out, const std::string& offset) {
+  std::optional<double> offset_m;
+  if (!offset.empty()) {
+    const auto parsed = command::parse_length(offset);
+    if (!parsed) {
+      return Error{ErrorCode::kUsage, "", "--offset", parsed.error().what, parsed.error().mend};
+    }
+    if (!(*parsed >= 0)) {
+      return Error{ErrorCode::kUsage, "", "--offset", "must not be negative",
+                   "give a distance that the surface keeps"};
+    }
+    offset_m = *parsed;
+  }
   const auto file = open_baked_file(path, Verify::kStructure);
   if (!file) return file.error();
-  return export_baked_file(*file, out);
+  return export_baked_file(*file, path, out, offset_m);
 }
 
 using Report = nlohmann::ordered_json;
@@ -113,7 +126,7 @@ Status reported(const Status& done, const std::string& json_path, const Report& 
 
 int run(int argc, char** argv) {
   CLI::App app{"Shows, verifies, samples and exports .vox scenes and .pshell parts", "voxinfo"};
-  std::string path, out, json_path;
+  std::string path, out, offset, json_path;
   bool quiet = false, objects = false;
   app.add_option("FILE", path, "the .vox or .pshell file to describe");
   app.add_option("--json", json_path, "write the facts to this file as JSON");
@@ -138,7 +151,14 @@ int run(int argc, char** argv) {
   sample->add_option("FILE", path, "a .vox file")->required();
   auto* export_to = app.add_subcommand("export", "write a file in another format");
   export_to->add_option("FILE", path, "a .vox or .pshell file")->required();
-  export_to->add_option("OUT", out, "a .csv, .ply or .vdb file")->required();
+  export_to
+      ->add_option("OUT", out,
+                   "of a scene, a .stl, .glb or .ply file with a closed surface around the solid, "
+                   "or a .csv or .vdb file with the voxels. Of a part, a .ply file with the points")
+      ->required();
+  export_to->add_option("--offset", offset,
+                        "distance that the surface also keeps from the solid, such as 5mm, for a "
+                        "keep-out space (default 0)");
   PathRequest of_path;
   auto* path_command = app.add_subcommand(
       "path",
@@ -156,10 +176,6 @@ int run(int argc, char** argv) {
       "point is the centroid");
   path_command->add_flag("--reverse", of_path.reverse,
                          "reverse the path: from the last pose to the first");
-  of_path.of = "part";
-  path_command
-      ->add_option("--of", of_path.of, "poses to use from a trace: part or handle, default part")
-      ->check(CLI::IsMember({"part", "handle"}));
   path_command->add_option("--json", json_path, "write the facts to this file as JSON");
   for (auto* subcommand : {verify, sample, export_to, path_command}) {
     subcommand->add_flag("--quiet", quiet, "print nothing but errors");
@@ -170,12 +186,13 @@ int run(int argc, char** argv) {
   }
   command::arrange_help(*verify, {}, "  voxinfo verify bay.vox --json verdict.json");
   command::arrange_help(*sample, {}, "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox");
-  command::arrange_help(*export_to, {},
-                        "  voxinfo export bay.vox layer.ply        faces of the force layer\n"
-                        "  voxinfo export part.pshell points.ply   the shell's points");
   command::arrange_help(
-      *path_command,
-      {{"The path", {"--resample", "--reverse", "--part", "--of"}}, {"Output", {"-o"}}},
+      *export_to, {{"The surface", {"--offset"}}},
+      "  voxinfo export swept.vox swept.stl                  the space that a part needs\n"
+      "  voxinfo export swept.vox keep_out.glb --offset 5mm  the same with 5 mm around it\n"
+      "  voxinfo export part.pshell points.ply               the shell's points");
+  command::arrange_help(
+      *path_command, {{"The path", {"--resample", "--reverse", "--part"}}, {"Output", {"-o"}}},
       "  voxinfo path run.csv                               the length of the path\n"
       "  voxinfo path run.csv --reverse -o back.csv         the same path backward\n"
       "  voxinfo path run.csv --resample 10ms --part part.pshell -o fine.csv    more rows");
@@ -184,7 +201,7 @@ int run(int argc, char** argv) {
       "  voxinfo bay.vox                              facts about the file\n"
       "  voxinfo verify bay.vox                       whether these facts are correct\n"
       "  echo 0.1 0.2 0.3 | voxinfo sample bay.vox    the scene at a point, in meters\n"
-      "  voxinfo export bay.vox layer.ply             a file for other programs");
+      "  voxinfo export bay.vox bay.stl               a file for other programs");
   int exit_code = 0;
   if (!command::parse_subcommands(app, argc, argv, exit_code)) return exit_code;
   return command::run_command("voxinfo", [&]() -> Status {
@@ -195,7 +212,7 @@ int run(int argc, char** argv) {
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     if (*verify) return reported(verify_file(path, quiet), json_path, {{"valid", true}});
     if (*sample) return reported(sample_file(path, quiet), json_path, Report::object());
-    if (*export_to) return reported(export_file(path, out), json_path, {{"output", out}});
+    if (*export_to) return reported(export_file(path, out, offset), json_path, {{"output", out}});
     if (*path_command) {
       of_path.path = path;
       of_path.json = json_path;

@@ -68,8 +68,7 @@ Result<std::vector<PathRow>> edited(const PathRequest& request, std::vector<Path
 }  // namespace
 
 Status handle_path(const PathRequest& request) {
-  const bool of_part = request.of != "handle";
-  auto rows = read_path(request.path, of_part ? PathOf::kPart : PathOf::kHandle);
+  auto rows = read_path(request.path, PathOf::kPart);
   if (!rows) return rows.error();
   if (request.output.empty() && (request.reverse || !request.period.empty())) {
     return Error{ErrorCode::kUsage, "", "-o", "no file for the new path is given",
@@ -77,14 +76,10 @@ Status handle_path(const PathRequest& request) {
   }
   std::array<double, 3> center_m{};
   if (!request.shell.empty()) {
-    if (!of_part) {
-      return Error{ErrorCode::kUsage, "", "--part", "has no effect without --of part",
-                   "leave it out"};
-    }
     const auto shell = Pshell::open(request.shell);
     if (!shell) return shell.error();
     center_m = shell->header().center_m;
-  } else if (of_part && !request.period.empty() && path_facts(*rows).turn_rad > 0) {
+  } else if (!request.period.empty() && path_facts(*rows).turn_rad > 0) {
     command::warn(
         "in the new rows the part's origin moves in straight lines, but voxcheck moves the part's "
         "centroid in straight lines; add --part to match voxcheck",

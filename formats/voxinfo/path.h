@@ -9,7 +9,6 @@ namespace forcelayer::voxinfo {
 
 struct PathRequest {
   std::string path;   // a CSV of poses, or a trace
-  std::string of;     // "part" or "handle"
   std::string shell;  // of the part, for its centroid; empty: not known
   std::string json, output;
   std::string period;  // to resample at, such as 1ms; empty: not

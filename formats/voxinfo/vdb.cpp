@@ -1,4 +1,4 @@
-// The one file of formats/ that includes OpenVDB; no_vdb.cpp replaces it in a build without.
+// The one file of formats/ that includes OpenVDB; no_libraries.cpp replaces it in a build without.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <unistd.h>

@@ -46,13 +46,13 @@ runtime/machine:        formats
 voxelize/masks:         formats/lattice
 formats/mesh/checks:    formats
 formats/mesh:           formats formats/command formats/command/spelling formats/mesh/checks
-formats/voxinfo:        formats formats/audit formats/command formats/digest formats/path
 runtime/coupling:       runtime/forcelayer
 runtime/examples:       runtime/forcelayer
 runtime/query:          formats runtime/forcelayer runtime/machine
 workbench/viewer/surface: formats formats/command
 voxelize/fill:          formats/lattice voxelize/masks
 formats/mesh/writers:   formats formats/command formats/mesh
+formats/voxinfo:        formats formats/audit formats/command formats/digest formats/path formats/mesh/writers
 formats/mesh/sandbox:   formats formats/command formats/mesh
 formats/mesh/step/entities: formats formats/mesh
 formats/mesh/step/iges: formats formats/mesh formats/mesh/step/entities
@@ -76,11 +76,12 @@ pointshell/normals:     formats pointshell/part pointshell/sample
 runtime/devices/hid:    formats runtime/coupling runtime/devices runtime/forcelayer runtime/machine
 runtime/devices/plugin: formats runtime/devices runtime/forcelayer runtime/machine
 runtime/loop:           runtime/coupling runtime/devices runtime/forcelayer runtime/machine runtime/model
+voxelize/sweep:         formats formats/lattice formats/mesh formats/path voxelize/cache voxelize/fill voxelize/limits voxelize/masks voxelize/scan
 voxelize/tree:          formats formats/lattice voxelize/cache voxelize/distance voxelize/masks
 pointshell:             formats formats/command formats/mesh formats/mesh/sandbox pointshell/certificate pointshell/normals pointshell/part pointshell/sample
 runtime/run:            formats formats/audit formats/digest runtime/field runtime/forcelayer runtime/loop runtime/machine runtime/model runtime/query
 runtime/stream:         formats runtime/forcelayer runtime/loop runtime/machine runtime/model
-voxelize:               formats formats/command formats/mesh formats/mesh/sandbox voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/tree
+voxelize:               formats formats/command formats/mesh formats/mesh/sandbox formats/path voxelize/cache voxelize/distance voxelize/fill voxelize/limits voxelize/masks voxelize/scan voxelize/sweep voxelize/tree
 runtime/python:         formats formats/path runtime/clearance runtime/field runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 workbench/viewer/run:    formats formats/path runtime/coupling runtime/field runtime/forcelayer runtime/guard runtime/model runtime/stream
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query

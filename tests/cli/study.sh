@@ -94,9 +94,9 @@ for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,
     fail "$words: $(cat out.txt err.txt)"
 done
 
-# Deeper distances are another scene, which is baked anew with them.
-study 0 "${pin[@]}" -o pin --range 8mm
-grep -q '^\$ voxelize .*--range 8mm' out.txt || fail "--range is not handed on: $(cat out.txt)"
+# The depth of the distances is found by the study itself.
+study 2 "${pin[@]}" -o nothing --range 8mm
+grep -q -- '--range: is an option of an earlier version; leave it out: with --voxel-size auto' err.txt || fail "--range: $(cat err.txt)"
 
 # Whatever the voxels, a pin slides with the same play, as far, and keeps the same distance then. Its scene is a manifest, in which
 # it is turned and moved. Nobody has to choose them: a size is chosen, with the reason.

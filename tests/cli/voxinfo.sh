@@ -102,29 +102,6 @@ assert len(body) == 44 * len(rows), len(body)
 assert [list(row) for row in struct.iter_unpack("<3d4fI", body)] == rows
 PYTHON
 
-# Faces of the force layer: as many as the voxels' sides that face something else, wound outwards.
-"$voxinfo" export "$golden/v2.vox" faces.ply
-"$python" - <<'PYTHON' || fail faces.ply
-import re, struct
-data = open("faces.ply", "rb").read()
-head, body = data.split(b"end_header\n", 1)
-vertices, faces = (int(n) for n in re.findall(rb"element \w+ (\d+)", head))
-points = [tuple(round(c / 0.0025) for c in row) for row in struct.iter_unpack("<3d", body[:24 * vertices])]
-layer = {tuple(int(n) for n in line.split(",")[:3]) for line in open("v2.csv") if line.endswith(",2\n")}
-expected = sum((i + a, j + b, k + c) not in layer for i, j, k in layer
-               for a, b, c in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)])
-quads = list(struct.iter_unpack("<B4i", body[24 * vertices:]))
-assert faces == len(quads) == expected, (faces, expected)
-for four, *corners in quads:
-    p = [points[c] for c in corners]
-    u, v = ([b - a for a, b in zip(p[0], p[n])] for n in (1, 3))
-    normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-    low = [min(q[axis] for q in p) for axis in range(3)]
-    inside = tuple(l - (n > 0) for l, n in zip(low, normal))
-    outside = tuple(l - (n < 0) for l, n in zip(low, normal))
-    assert four == 4 and inside in layer and outside not in layer, p
-PYTHON
-
 # .vdb: the same voxels, distances and objects in grids of OpenVDB's own types, where this build can
 # write them.
 if [ -x "$FORCELAYER_BIN_DIR/vdb_rows" ]; then
@@ -181,7 +158,7 @@ done
 expect_refused 2 "no file given" "$voxinfo"
 expect_refused 2 "--color" "$voxinfo" "$golden/v2.vox" --color
 expect_refused 2 "FILE" "$voxinfo" verify
-expect_refused 2 ".csv, .ply or .vdb" "$voxinfo" export "$golden/v2.vox" scene.stl
+expect_refused 2 ".stl, .glb, .ply, .csv or .vdb" "$voxinfo" export "$golden/v2.vox" scene.xyz
 expect_refused 2 "exported to .ply" "$voxinfo" export "$golden/v2.pshell" shell.csv
 expect_refused 1 "no such file" "$voxinfo" missing.vox
 expect_refused 1 "folder" "$voxinfo" verify "$golden"
@@ -255,7 +232,7 @@ expect_equal "the origin" "$(sed -n 3p about.csv | cut -d, -f1-4)" 0.5,0,0,0
 [ "$(sed -n 3p straight.csv | cut -d, -f1-4)" != 0.5,0,0,0 ] || fail "the centroid does not go straight"
 "$voxinfo" path path.csv --resample 10s -o coarse.csv --quiet 2>err
 expect_equal "no warning without turns" "$(cat err)" ""
-expect_refused 2 "has no effect without --of part" "$voxinfo" path pivot.csv --of handle --part "$golden/v2.pshell"
+expect_refused 2 "leave it out: the path is that of the part" "$voxinfo" path pivot.csv --of handle
 # Other files are named by their kind.
 expect_refused 2 "is a .vox" "$voxinfo" path "$golden/v2.vox"
 expect_refused 2 "is JSON" "$voxinfo" path pivot.json
@@ -270,7 +247,7 @@ expect_equal "temporaries" "$(find . -name '*.tmp')" ""
 
 # A file of 3 MB whose nodes repeat one brick 29 billion times: whoever would visit them all refuses.
 "$FORCELAYER_BIN_DIR/make_runtime_files" .
-for call in "export repeated.vox r.csv" "export repeated.vox r.ply" "repeated.vox --objects" "verify repeated.vox"; do
+for call in "export repeated.vox r.csv" "repeated.vox --objects" "verify repeated.vox"; do
   expected="2 repeated nodes are read"
   [ "$call" = "verify repeated.vox" ] && expected="4 surface_voxels"
   expect_refused "${expected%% *}" "${expected#* }" "$voxinfo" $call

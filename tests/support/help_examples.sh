@@ -17,7 +17,10 @@ examples_of() {  # COMMAND [SUBCOMMAND]: without the words beside them
 # Makes the files that an example reads: the scene and part of the commands before, and the pin's.
 before() {
   case $1 in
-    voxinfo) [ -e run.csv ] || run ;;
+    voxinfo)
+      [ -e run.csv ] || run
+      [ -e swept.vox ] || voxelize part.obj --units mm --voxel-size 2mm --along lift.csv -o swept.vox --quiet
+      ;;
     voxrun) [ -e run.flr ] || run ;;
     voxplan)
       voxelize gearbox.glb --without Pin --voxel-size 1mm -o rest.vox --quiet

@@ -232,6 +232,16 @@ Result<mesh::Assembly> MeshSource::read(const std::string& path, const mesh::Rea
   return std::move(read->assembly);
 }
 
+std::uint32_t MeshSource::add(mesh::Mesh mesh) {
+  File file;
+  file.outlines.push_back(outline_of(mesh));
+  std::vector<mesh::Mesh> meshes;
+  meshes.push_back(std::move(mesh));
+  keep(std::move(meshes), file);
+  files_.push_back(std::move(file));
+  return static_cast<std::uint32_t>(files_.size() - 1);
+}
+
 Result<MeshSource::ReadFile> MeshSource::read_file(const std::string& path,
                                                    const mesh::ReadOptions& options) {
   File file{path, options, {}, {}, {}};

@@ -45,6 +45,9 @@ class MeshSource {
   // For SceneReading::read. The assembly's meshes come empty; mesh() gives them.
   Result<mesh::Assembly> read(const std::string& path, const mesh::ReadOptions& options);
 
+  // Takes a mesh of no file. Returns the number of its assembly, in which it is mesh 0.
+  std::uint32_t add(mesh::Mesh mesh);
+
   const MeshOutline& outline(const mesh::MeshObject& part) const {
     return files_[part.assembly].outlines[part.mesh];
   }

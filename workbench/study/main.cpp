@@ -108,8 +108,8 @@ int main(int argc, char** argv) {
   command::arrange_help(
       *made,
       {{"Question",
-        {"--voxel-size", "--range", "--path", "--center", "--pull", "--time", "--clearance",
-         "--seat", "--seat-depth", "--allow"}},
+        {"--voxel-size", "--path", "--center", "--pull", "--time", "--clearance", "--seat",
+         "--seat-depth", "--allow"}},
        {"Meshes", {"--without", "--missing-faces", "--units", "--up", "--sandbox"}},
        {"Output", {"--output", "--plan", "--files-alone", "--no-pictures"}}},
       "  forcelayer study 'gearbox.glb#Pin' --clearance 1mm -o out\n"

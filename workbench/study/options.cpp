@@ -21,7 +21,6 @@ Status check_numbers(const Options& options) {
     bool required;
   } lengths[] = {{"--voxel-size", options.voxel_size, true},
                  {"--clearance", options.clearance, true},
-                 {"--range", options.range, false},
                  {"--seat-depth", options.seat_depth, false}};
   for (const auto& length : lengths) {
     if (length.text.empty() && !length.required) continue;
@@ -63,10 +62,6 @@ OptionParser::OptionParser(CLI::App& study) {
                    "edge of a voxel, such as 1mm. Default: auto. With auto, the study chooses the "
                    "size from the part's size, the smallest gap beside the installed part, and "
                    "--time. It takes smaller voxels if the answer is undecided");
-  study.add_option(
-      "--range", options_.range,
-      "depth to which distances are stored, as in voxelize; default 4 voxels. Increase it if the "
-      "installed part goes deeper into an object");
   study.add_option("--path", options_.path,
                    "the path to check: a CSV, a trace or a recording of voxrun");
   study.add_option("--center", options_.center,

@@ -247,9 +247,7 @@ Step Study::scene_step() const {
   step.arguments.insert(step.arguments.end(), out.begin(), out.end());
   step.arguments.insert(step.arguments.end(), {"--voxel-size", voxel_size_, "-o", in("scene.vox"),
                                                "--json", in("scene.json")});
-  if (!options_.range.empty()) {
-    step.arguments.insert(step.arguments.end(), {"--range", options_.range});
-  } else if (is_deep()) {
+  if (is_deep()) {
     constexpr double kDeepestVoxels = 32;
     const double voxel_m = *command::parse_length(voxel_size_);
     step.arguments.insert(step.arguments.end(), {"--range", size_option(kDeepestVoxels * voxel_m)});
@@ -637,7 +635,7 @@ Status Study::look() {
   if (Status s = bake(); !s) return s;
   if (Status s = write_path("installed.csv", {0}); !s) return s;
   auto installed = run(installed_step());
-  const bool may_be_deep = options_.is_auto() && options_.range.empty();
+  const bool may_be_deep = options_.is_auto();
   if (!installed && may_be_deep && installed.error().code == ErrorCode::kUsage) {
     is_deep_ = true;
     if (Status s = bake(); !s) return s;
@@ -664,7 +662,7 @@ Status Study::look() {
 Step Study::question() const {
   Step question;
   question.program = "study";
-  question.arguments = {options_.assembly, options_.node, options_.range, options_.clearance};
+  question.arguments = {options_.assembly, options_.node, options_.clearance};
   for (const std::string* text : {&options_.voxel_size, &options_.units, &options_.up,
                                   &options_.path, &options_.center, &options_.pull, &options_.time,
                                   &options_.seat, &options_.seat_depth, &options_.missing_faces}) {

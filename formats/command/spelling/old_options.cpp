@@ -57,6 +57,8 @@ constexpr std::string_view kOldOptions =
     "voxelize --sandbox-time --sandbox=time=LIMIT\n"
     "pointshell --sandbox-time --sandbox=time=LIMIT\n"
     "voxcheck --sandbox-time --sandbox=time=LIMIT\n"
+    "forcelayer --range leave it out: with --voxel-size auto the study finds it\n"
+    "voxinfo --of leave it out: the path is that of the part\n"
     "voxplan --speed leave it out: the path goes at 0.1 m/s\n"
     "voxplan --out-of-scene leave it out: it is the default\n"
     "voxelize --lean --kind lean\n"

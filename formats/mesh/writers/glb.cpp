@@ -86,6 +86,7 @@ class Document {
   }
 
   Status write(const std::string& path) {
+    if (json_["animations"].empty()) json_.erase("animations");  // glTF has no empty lists
     json_["buffers"] = Json::array({Json::object({{"byteLength", bytes_.size()}})});
     std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -145,10 +146,10 @@ class Document {
 
 }  // namespace
 
-Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion& motion,
+Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion* motion,
                  Up up) {
   Document document(up);
-  document.add(motion);
+  if (motion != nullptr) document.add(*motion);
   for (const GlbNode& node : nodes) document.add(node);
   return document.write(path);
 }

@@ -32,9 +32,9 @@ struct GlbMotion {
 
 // Writes the nodes in their order, below a node "world" that turns `up` to the y axis of glTF.
 // Mesh, material, accessors and buffer views of node n stand before those of node n + 1, and the
-// motion before all of them, so that a reader can leave out the last nodes by cutting. Errors:
-// kWriteFailed, and those of AtomicFile.
-Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion& motion,
+// motion (null: none) before all of them, so that a reader can leave out the last nodes by cutting.
+// Errors: kWriteFailed, and those of AtomicFile.
+Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion* motion,
                  Up up);
 
 }  // namespace forcelayer::mesh

@@ -157,7 +157,7 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
   motion.name = nodes[0].name;
   // Where the files say nothing, as STEP does, the world is z up like everywhere.
   const bool is_y_up = command::up_in(voxmap.provenance()) == mesh::name_of(mesh::Up::kY);
-  return mesh::write_glb(request.animation, nodes, motion, is_y_up ? mesh::Up::kY : mesh::Up::kZ);
+  return mesh::write_glb(request.animation, nodes, &motion, is_y_up ? mesh::Up::kY : mesh::Up::kZ);
 }
 
 }  // namespace forcelayer::exact
