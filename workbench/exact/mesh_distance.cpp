@@ -235,10 +235,16 @@ void visit_leaves(PlacedTree<Triangle>& part, const part::TriangleTree& part_tre
 
 }  // namespace
 
-MeshPair::MeshPair(const Surface& scene, const Surface& part) {
-  if (scene.triangles.empty() || part.triangles.empty()) return;
-  scene_ = std::make_unique<Mesh>(scene);
-  part_ = std::make_unique<Mesh>(part);
+std::shared_ptr<const MeshPair::Mesh> MeshPair::mesh_of(const Surface& surface) {
+  if (surface.triangles.empty()) return nullptr;
+  return std::make_shared<const Mesh>(surface);
+}
+
+MeshPair::MeshPair(const Surface& scene, const Surface& part)
+    : MeshPair(mesh_of(scene), mesh_of(part)) {}
+MeshPair::MeshPair(std::shared_ptr<const Mesh> scene, std::shared_ptr<const Mesh> part) {
+  if (scene == nullptr || part == nullptr) return;
+  scene_ = std::move(scene), part_ = std::move(part);
 }
 MeshPair::~MeshPair() = default;
 MeshPair::MeshPair(MeshPair&&) noexcept = default;
@@ -246,10 +252,18 @@ MeshPair::MeshPair(MeshPair&&) noexcept = default;
 MeshDistance MeshPair::at(const Pose& world_from_center, double hint_m) const {
   if (!scene_) return {};
   // The search leaves out what is as far apart as the hint.
-  Nearest found = nearest(world_from_center, hint_m);
-  if (!found.is_found) found = nearest(world_from_center, std::numeric_limits<double>::infinity());
+  if (const auto found = nearer_than(world_from_center, hint_m)) return *found;
+  return nearer_than(world_from_center, std::numeric_limits<double>::infinity())
+      .value_or(MeshDistance{});
+}
+
+std::optional<MeshDistance> MeshPair::nearer_than(const Pose& world_from_center,
+                                                  double beyond_m) const {
+  if (!scene_) return std::nullopt;
+  const Nearest found = nearest(world_from_center, beyond_m);
+  if (!found.is_found) return std::nullopt;
   const TriangleDistance& d = found.distance;
-  return {d.distance_m, found.scene_triangle, d.second_m, d.first_m};
+  return MeshDistance{d.distance_m, found.scene_triangle, d.second_m, d.first_m};
 }
 
 // The nearest triangles; none where all are as far apart as `beyond_m`.

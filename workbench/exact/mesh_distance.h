@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 
 #include "forcelayer/pose.h"
 #include "workbench/exact/surface/surfaces.h"
@@ -30,13 +31,22 @@ struct MeshDistance {
 
 class MeshPair {
  public:
+  // A surface with the tree of its triangles, which several pairs may share.
+  struct Mesh;
+  // None for a surface without triangles.
+  static std::shared_ptr<const Mesh> mesh_of(const Surface& surface);
+
   // `scene` in the world, `part` about its centroid.
   MeshPair(const Surface& scene, const Surface& part);
+  MeshPair(std::shared_ptr<const Mesh> scene, std::shared_ptr<const Mesh> part);
   ~MeshPair();
   MeshPair(MeshPair&&) noexcept;
 
   // `hint_m`: what the distance is expected to be no more than, so that the search is short.
   MeshDistance at(const Pose& world_from_center, double hint_m) const;
+
+  // The same where the distance is less than `beyond_m`; none where it is not.
+  std::optional<MeshDistance> nearer_than(const Pose& world_from_center, double beyond_m) const;
 
   // Whether the two are found to stay `min_m` apart or more while the part goes from one pose of
   // its centroid frame to another, and none of its places leaves its straight way by more than
@@ -44,11 +54,10 @@ class MeshPair {
   bool stays_apart(const Pose& from, const Pose& to, double bend_m, double min_m) const;
 
  private:
-  struct Mesh;
   struct Nearest;
   Nearest nearest(const Pose& world_from_center, double beyond_m) const;
 
-  std::unique_ptr<Mesh> scene_, part_;  // none where one of both is empty
+  std::shared_ptr<const Mesh> scene_, part_;  // none where one of both is empty
 };
 
 }  // namespace forcelayer::exact
