@@ -27,7 +27,7 @@ say "pressing the part against the scene for ten seconds"
   --duration 10s --json "$out/voxrun.json" --trace "$out/trace.csv"
 
 say "drawing"
-"$bin/voxview" "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --part "$data/part.obj" --part-units mm \
+"$bin/voxview" draw "$data/bay.json" "$out/bay.vox" "$out/part.pshell" --part "$data/part.obj" --part-units mm \
   --trace "$out/trace.csv" --screenshot "$out/contact.png"
 "$root/scripts/plot_run.py" "$out/trace.csv" -o "$out/run.svg"
 

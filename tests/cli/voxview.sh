@@ -46,7 +46,7 @@ check layer picture.png facts.json 0.008 bay.csv 3
 "$bin/pointshell" "$data/part.obj" --units mm --voxel-size 8mm -o part.pshell --quiet
 printf '%s\n' t_s,x_m,y_m,z_m 0,0,0,0.4 1,0.3,0,0.4 2,0.3,0.2,0.5 >way.csv
 for path in "" "--path way.csv"; do
-  "$bin/voxview" bay.vox part.pshell --part-pose 0,0,0.4m $path --view-from 0,0,1 --focus scene --size 800x600 \
+  "$bin/voxview" draw bay.vox part.pshell --part-pose 0,0,0.4m $path --view-from 0,0,1 --focus scene --size 800x600 \
     --screenshot path.png --json facts.json --show force-layer
   "$python" - "$path" <<'END' || fail "a path: '$path'"
 import json, sys

@@ -183,7 +183,7 @@ def count(picture, name):
 def viewer(screen, *arguments, stderr=None, size=f"{WIDTH}x{HEIGHT}"):
     environment = {**os.environ, "DISPLAY": screen.name}
     return subprocess.Popen(
-        [BIN / "voxview", "bay.vox", "part.pshell", "--size", size, *arguments],
+        [BIN / "voxview", "draw", "bay.vox", "part.pshell", "--size", size, *arguments],
         env=environment, stderr=stderr, text=True)
 
 

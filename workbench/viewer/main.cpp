@@ -146,11 +146,9 @@ int main(int argc, char** argv) {
   app.footer(keys);
   forcelayer::command::arrange_help(
       app,
-      {{"View",
-        {"--part", "--compare", "--units", "--part-units", "--show", "--hide", "--only", "--color",
-         "--cut"}},
+      {{"View", {"--part", "--compare", "--units", "--show", "--hide", "--only", "--cut"}},
        {"A run and the moment to show", {"--trace", "--at", "--listen", "--path", "--part-pose"}},
-       {"The eye", {"--view-from", "--focus"}},
+       {"The eye", {"--view-from"}},
        {"Output", {"--screenshot", "--size"}}},
       "  voxview bay.json bay.vox part.pshell --trace run.csv              a run, in a window\n"
       "  voxview bay.json bay.vox --cut 'y<0mm' --screenshot bay.png       a picture");

@@ -76,7 +76,10 @@ constexpr std::string_view kOldOptions =
     "voxview --measure voxview draw ... --measure\n"
     "voxview --measure-object voxview draw ... --measure-object\n"
     "voxview --measure-words voxview draw ... --measure-words\n"
-    "voxview --title voxview draw ... --title\n";
+    "voxview --title voxview draw ... --title\n"
+    "voxview --part-units voxview draw ... --part-units\n"
+    "voxview --focus voxview draw ... --focus\n"
+    "voxview --color voxview draw ... --color\n";
 
 }  // namespace
 

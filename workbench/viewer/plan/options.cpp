@@ -65,8 +65,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
                  "an earlier .vox: show where the force layer has grown or shrunk since then");
   app.add_option("--part", options_.inputs.part, "mesh of the moving part");
   app.add_option("--units", texts_.units, command::kUnitsHelp);
-  app.add_option("--part-units", texts_.part_units,
-                 "unit of the mesh of --part, if it differs from --units");
   app.add_option(
       "--screenshot", options_.screenshot,
       "write a picture (PNG) and end. With turntable:FILE, an animated PNG is written, in which "
@@ -97,10 +95,6 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
   app.add_option("--view-from", texts_.view_from,
                  "direction from the scene to the camera, such as 1,-1,0.5; default: the direction "
                  "that shows most");
-  app.add_option("--focus", texts_.focus,
-                 "center of the picture: part or scene; auto is the part if there is one")
-      ->check(CLI::IsMember({"auto", "part", "scene"}))
-      ->capture_default_str();
   app.add_option("--cut", texts_.cut, "show only one side of a plane, such as z<300mm or x>0m");
   app.add_option("--show", texts_.shown,
                  "list of meshes, interior, force-layer, proximity, part, shell, contacts, handle; "
@@ -110,15 +104,21 @@ ViewOptionParser::ViewOptionParser(CLI::App& app, Program program) {
       ->allow_extra_args(false);
   app.add_option("--only", options_.only, "show only this object; repeatable")
       ->allow_extra_args(false);
-  app.add_option("--color", texts_.color,
-                 "colors of the scene's meshes: one (the same for all) or object (one for each)")
-      ->check(CLI::IsMember({"one", "object"}))
-      ->capture_default_str();
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   if (program == Program::kDraw) add_draw_options(app);
 }
 
 void ViewOptionParser::add_draw_options(CLI::App& app) {
+  app.add_option("--part-units", texts_.part_units,
+                 "unit of the mesh of --part, if it differs from --units");
+  app.add_option("--focus", texts_.focus,
+                 "center of the picture: part or scene; auto is the part if there is one")
+      ->check(CLI::IsMember({"auto", "part", "scene"}))
+      ->capture_default_str();
+  app.add_option("--color", texts_.color,
+                 "colors of the scene's meshes: one (the same for all) or object (one for each)")
+      ->check(CLI::IsMember({"one", "object"}))
+      ->capture_default_str();
   app.add_option("--duration", texts_.duration,
                  "close the window, or take the picture, after this time. By default a window "
                  "stays open, and a picture of a stream is taken after 3s");
