@@ -1,4 +1,4 @@
-// forcelayer: lists the commands, and makes a study of a part with them.
+// forcelayer: lists the commands, makes a study of a part with them, and checks pairs of parts.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +9,7 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
+#include "workbench/pairs/options.h"
 #include "workbench/study/options.h"
 #include "workbench/study/study.h"
 
@@ -40,6 +41,8 @@ std::string command_lines() {
   }
   return lines +
          "  forcelayer study runs them on an assembly and writes a page with the verdict\n" +
+         "  forcelayer pairs finds overlaps and small distances between the parts of an "
+         "assembly\n" +
          "Each command has --help.";
 }
 
@@ -57,6 +60,24 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
     listed["installed"] = !command::program_path(command.name).empty();
   }
   return command::write_report(json, report);
+}
+
+// Has forcelayer-pairs do the work, with the arguments behind the word pairs.
+int run_pairs(const forcelayer::pairs::OptionParser& parser, int argc, char** argv) {
+  using namespace forcelayer;
+  int status = 0;
+  const int failed = command::run_command("forcelayer", [&]() -> Status {
+    const auto options = parser.finish();
+    if (!options) return options.error();
+    const std::vector<std::string> arguments(argv + 2, argv + argc);
+    command::stop_programs_on_signals();
+    const auto end = command::run_program(pairs::kProgram, arguments, "",
+                                          command::ProgramOutput::kShown, "forcelayer-tools");
+    if (!end) return end.error();
+    status = end->status;
+    return {};
+  });
+  return failed != 0 ? failed : status;
 }
 
 // A file in the folder under a name that a study writes must be a study's.
@@ -86,11 +107,16 @@ forcelayer::Status check_folder(const forcelayer::study::Options& options) {
 
 int main(int argc, char** argv) {
   using namespace forcelayer;
-  CLI::App app{"Lists the commands. 'forcelayer study' runs them to check a part of an assembly",
-               "forcelayer"};
+  CLI::App app{
+      "Lists the commands. 'forcelayer study' runs them to check a part of an assembly. "
+      "'forcelayer pairs' checks all pairs of its parts",
+      "forcelayer"};
   CLI::App* const made = app.add_subcommand(
       "study", "bake scene and part; find, run or check a path; write a page with the verdict");
   const study::OptionParser parser(*made);
+  CLI::App* const paired = app.add_subcommand(
+      "pairs", "find overlaps and small distances between the parts of an assembly");
+  const pairs::OptionParser pairs_parser(*paired);
   app.require_subcommand(0, 1);
   std::string json;
   bool quiet = false;
@@ -119,6 +145,7 @@ int main(int argc, char** argv) {
   int status = 0;
   if (!command::parse_subcommands(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();
+  if (*paired) return run_pairs(pairs_parser, argc, argv);
   return command::run_command("forcelayer", [&]() -> Status {
     if (!*made) return list_commands(json, quiet);
     auto options = parser.finish();

@@ -1,0 +1,101 @@
+#include "workbench/pairs/assembly_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "formats/command/verdict/verdict.h"
+#include "formats/mesh/node_names.h"
+#include "formats/mesh/sandbox/sandbox.h"
+#include "workbench/exact/mesh_distance.h"
+
+namespace forcelayer::pairs {
+namespace {
+
+// baked_deflection_m() of voxels of this size is the deflection.
+constexpr double kVoxelSizeM = 1e-3;
+static_assert(mesh::baked_deflection_m(kVoxelSizeM) == kDeflectionM);
+
+// The names of an assembly's nodes in a listing, by their paths.
+using ListedNames = std::map<std::string, std::string>;
+
+ListedNames listed_names(const mesh::Assembly& assembly) {
+  const std::vector<std::string> numbered = mesh::numbered_paths(assembly.nodes);
+  ListedNames names;
+  for (std::size_t n = 0; n < numbered.size(); ++n) names[assembly.nodes[n].path] = numbered[n];
+  return names;
+}
+
+// An object of a manifest has the manifest's name before the path of its node.
+std::string listed_name(const std::string& path, const ListedNames& names) {
+  for (std::size_t start = 0;;) {
+    const auto found = names.find(path.substr(start));
+    if (found != names.end()) return path.substr(0, start) + found->second;
+    const std::size_t slash = path.find('/', start);
+    if (slash == std::string::npos) return path;
+    start = slash + 1;
+  }
+}
+
+// The rounding of a file's numbers: of vertices, and of the factors by which they are placed.
+double rounding_of(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh) {
+  mesh::Vec3d largest{0, 0, 0};
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      largest[axis] = std::max(largest[axis], std::abs(vertex[axis]));
+    }
+  }
+  return exact::kRounding * mesh::largest_sum(world_from_mesh, largest);
+}
+
+}  // namespace
+
+Result<AssemblyParts> read_parts(const std::string& assembly, std::optional<double> unit_m) {
+  mesh::SceneReading reading;
+  reading.voxel_size_m = kVoxelSizeM;
+  reading.read = mesh::read_guarded;
+  auto scene = mesh::read_scene(std::span(&assembly, 1), unit_m, reading);
+  if (!scene) return scene.error();
+  AssemblyParts read{std::move(*scene), {}};
+  std::vector<ListedNames> names;
+  for (const mesh::Assembly& one : read.scene.assemblies) names.push_back(listed_names(one));
+  for (std::size_t n = 0; n < read.scene.objects.size(); ++n) {
+    const mesh::MeshObject& object = read.scene.objects[n];
+    const mesh::Mesh& mesh = read.scene.mesh_of(object);
+    if (mesh.triangles.empty()) continue;
+    AssemblyPart& part = read.parts.emplace_back();
+    part.name = {object.name, listed_name(object.name, names[object.assembly])};
+    part.object = n;
+    part.box_m = mesh::box_of(mesh, object.world_from_mesh);
+    part.deviation_m = object.deviation_m;
+    part.rounding_m = rounding_of(mesh, object.world_from_mesh);
+  }
+  read.add_paths();
+  return read;
+}
+
+std::string AssemblyParts::shown_name(std::size_t part) const {
+  return escaped(command::short_name(paths[part], paths));
+}
+
+void AssemblyParts::add_paths() {
+  paths.clear();
+  for (const AssemblyPart& part : parts) paths.push_back(part.name.path);
+}
+
+exact::Surface surface_of(const mesh::Scene& scene, const AssemblyPart& part) {
+  const mesh::MeshObject& object = scene.objects[part.object];
+  const mesh::Mesh& mesh = scene.mesh_of(object);
+  exact::Surface surface;
+  for (const mesh::Vec3d& vertex : mesh.vertices) {
+    const mesh::Vec3d p = mesh::apply(object.world_from_mesh, vertex);
+    surface.vertices_m.push_back({p[0], p[1], p[2]});
+  }
+  surface.triangles = mesh.triangles;
+  surface.object.assign(surface.triangles.size(), 1);
+  return surface;
+}
+
+}  // namespace forcelayer::pairs

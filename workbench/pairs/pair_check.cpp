@@ -1,0 +1,291 @@
+#include "workbench/pairs/pair_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
+#include "workbench/exact/depth.h"
+#include "workbench/exact/watch.h"
+#include "workbench/pairs/near_boxes.h"
+
+namespace forcelayer::pairs {
+namespace {
+
+using exact::Body;
+using part::Vec3;
+
+const Pose kWorld{glm::dvec3(0), {1, 0, 0, 0}};
+
+// How closely a depth is found that is more than allowed, m and as a fraction of it.
+constexpr double kDepthM = 1e-6, kDepthFraction = 1.0 / 256;
+// How closely the bound of a contact is proven, as a fraction of it: at first, and for a depth that
+// is near the bound.
+constexpr double kWithin = 1.0 / 8, kClosely = 1.0 / 256;
+// How often a search for a depth is asked whether it goes on, at some microseconds each: so the
+// answer is the same on each machine. Two flat faces of 100,000 triangles take a tenth of it.
+constexpr std::uint64_t kMaxAsked = 1 << 15;
+
+std::array<double, 3> array_of(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+
+double diagonal_of(const mesh::Box& box) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    squared += (box.high[axis] - box.low[axis]) * (box.high[axis] - box.low[axis]);
+  }
+  return std::sqrt(squared);
+}
+
+bool is_in(const mesh::Box& box, const Vec3& p) {
+  return p.x >= box.low[0] && p.x <= box.high[0] && p.y >= box.low[1] && p.y <= box.high[1] &&
+         p.z >= box.low[2] && p.z <= box.high[2];
+}
+
+// A place of a shape's surface.
+Vec3 some_place(const Shape& shape) { return shape.body()->tree().part().vertices.front(); }
+
+std::string open_text(const NamedShape& named) {
+  const std::string name = named.name();
+  if (named.shape.body() == nullptr) return name + " has no triangle with an area";
+  const Body::OpenEdges open = named.shape.body()->open_edges();
+  return "the mesh of " + name + " is open (" + command::length_text(open.length_m) +
+         " of open edges)";
+}
+
+// A ball that lies in both bodies.
+struct Ball {
+  Vec3 center;
+  double radius_m = 0;
+};
+
+// The middle of the box in which two boxes overlap.
+Vec3 middle_of_both(const mesh::Box& a, const mesh::Box& b) {
+  std::array<double, 3> middle{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    middle[axis] = (std::max(a.low[axis], b.low[axis]) + std::min(a.high[axis], b.high[axis])) / 2;
+  }
+  return {middle[0], middle[1], middle[2]};
+}
+
+// The largest ball that is found in both bodies: about the middle of their boxes, and about places
+// below the largest triangles of the first, at depths of a half, a fourth and so on of its
+// diagonal.
+Ball ball_in_both(const Shape& first, const Shape& second, double min_m) {
+  constexpr std::size_t kTriangles = 24;
+  constexpr int kDepths = 12;
+  const Body &own = *first.body(), &other = *second.body();
+  const part::Part& part = own.tree().part();
+  std::vector<std::pair<double, std::size_t>> largest;  // doubled areas
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    largest.emplace_back(-part::length(part::doubled_area_normal(part, t)), t);
+  }
+  const std::size_t count = std::min(kTriangles, largest.size());
+  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(count),
+                    largest.end());
+  Ball best;
+  const auto try_place = [&](const Vec3& place) {
+    if (!is_in(first.box_m(), place) || !is_in(second.box_m(), place)) return;
+    const double radius_m = std::sqrt(std::min(own.tree().nearest(place).distance_squared,
+                                               other.tree().nearest(place).distance_squared));
+    if (radius_m <= std::max(best.radius_m, min_m)) return;
+    if (own.holds(place) && other.holds(place)) best = {place, radius_m};
+  };
+  try_place(middle_of_both(first.box_m(), second.box_m()));
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t t = largest[n].second;
+    const Vec3 inwards = -own.outward() * part::normalized(part::doubled_area_normal(part, t));
+    double depth_m = diagonal_of(first.box_m());
+    for (int k = 0; k < kDepths && depth_m > 2 * best.radius_m; ++k) {
+      depth_m /= 2;
+      try_place(part::centroid(part::triangle_piece(part, t)) + depth_m * inwards);
+    }
+  }
+  return best;
+}
+
+class PairSearch {
+ public:
+  PairSearch(const NamedShape& first, const NamedShape& second, double margin_m)
+      : first_(first), second_(second), margin_m_(margin_m) {}
+
+  std::optional<PairMeasure> run(double beyond_m) {
+    // The tree of the part with fewer triangles is placed anew for each search.
+    const bool swapped = first_.shape.triangles() > second_.shape.triangles();
+    const Shape &few = swapped ? second_.shape : first_.shape,
+                &many = swapped ? first_.shape : second_.shape;
+    const exact::MeshPair pair(many.mesh(), few.mesh());
+    const auto nearest = pair.nearer_than(kWorld, beyond_m);
+    if (nearest) {
+      found_.distance_m = nearest->distance_m;
+      found_.at_m = array_of(0.5 * (nearest->part_m + nearest->scene_m));
+      if (nearest->distance_m <= margin_m_) found_.contact = Contact::kTouch;
+    }
+    if (nearest && nearest->distance_m == 0) {
+      look_into_contact();
+      return found_;
+    }
+    const bool is_told = look_inside(first_, second_, true) || look_inside(second_, first_, false);
+    if (!nearest && !is_told) return std::nullopt;
+    if (!nearest) {
+      found_.distance_m = pair.at(kWorld, std::numeric_limits<double>::infinity()).distance_m;
+    }
+    return found_;
+  }
+
+ private:
+  // The surfaces do not meet, so one place tells whether a part lies inside the other. Whether that
+  // is so, or may be.
+  bool look_inside(const NamedShape& inner, const NamedShape& outer, bool is_first) {
+    if (!contains(outer.shape.box_m(), inner.shape.box_m())) return false;
+    if (inner.shape.body() == nullptr || outer.shape.body() == nullptr) return false;
+    if (!outer.shape.body()->holds(some_place(inner.shape))) return false;
+    if (!outer.shape.is_solid()) {
+      found_.contact = Contact::kUndecided;
+      found_.doubt = "it may be inside: " + open_text(outer);
+      found_.is_first_deep = is_first;
+      const Vec3 place = some_place(inner.shape);
+      found_.at_m = {place.x, place.y, place.z};
+      return true;
+    }
+    take_depth(deepest_of({&inner.shape, &outer.shape}, is_first));
+    return true;
+  }
+
+  void look_into_contact() {
+    const bool first_solid = first_.shape.is_solid(), second_solid = second_.shape.is_solid();
+    if (!first_solid && !second_solid) {
+      found_.contact = Contact::kUndecided;
+      found_.doubt = "the surfaces meet: " + open_text(first_) + ", and " + open_text(second_);
+      return;
+    }
+    if (first_.shape.body() == nullptr || second_.shape.body() == nullptr) return;  // lines touch
+    bounded_depth(first_solid, second_solid);
+    if (found_.contact == Contact::kTouch && first_solid && second_solid) find_common_ball();
+  }
+
+  // The depth that deviations, rounding and cracks explain.
+  double allowed_m() const {
+    double cracks_m = 0;
+    for (const NamedShape* const named : {&first_, &second_}) {
+      if (named->shape.body() != nullptr) cracks_m += named->shape.body()->crack_m();
+    }
+    return margin_m_ + cracks_m;
+  }
+
+  // Whether a place of either surface is deeper in the other part than allowed, and then how deep.
+  void bounded_depth(bool first_solid, bool second_solid) {
+    const exact::Parts whole = exact::whole_surface();
+    std::vector<exact::SurfaceInSolid> pairs;
+    std::vector<bool> is_first;
+    const auto add = [&](const Shape& surface, const Shape& solid, bool of_first) {
+      pairs.push_back({surface.body(), solid.body(), kWorld, kWorld, &whole});
+      is_first.push_back(of_first);
+    };
+    if (second_solid) add(first_.shape, second_.shape, true);
+    if (first_solid) add(second_.shape, first_.shape, false);
+    exact::Depth met;  // where surfaces meet, that is a place of both, and no depth
+    met.found_m = met.at_most_m = 0;
+    met.place_m = met.foot_m = {found_.at_m[0], found_.at_m[1], found_.at_m[2]};
+    const double most_m = allowed_m();
+    auto bounded = search(pairs, most_m, kWithin * most_m, 0, met);
+    if (bounded && bounded->found_m <= most_m && bounded->at_most_m > most_m) {
+      const double within_m = std::max((most_m - bounded->found_m) / 2, kClosely * most_m);
+      bounded = search(pairs, most_m, within_m, 0, *bounded);
+    }
+    if (!bounded) {
+      found_.contact = Contact::kClose;
+      found_.doubt = "the search for the depth of the contact was too long";
+      return;
+    }
+    if (bounded->found_m > most_m) {
+      const auto deep = search(pairs, std::nullopt, kDepthM, kDepthFraction, *bounded);
+      found_.is_at_least = !deep;
+      take_depth({deep ? *deep : *bounded, is_first[(deep ? *deep : *bounded).pair]});
+    } else if (bounded->at_most_m > most_m) {
+      found_.contact = Contact::kClose;
+    }
+  }
+
+  // None where the search takes too long.
+  static std::optional<exact::Depth> search(std::span<const exact::SurfaceInSolid> pairs,
+                                            std::optional<double> allowed_m, double within_m,
+                                            double within_fraction, const exact::Depth& known) {
+    std::uint64_t asked = 0;
+    const exact::Watch watch([&] { return ++asked < kMaxAsked; });
+    try {
+      return exact::deepest(pairs, allowed_m, within_m, within_fraction, {}, known);
+    } catch (const exact::Stopped&) {
+      return std::nullopt;
+    }
+  }
+
+  struct Deep {
+    exact::Depth depth;
+    bool is_first = true;
+  };
+
+  // The depth of a part that lies inside another one.
+  Deep deepest_of(const std::pair<const Shape*, const Shape*>& inner_outer, bool is_first) {
+    const auto [inner, outer] = inner_outer;
+    const exact::Parts whole = exact::whole_surface();
+    const exact::SurfaceInSolid pairs[] = {{inner->body(), outer->body(), kWorld, kWorld, &whole}};
+    exact::Depth known;
+    known.place_m = exact::dvec3_of(some_place(*inner));
+    const auto nearest = outer->body()->tree().nearest(some_place(*inner));
+    known.found_m = known.at_most_m = std::sqrt(nearest.distance_squared);
+    known.foot_m = exact::dvec3_of(nearest.point.position);
+    const auto deep = search(pairs, std::nullopt, kDepthM, kDepthFraction, known);
+    found_.is_at_least = !deep;
+    return {deep ? *deep : known, is_first};
+  }
+
+  void take_depth(const Deep& deep) {
+    found_.depth_m = deep.depth.found_m;
+    found_.at_m = array_of(deep.depth.place_m);
+    found_.is_first_deep = deep.is_first;
+    found_.contact = deep.depth.found_m > allowed_m() ? Contact::kOverlap : Contact::kTouch;
+  }
+
+  void find_common_ball() {
+    const double min_m = allowed_m();
+    Ball ball = ball_in_both(first_.shape, second_.shape, min_m);
+    const Ball other = ball_in_both(second_.shape, first_.shape, std::max(min_m, ball.radius_m));
+    if (other.radius_m > ball.radius_m) ball = other;
+    if (ball.radius_m <= min_m) return;
+    found_.contact = Contact::kOverlap;
+    found_.depth_m = ball.radius_m;
+    found_.is_at_least = true;
+    found_.at_m = {ball.center.x, ball.center.y, ball.center.z};
+  }
+
+  const NamedShape &first_, &second_;
+  double margin_m_;
+  PairMeasure found_;
+};
+
+}  // namespace
+
+Shape::Shape(exact::Surface surface, const mesh::Box& box_m)
+    : box_m_(box_m),
+      triangles_(surface.triangles.size()),
+      mesh_(exact::MeshPair::mesh_of(surface)),
+      surface_(std::move(surface)) {}
+
+const exact::Body* Shape::body() const {
+  std::call_once(once_, [this] {
+    bodies_ = exact::bodies_of(surface_, exact::widest_crack_m(surface_));
+    surface_ = {};
+  });
+  return bodies_.empty() ? nullptr : bodies_.front().get();
+}
+
+std::optional<PairMeasure> measure_pair(const NamedShape& first, const NamedShape& second,
+                                        double beyond_m, double margin_m) {
+  return PairSearch(first, second, margin_m).run(beyond_m);
+}
+
+}  // namespace forcelayer::pairs

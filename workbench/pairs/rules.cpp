@@ -1,0 +1,226 @@
+#include "workbench/pairs/rules.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "formats/command/spelling/spelling.h"
+#include "formats/mesh/node_names.h"
+#include "formats/path/path_columns.h"
+
+namespace forcelayer::pairs {
+namespace {
+
+constexpr const char* kMend =
+    "the first line names the columns part,object,clearance, and each row has a cell for each";
+constexpr std::array<std::string_view, 3> kColumns = {"part", "object", "clearance"};
+constexpr std::size_t kMaxLine = 65536;  // bytes
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  while (line.data() != nullptr) cells.push_back(take_cell(line, separator));
+  return cells;
+}
+
+// The separator of a header: spreadsheets write semicolons or tabs in some countries.
+char separator_of(std::string_view header) {
+  for (const char separator : {';', '\t'}) {
+    if (header.find(separator) != std::string_view::npos) return separator;
+  }
+  return ',';
+}
+
+bool is_blank(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(" \t,;");
+  return first == std::string_view::npos || line[first] == '#';
+}
+
+// Reads a file of rules line by line.
+class RuleReader {
+ public:
+  // The mistake of a line; empty: it has none.
+  std::string read(std::string_view line, std::size_t number) {
+    if (is_blank(line)) return "";
+    return cell_of_.empty() ? read_header(line) : read_row(line, number);
+  }
+
+  bool has_header() const { return !cell_of_.empty(); }
+  const std::string& mend() const { return mend_; }  // of the mistake
+  std::vector<Rule> take() { return std::move(rules_); }
+
+ private:
+  std::string read_header(std::string_view line) {
+    separator_ = separator_of(line);
+    const auto cells = cells_of(line, separator_);
+    count_ = cells.size();
+    for (const std::string_view column : kColumns) {
+      const auto at = std::find(cells.begin(), cells.end(), column);
+      if (at == cells.end()) return "the column " + std::string(column) + " is missing";
+      cell_of_.push_back(static_cast<std::size_t>(at - cells.begin()));
+    }
+    return "";
+  }
+
+  std::string read_row(std::string_view line, std::size_t number) {
+    const auto cells = cells_of(line, separator_);
+    if (cells.size() != count_) {
+      return "has " + std::to_string(cells.size()) + " cells, but the header has " +
+             std::to_string(count_);
+    }
+    Rule rule;
+    rule.part = cells[cell_of_[0]], rule.object = cells[cell_of_[1]], rule.line = number;
+    for (const auto& [name, column] :
+         {std::pair(&rule.part, kColumns[0]), std::pair(&rule.object, kColumns[1])}) {
+      if (name->empty()) return "the " + std::string(column) + " is empty; * means every part";
+    }
+    const auto requirement = parse_requirement(std::string(cells[cell_of_[2]]));
+    if (!requirement) {
+      mend_ = requirement.error().mend;
+      return "the clearance " + requirement.error().what;
+    }
+    rule.requirement = *requirement;
+    rules_.push_back(std::move(rule));
+    return "";
+  }
+
+  std::string mend_ = kMend;
+  char separator_ = ',';
+  std::size_t count_ = 0;             // of cells in a line
+  std::vector<std::size_t> cell_of_;  // [kColumns]
+  std::vector<Rule> rules_;
+};
+
+// Whether a path, or that of a node above it, is meant by one spelling of a name.
+bool fits(const std::string& path, const std::string& spelling) {
+  for (std::size_t end = path.find('/');; end = path.find('/', end + 1)) {
+    if (mesh::fits_name(path.substr(0, end), spelling)) return true;
+    if (end == std::string::npos) return false;
+  }
+}
+
+// Whether a name without wildcards means a part only because the first of several siblings may be
+// written without its number.
+bool means_first_alone(const std::string& name, const PartName& part) {
+  return name.find_first_of("*?") == std::string::npos && !fits(part.listed, name) &&
+         fits(part.path, name);
+}
+
+}  // namespace
+
+Result<std::vector<Rule>> read_rules(const std::string& path) {
+  std::error_code failure;
+  if (!std::filesystem::exists(path, failure) || std::filesystem::is_directory(path, failure)) {
+    return Error{ErrorCode::kFileNotFound, path, "", "no such file", kMend};
+  }
+  std::ifstream file(path, std::ios::binary);
+  RuleReader reader;
+  std::string line;
+  std::size_t number = 0;
+  const auto wrong = [&](const std::string& what, const std::string& mend) {
+    return Error{ErrorCode::kUsage, path, "line " + std::to_string(number), what, mend};
+  };
+  while (std::getline(file, line)) {
+    ++number;
+    std::string_view text = line;
+    if (number == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    if (text.ends_with('\r')) text.remove_suffix(1);
+    if (text.size() > kMaxLine || text.find('\0') != std::string_view::npos) {
+      return wrong("is not text", kMend);
+    }
+    const std::string mistake = reader.read(text, number);
+    if (!mistake.empty()) return wrong(mistake, reader.mend());
+  }
+  if (file.bad()) return Error{ErrorCode::kReadFailed, path, "", "cannot be read", ""};
+  ++number;
+  if (!reader.has_header()) return wrong("the header is missing", kMend);
+  std::vector<Rule> rules = reader.take();
+  if (rules.empty()) return wrong("the file has no rules", kMend);
+  return rules;
+}
+
+bool means(const std::string& name, const PartName& part) {
+  const std::vector<std::string> spellings = command::meanings_of(name);
+  return std::any_of(spellings.begin(), spellings.end(), [&](const std::string& spelling) {
+    return fits(part.path, spelling) || fits(part.listed, spelling);
+  });
+}
+
+Status check_siblings(std::span<const Rule> rules, std::span<const PartName> parts,
+                      const std::string& path) {
+  for (const Rule& rule : rules) {
+    for (const std::string* const name : {&rule.part, &rule.object}) {
+      const auto first = std::find_if(parts.begin(), parts.end(), [&](const PartName& part) {
+        return means_first_alone(*name, part);
+      });
+      if (first == parts.end()) continue;
+      return Error{ErrorCode::kUsage, path, "line " + std::to_string(rule.line),
+                   "several siblings have the name '" + *name + "', such as " + first->listed,
+                   "write " + *name + "[1] for only the first, or " + *name + "* for all"};
+    }
+  }
+  return {};
+}
+
+RuleTable::RuleTable(std::span<const Rule> rules, std::span<const PartName> parts)
+    : rules_(rules), parts_(parts), decides_(rules.size()) {
+  // The rows that name a part: in the first column, and in the second.
+  std::map<std::vector<bool>, std::uint32_t> classes;
+  std::vector<std::vector<bool>> rows_of;  // [classes]
+  std::vector<std::size_t> size_of;        // [classes]
+  for (const PartName& part : parts) {
+    std::vector<bool> rows;
+    for (const Rule& rule : rules) {
+      rows.push_back(means(rule.part, part));
+      rows.push_back(means(rule.object, part));
+    }
+    const auto [at, is_new] =
+        classes.try_emplace(std::move(rows), static_cast<std::uint32_t>(classes.size()));
+    if (is_new) rows_of.push_back(at->first), size_of.push_back(0);
+    ++size_of[at->second];
+    class_of_.push_back(at->second);
+  }
+  classes_ = classes.size();
+  first_.resize(classes_ * classes_);
+  for (std::size_t a = 0; a < classes_; ++a) {
+    for (std::size_t b = a; b < classes_; ++b) {
+      std::size_t first = 0;
+      const auto matches = [&](std::size_t rule) {
+        return (rows_of[a][2 * rule] && rows_of[b][2 * rule + 1]) ||
+               (rows_of[b][2 * rule] && rows_of[a][2 * rule + 1]);
+      };
+      while (first < rules.size() && !matches(first)) ++first;
+      first_[a * classes_ + b] = first_[b * classes_ + a] = first;
+      const bool is_of_a_pair = a != b || size_of[a] > 1;
+      if (is_of_a_pair && first < rules.size()) decides_[first] = true;
+    }
+  }
+}
+
+std::vector<std::string> RuleTable::warnings(const std::string& path) const {
+  std::vector<std::string> warnings;
+  for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
+    const std::string warning = warning_of(rule);
+    if (warning.empty()) continue;
+    warnings.push_back(path + ": line " + std::to_string(rules_[rule].line) + ": " + warning);
+  }
+  return warnings;
+}
+
+std::string RuleTable::warning_of(std::size_t rule) const {
+  for (const std::string* const name : {&rules_[rule].part, &rules_[rule].object}) {
+    const auto meant = [&](const PartName& part) { return means(*name, part); };
+    if (std::none_of(parts_.begin(), parts_.end(), meant)) {
+      command::NearestNames nearest(*name);
+      for (const PartName& part : parts_) nearest.add(part.listed);
+      return "no part has the name '" + *name + "'; " + nearest.text();
+    }
+  }
+  if (decides_[rule]) return "";
+  return "the row decides about no pair, because earlier rows name all pairs that it names";
+}
+
+}  // namespace forcelayer::pairs

@@ -1,0 +1,68 @@
+// The rules of an assembly: which distance each pair of its parts must keep.
+//
+// A file of rules is a table with the columns part, object and clearance. The first row that names
+// both parts of a pair, in either order, decides about that pair. A row names a part by its name or
+// the end of its name, as in FILE#NODE; `*` and `?` stand for letters other than "/". The name of a
+// node means all parts below it, too.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/result.h"
+#include "workbench/pairs/requirement.h"
+
+namespace forcelayer::pairs {
+
+struct Rule {
+  std::string part, object;
+  Requirement requirement;
+  std::size_t line = 0;  // of the file
+};
+
+// Reads a file of rules. Errors: kFileNotFound, kReadFailed; kUsage with the line of a wrong row.
+Result<std::vector<Rule>> read_rules(const std::string& path);
+
+// A part's name: the path of its node, and the same as `voxelize --list` prints it, where the first
+// of several siblings with one name has a number, too.
+struct PartName {
+  std::string path, listed;
+};
+
+// Whether a name in a rule means this part.
+bool means(const std::string& name, const PartName& part);
+
+// An error where a name without a number or wildcard means the first of several siblings alone: its
+// writer may know all of them by one name. Errors: kUsage, with the line of `path`.
+Status check_siblings(std::span<const Rule> rules, std::span<const PartName> parts,
+                      const std::string& path);
+
+// The rule of each pair of some parts. Parts that the same rows name are of one class, so that the
+// table is small.
+class RuleTable {
+ public:
+  RuleTable(std::span<const Rule> rules, std::span<const PartName> parts);
+
+  // The number of the first rule that names both parts; the count of rules where none does.
+  std::size_t first_rule(std::size_t part, std::size_t other) const {
+    return first_[class_of_[part] * classes_ + class_of_[other]];
+  }
+
+  // Warnings, a line each, about rows that decide about no pair.
+  std::vector<std::string> warnings(const std::string& path) const;
+
+ private:
+  std::string warning_of(std::size_t rule) const;
+
+  std::span<const Rule> rules_;
+  std::span<const PartName> parts_;
+  std::size_t classes_ = 0;
+  std::vector<std::uint32_t> class_of_;  // [parts]
+  std::vector<std::size_t> first_;       // [classes][classes]
+  std::vector<bool> decides_;            // [rules] about a pair
+};
+
+}  // namespace forcelayer::pairs
