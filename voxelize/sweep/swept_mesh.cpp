@@ -19,7 +19,7 @@ using mesh::Vec3d;
 // How far the thinned path may be from the path, and the straight motion of corners between
 // sub-poses from the turning motion, in voxels. More poses than these do not make the exported
 // surface visibly tighter: its own excess is up to 0.87 voxel.
-constexpr double kThinVoxels = 0.01, kStepVoxels = 0.035;
+constexpr double kThinVoxels = 0.005, kStepVoxels = 0.02;
 
 // Tetrahedra of one sweep: some minutes.
 constexpr double kMaxTetrahedra = 2e10;
@@ -93,6 +93,43 @@ Topology topology_of(const mesh::Mesh& mesh) {
     topology.edges.push_back({first.low, first.high});
   }
   return topology;
+}
+
+// The mesh with its triangles halved at their longest edges until no edge is longer than
+// `longest_m`. Triangles that share an edge halve it at the same points.
+mesh::Mesh subdivided(const mesh::Mesh& mesh, double longest_m) {
+  mesh::Mesh fine{mesh.vertices, {}, mesh.single_precision};
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  std::vector<mesh::Triangle> waiting(mesh.triangles.rbegin(), mesh.triangles.rend());
+  while (!waiting.empty()) {
+    const mesh::Triangle corners = waiting.back();
+    waiting.pop_back();
+    std::size_t longest = 0;
+    double length_m = 0;
+    for (std::size_t n = 0; n < 3; ++n) {
+      const double edge_m =
+          length(minus(fine.vertices[corners[(n + 1) % 3]], fine.vertices[corners[n]]));
+      if (edge_m > length_m) longest = n, length_m = edge_m;
+    }
+    if (!(length_m > longest_m)) {
+      fine.triangles.push_back(corners);
+      continue;
+    }
+    const std::uint32_t a = corners[longest], b = corners[(longest + 1) % 3],
+                        c = corners[(longest + 2) % 3];
+    const auto [middle, is_new] =
+        middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(fine.vertices.size()));
+    if (is_new) {
+      Vec3d at;
+      for (std::size_t d = 0; d < 3; ++d) {
+        at[d] = (fine.vertices[a][d] + fine.vertices[b][d]) / 2;
+      }
+      fine.vertices.push_back(at);
+    }
+    waiting.push_back({a, middle->second, c});
+    waiting.push_back({middle->second, b, c});
+  }
+  return fine;
 }
 
 // The sign of the volume of a tetrahedron: 1, -1, or 0 where rounding leaves it open.
@@ -298,12 +335,29 @@ struct StepsOfPath {
   double deviation_m = 0;
 };
 
-StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const Vec3d& center_m,
-                     double voxel_size_m) {
+// Edges that are as long as the farthest point travels in a step whose turn they limit. Longer ones
+// make more poses and longer triangles, shorter ones make more triangles. Paths without turns need
+// no edges to be short.
+double longest_edge_m(std::span<const PathRow> rows, double radius_m, double voxel_size_m) {
+  double turn_rad = 0;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    turn_rad += turn_between(rows[i], rows[i + 1]).angle_rad;
+  }
+  if (!(turn_rad > 1e-9)) return std::numeric_limits<double>::infinity();
+  return std::max(2 * voxel_size_m, std::sqrt(4 * kStepVoxels * voxel_size_m * radius_m));
+}
+
+double radius_about_m(std::span<const Vec3d> vertices, const Vec3d& center_m) {
   double radius_m = 0;
-  for (const Vec3d& vertex : part.vertices) {
+  for (const Vec3d& vertex : vertices) {
     radius_m = std::max(radius_m, length(minus(vertex, center_m)));
   }
+  return radius_m;
+}
+
+StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const Vec3d& center_m,
+                     double voxel_size_m) {
+  const double radius_m = radius_about_m(part.vertices, center_m);
   StepsOfPath path;
   const std::vector<PathRow> timed = timed_by_travel(rows, center_m, radius_m);
   path.rows = thinned(timed, center_m, radius_m, kThinVoxels * voxel_size_m);
@@ -375,7 +429,9 @@ Result<SweptMesh> sweep_mesh(const mesh::Mesh& part, std::span<const PathRow> ro
     return Error{ErrorCode::kUsage, "", name, "cannot be swept along a path of one pose",
                  "give a path of two or more rows"};
   }
-  const Topology topology = topology_of(part);
+  const double radius_m = radius_about_m(part.vertices, center_m);
+  const Topology topology =
+      topology_of(subdivided(part, longest_edge_m(rows, radius_m, voxel_size_m)));
   const StepsOfPath path = steps_of(topology, rows, center_m, voxel_size_m);
   double poses = 1;
   for (const std::size_t steps : path.steps) poses += static_cast<double>(steps);
