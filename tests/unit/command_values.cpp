@@ -133,6 +133,7 @@ TEST(OldOptions, AreNotAmongTheNewOnes) {
 
 TEST(OldOptions, AreErrorsThatNameTheNewSpelling) {
   EXPECT_EQ(new_spelling("voxrun", "--mass"), "--set mass_kg=VALUE");
+  EXPECT_EQ(new_spelling("voxview", "--focus"), "voxview draw ... --focus");
   EXPECT_EQ(new_spelling("voxelize", "--mass"), "");
   EXPECT_EQ(new_spelling("voxrun", "--mas"), "");
   for (const std::string old : {"--mass", "--mass=5"}) {
