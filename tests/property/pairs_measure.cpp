@@ -278,6 +278,17 @@ TEST(PairsMeasure, FindsPartsThatLieInsideOthers) {
   EXPECT_EQ(assembly.parts[found.part].name.listed, "buried");
   EXPECT_NEAR(found.measure.depth_m, 0.035, 0.035 / 128);
   EXPECT_NEAR(found.measure.distance_m, 0.025, 1e-12);
+  // So is one of the two bodies of a part whose other body lies outside.
+  mesh::Mesh pair = moved(box_mesh(0.01, 0.01, 0.01), 0.3, 0, 0);
+  const mesh::Mesh second = moved(box_mesh(0.01, 0.01, 0.01), 0.02, 0, 0);
+  for (const mesh::Vec3d& v : second.vertices) pair.vertices.push_back(v);
+  for (const mesh::Triangle& t : second.triangles) {
+    pair.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  }
+  AssemblyParts half_buried;
+  test::add_part(half_buried, "block", box_mesh(0.1, 0.1, 0.1));
+  test::add_part(half_buried, "pair", pair);
+  EXPECT_EQ(only_finding(half_buried).kind, VerdictKind::kCollides);
   // In a hollow block the same part is apart.
   mesh::Mesh hollow = box_mesh(0.1, 0.1, 0.1);
   mesh::Mesh cavity = box_mesh(0.06, 0.06, 0.06);

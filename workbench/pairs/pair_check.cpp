@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -45,8 +47,33 @@ bool is_in(const mesh::Box& box, const Vec3& p) {
          p.z >= box.low[2] && p.z <= box.high[2];
 }
 
-// A place of a shape's surface.
-Vec3 some_place(const Shape& shape) { return shape.body()->tree().part().vertices.front(); }
+// The triangles that hang together, in the order of their lowest corners.
+std::vector<Shape::Piece> pieces_of(const part::Part& part) {
+  std::vector<std::uint32_t> parent(part.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&](std::uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const mesh::Triangle& t : part.triangles) {
+    for (const std::uint32_t corner : t) {
+      const std::uint32_t a = root_of(t[0]), b = root_of(corner);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::map<std::uint32_t, Shape::Piece> pieces;
+  for (const mesh::Triangle& t : part.triangles) {
+    for (const std::uint32_t corner : t) {
+      const Vec3& v = part.vertices[corner];
+      const auto [at, is_new] = pieces.try_emplace(root_of(corner));
+      if (is_new) at->second = {v, mesh::empty_box()};
+      mesh::extend(at->second.box_m, mesh::Vec3d{v.x, v.y, v.z});
+    }
+  }
+  std::vector<Shape::Piece> all;
+  for (const auto& [root, piece] : pieces) all.push_back(piece);
+  return all;
+}
 
 std::string open_text(const NamedShape& named) {
   const std::string name = named.name();
@@ -137,22 +164,25 @@ class PairSearch {
   }
 
  private:
-  // The surfaces do not meet, so one place tells whether a part lies inside the other. Whether that
-  // is so, or may be.
+  // The surfaces do not meet, so one place of a piece tells whether it lies inside the other part.
+  // Whether one does, or may.
   bool look_inside(const NamedShape& inner, const NamedShape& outer, bool is_first) {
-    if (!contains(outer.shape.box_m(), inner.shape.box_m())) return false;
-    if (inner.shape.body() == nullptr || outer.shape.body() == nullptr) return false;
-    if (!outer.shape.body()->holds(some_place(inner.shape))) return false;
-    if (!outer.shape.is_solid()) {
-      found_.contact = Contact::kUndecided;
-      found_.doubt = "it may be inside: " + open_text(outer);
-      found_.is_first_deep = is_first;
-      const Vec3 place = some_place(inner.shape);
-      found_.at_m = {place.x, place.y, place.z};
+    if (distance_of(outer.shape.box_m(), inner.shape.box_m()) > 0) return false;
+    if (outer.shape.body() == nullptr) return false;
+    for (const Shape::Piece& piece : inner.shape.pieces()) {
+      if (!contains(outer.shape.box_m(), piece.box_m)) continue;
+      if (!outer.shape.body()->holds(piece.place_m)) continue;
+      if (outer.shape.is_solid()) {
+        take_depth(deepest_of({&inner.shape, &outer.shape}, piece.place_m, is_first));
+      } else {
+        found_.contact = Contact::kUndecided;
+        found_.doubt = "it may be inside: " + open_text(outer);
+        found_.is_first_deep = is_first;
+        found_.at_m = {piece.place_m.x, piece.place_m.y, piece.place_m.z};
+      }
       return true;
     }
-    take_depth(deepest_of({&inner.shape, &outer.shape}, is_first));
-    return true;
+    return false;
   }
 
   void look_into_contact() {
@@ -229,13 +259,14 @@ class PairSearch {
   };
 
   // The depth of a part that lies inside another one.
-  Deep deepest_of(const std::pair<const Shape*, const Shape*>& inner_outer, bool is_first) {
+  Deep deepest_of(const std::pair<const Shape*, const Shape*>& inner_outer, const Vec3& place_m,
+                  bool is_first) {
     const auto [inner, outer] = inner_outer;
     const exact::Parts whole = exact::whole_surface();
     const exact::SurfaceInSolid pairs[] = {{inner->body(), outer->body(), kWorld, kWorld, &whole}};
     exact::Depth known;
-    known.place_m = exact::dvec3_of(some_place(*inner));
-    const auto nearest = outer->body()->tree().nearest(some_place(*inner));
+    known.place_m = exact::dvec3_of(place_m);
+    const auto nearest = outer->body()->tree().nearest(place_m);
     known.found_m = known.at_most_m = std::sqrt(nearest.distance_squared);
     known.foot_m = exact::dvec3_of(nearest.point.position);
     const auto deep = search(pairs, std::nullopt, kDepthM, kDepthFraction, known);
@@ -279,6 +310,7 @@ const exact::Body* Shape::body() const {
   std::call_once(once_, [this] {
     bodies_ = exact::bodies_of(surface_, exact::widest_crack_m(surface_));
     surface_ = {};
+    if (!bodies_.empty()) pieces_ = pieces_of(bodies_.front()->tree().part());
   });
   return bodies_.empty() ? nullptr : bodies_.front().get();
 }

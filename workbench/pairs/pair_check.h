@@ -13,6 +13,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "formats/mesh/mesh.h"
 #include "workbench/exact/body.h"
@@ -34,6 +35,14 @@ class Shape {
   const exact::Body* body() const;
   bool is_solid() const { return body() != nullptr && body()->is_solid(); }
 
+  // Triangles that hang together by their corners: a place of their surface, and their box. Found
+  // at the first call of body().
+  struct Piece {
+    part::Vec3 place_m;
+    mesh::Box box_m;
+  };
+  const std::vector<Piece>& pieces() const { return body(), pieces_; }
+
  private:
   mesh::Box box_m_;
   std::size_t triangles_;
@@ -41,6 +50,7 @@ class Shape {
   mutable std::once_flag once_;
   mutable exact::Surface surface_;  // until the body is made
   mutable exact::Bodies bodies_;
+  mutable std::vector<Piece> pieces_;
 };
 
 enum class Contact {
