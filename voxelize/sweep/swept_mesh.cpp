@@ -20,6 +20,7 @@ using mesh::Vec3d;
 // sub-poses from the turning motion, in voxels. More poses than these do not make the exported
 // surface visibly tighter: its own excess is up to 0.87 voxel.
 constexpr double kThinVoxels = 0.005, kStepVoxels = 0.02;
+constexpr double kMaxThinVoxels = 0.08;  // of a path that is noisy
 
 // Tetrahedra of one sweep: some minutes.
 constexpr double kMaxTetrahedra = 2e10;
@@ -360,7 +361,14 @@ StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const 
   const double radius_m = radius_about_m(part.vertices, center_m);
   StepsOfPath path;
   const std::vector<PathRow> timed = timed_by_travel(rows, center_m, radius_m);
-  path.rows = thinned(timed, center_m, radius_m, kThinVoxels * voxel_size_m);
+  double thin_m = kThinVoxels * voxel_size_m;
+  path.rows = thinned(timed, center_m, radius_m, thin_m);
+  // More rows than two in a voxel of travel are the noise of a recording.
+  const double enough = 2 + 2 * timed.back().time_s / voxel_size_m;
+  while (static_cast<double>(path.rows.size()) > enough && thin_m < kMaxThinVoxels * voxel_size_m) {
+    thin_m *= 2;
+    path.rows = thinned(timed, center_m, radius_m, thin_m);
+  }
   double deviation_m = 0;
   for (std::size_t i = 0; i + 1 < path.rows.size(); ++i) {
     const Turn turn = turn_between(path.rows[i], path.rows[i + 1]);
@@ -372,8 +380,7 @@ StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const 
   }
   // Two turns that are apart by an angle at their ends are apart by at most sqrt(2) times that
   // angle in between, as neither is more than half a turn.
-  const double thinned_m =
-      path.rows.size() < timed.size() ? std::sqrt(2.0) * kThinVoxels * voxel_size_m : 0;
+  const double thinned_m = path.rows.size() < timed.size() ? std::sqrt(2.0) * thin_m : 0;
   path.deviation_m = thinned_m + deviation_m;
   return path;
 }
