@@ -89,16 +89,22 @@ struct ExactSeat {
   double gap_m = 0;        // how far it and the part are apart where that is installed
   double installed_m = 0;  // how deep they lie in each other there
   double allowed_m = 0;    // how deep they may
+  double margin_m = 0;     // deviations, rounding and cracks: what it may lie deeper than the truth
   double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
   double nearest_m = 0;    // how near they come then; 0 where they touch
-  // How far they are apart once the part has moved out of its seat by twice the required clearance
-  // and twice `installed_m`.
+  // Where the part has moved out of its seat by twice the required clearance and twice
+  // `installed_m`: how far they are apart, and the time of the path. Where that is the required
+  // clearance or more: the same at about the first time at which it is.
   double soon_m = 0;
-  double soon_s = 0;  // at this time of the path
+  double soon_s = 0;
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing
   // of the other's inside, and it stays open whether the part goes through.
   bool settled = true;
   ExactHole part_hole{}, object_hole{};  // where it is not settled
+
+  // Whether they overlap where the part is installed, for certain.
+  bool overlaps() const { return installed_m > margin_m; }
+  bool has_seat_depth() const { return allowed_m > installed_m + margin_m; }
 };
 
 // A stretch in which the part is in its seat by the meshes: the files prove less than there is, and

@@ -18,16 +18,13 @@ namespace {
 using clearance::CheckedMoment;
 using clearance::CheckResult;
 using clearance::Violation;
+using command::kDecimalM;
 using command::length_text;
 using command::text;
 using command::VerdictDistance;
 using command::VerdictKind;
 using Json = nlohmann::ordered_json;
 using Known = command::VerdictDistance::Known;
-
-// Lengths are shown rounded down. A distance that is measured between decimal coordinates may be
-// less than its decimal number by far less than this, m.
-constexpr double kDecimalM = 1e-10;
 
 const ExactSeat* exact_seat(const CheckedPath& checked, std::uint32_t object) {
   if (checked.exact == nullptr) return nullptr;
@@ -75,14 +72,15 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   const std::string object = name_of(checked, v.worst.object);
   const ExactViolation* exact = exact_of(checked, v);
   if (exact == nullptr) {
-    return "goes " + length_text(v.depth_m) + " deeper into " + object +
+    return "goes at least " + length_text(v.depth_m) + " deeper into " + object +
            " than in the installed pose";
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
   if (exact->graze) {
     return "is " + length_text(v.depth_m) + " to " +
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep in " + object +
-           ", where " + length_text(seat->allowed_m) + " is allowed";
+           ", of which " + length_text(seat->allowed_m) + " may be deviations of the meshes" +
+           (seat->has_seat_depth() ? " and --seat-depth" : "");
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
@@ -93,7 +91,8 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   return seat->installed_m > kRoundingM
              ? deep + ", which the installed part overlaps by at least " +
                    length_text(seat->installed_m)
-             : deep + ", where " + allowed + " is allowed";
+             : deep + ", of which " + allowed + " may be deviations of the meshes" +
+                   (seat->has_seat_depth() ? " and --seat-depth" : "");
 }
 
 // "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"
@@ -174,7 +173,7 @@ std::string finding_text(const CheckedPath& checked, const Violation& v) {
   if (v.worst.max_m <= 0) return "goes into " + object;
   if (v.worst.max_m < checked.required_m) {
     return "comes within " + command::upper_length_text(v.worst.max_m, checked.required_m) +
-           " of " + object;
+           " of " + object + ", or nearer";
   }
   const std::string proven = command::length_texts(v.clearance_m, checked.required_m).first;
   if (!std::isfinite(v.worst.max_m))
@@ -221,10 +220,28 @@ VerdictDistance distance_of(const CheckedPath& checked, const CheckedMoment& mom
   return distance;
 }
 
+// From where on the part is too near the object without a break: the files cut a violation where
+// the part leaves its seat.
+double begins_s(const CheckedPath& checked, const Violation& v) {
+  double from_s = v.from_s;
+  const auto& all = checked.result.violations;
+  const auto goes_before = [&](const Violation& other) {
+    return other.worst.object == v.worst.object && other.of_distance() && other.from_s < from_s &&
+           other.to_s >= from_s;
+  };
+  for (auto at = all.begin(); at != all.end();) {
+    at = std::find_if(all.begin(), all.end(), goes_before);
+    if (at != all.end()) from_s = at->from_s;
+  }
+  return from_s;
+}
+
 // From how far along the path on a violation blocks the part: where the meshes meet, from contact.
 double begins_m(const CheckedPath& checked, const Violation& v) {
   const ExactViolation* exact = exact_of(checked, v);
-  return along_m(checked, exact != nullptr && exact->contact_known ? exact->contact_s : v.from_s);
+  if (exact == nullptr && v.of_distance()) return along_m(checked, begins_s(checked, v));
+  const bool is_contact = exact != nullptr && exact->contact_known;
+  return along_m(checked, is_contact ? exact->contact_s : v.from_s);
 }
 
 command::VerdictBegin begin_of(const CheckedPath& checked, const Violation& v) {
@@ -291,8 +308,6 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
         const bool begins = slide.from_m <= 0;
         slide.left_within_m = std::max(slide.left_within_m, begins ? soon_m : slide.to_m - soon_m);
       }
-      const bool overlaps = exact != nullptr && exact->installed_m > checked.exact->margin_m;
-      if (overlaps) slide.overlap_m = std::max(slide.overlap_m, exact->installed_m);
     }
     slides.push_back(std::move(slide));
   }
@@ -429,6 +444,13 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.path_m = checked.length.whole_m();
   verdict.scene_names = object_names(checked.scene);
   verdict.slides = slides_of(checked);
+  if (checked.exact != nullptr) {
+    for (const ExactSeat& seat : checked.exact->seat) {
+      if (!seat.overlaps()) continue;
+      verdict.overlapped.push_back(object_name(checked.scene, seat.object));
+      verdict.overlap_m = std::max(verdict.overlap_m, seat.installed_m);
+    }
+  }
   verdict.nearest = smallest_of(checked);
   verdict.beyond = beyond_of(checked);
   verdict.kind = yes_of(checked);

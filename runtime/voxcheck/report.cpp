@@ -7,6 +7,7 @@
 
 #include "formats/command/report.h"
 #include "formats/command/text.h"
+#include "formats/path/path_edit.h"
 #include "runtime/voxcheck/missing_faces.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/words.h"
@@ -35,12 +36,12 @@ bool is_seat_settled(const Report& report) {
                                      [](const ExactSeat& seat) { return seat.settled; });
 }
 
-// The objects that the part overlaps where it is installed, by more than deviations and rounding.
+// The objects that the part overlaps where it is installed, for certain.
 std::vector<std::string> overlap_texts(const Report& report) {
   std::vector<std::string> texts;
   if (!report.exact) return texts;
   for (const ExactSeat& seat : report.exact->seat) {
-    if (seat.installed_m <= report.exact->margin_m) continue;
+    if (!seat.overlaps()) continue;
     texts.push_back("where the part is installed, it overlaps " +
                     shown_name(report.checked.scene, seat.object) + " by at least " +
                     length_text(seat.installed_m) + "; the force that this takes is not computed");
@@ -168,7 +169,21 @@ std::string seat_depth_text(const Report& report) {
   return "in its seat, the part goes at least " + found + " deeper into " + object +
          " than installed; " +
          (allowed_m < kRoundingM ? "no extra depth is allowed beyond rounding"
-                                 : length_text(allowed_m) + " are allowed");
+                                 : length_text(allowed_m) + " may be deviations of the meshes" +
+                                       (deepest->has_seat_depth() ? " and --seat-depth" : ""));
+}
+
+// Where the part turns, its points travel along ways of different lengths.
+std::string path_length_text(const CheckedPath& checked) {
+  constexpr double kShownM = 1e-4;
+  const auto& c = checked.part.header().center_m;
+  const double whole_m = checked.length.whole_m();
+  const double center_m = path_facts(checked.rows, {c[0], c[1], c[2]}).length_m;
+  if (whole_m - center_m < kShownM) return "";
+  return text(
+      "positions along the path are travel of the part's fastest point, %.1f mm in all; its "
+      "centroid travels %.1f mm",
+      1e3 * whole_m, 1e3 * center_m);
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
@@ -212,6 +227,9 @@ command::Verdict verdict_of(const Report& report) {
     notes.push_back(text("and %zu more", r.violations.size() - kListed));
   }
   for (std::string& line : bounds_texts(checked)) notes.push_back(std::move(line));
+  if (std::string line = path_length_text(checked); !line.empty()) {
+    notes.push_back(std::move(line));
+  }
   notes.insert(notes.end(), verdict.remarks.begin(), verdict.remarks.end());
   if (std::string line = seat_depth_text(report); !line.empty()) notes.push_back(std::move(line));
   if (const double within_m = hidden_within_m(report); within_m > 0) {

@@ -197,21 +197,27 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
        "slides along A and passes B with a gap of 0.096 mm for the first 2.1 mm");
   says({0, 0.0019, {"A"}, {"B"}, 96e-6},
        "leaves A and passes B with a gap of 0.096 mm within the first 1.9 mm");
-  says({0.0581, 0.06, {"A"}, {}, 0, 1e-4},
-       "reaches A, overlapping by at least 0.1 mm when installed (the force for that is not "
-       "computed), within the last 1.9 mm");
-  says({0.0579, 0.06, {"A"}, {}, 0, 1e-4},
-       "slides along A, overlapping by at least 0.1 mm when installed (the force for that is not "
-       "computed), for the last 2.1 mm");
-  says({0, 0.0516, {"B"}, {}, 0, 0, {"A"}, 0.002},
+  says({0.0581, 0.06, {"A"}, {}, 0}, "reaches A within the last 1.9 mm");
+  says({0.0579, 0.06, {"A"}, {}, 0}, "slides along A for the last 2.1 mm");
+  says({0, 0.0516, {"B"}, {}, 0, {"A"}, 0.002},
        "leaves A within the first 2 mm and slides along B for the first 51.6 mm");
-  says({0.01, 0.06, {"B"}, {}, 0, 0, {"A"}, 0.002},
+  says({0.01, 0.06, {"B"}, {}, 0, {"A"}, 0.002},
        "reaches A within the last 2 mm and slides along B for the last 50 mm");
-  says({0, 0.0516, {}, {"C"}, 96e-6, 0, {"A"}, 0.002},
+  says({0, 0.0516, {}, {"C"}, 96e-6, {"A"}, 0.002},
        "leaves A within the first 2 mm and passes C with a gap of 0.096 mm for the first 51.6 mm");
-  says({0, 0.0019, {"B"}, {}, 0, 0, {"A"}}, "leaves B and A within the first 1.9 mm");
+  says({0, 0.0019, {"B"}, {}, 0, {"A"}}, "leaves B and A within the first 1.9 mm");
+  // A part that overlaps as installed comes out only by force: the first words say so.
+  v.slides = {{0, 0.0516, {"A"}, {}, 0}};
+  v.overlapped = {"A", "B"};
+  v.overlap_m = 1.5e-4;
+  EXPECT_EQ(heading(v),
+            "Comes out, straight along +z, if force overcomes its overlap with A and B (at least "
+            "0.15 mm when installed)");
+  EXPECT_EQ(sentence(v).find(heading(v) + ": slides along A for the first 51.6 mm, otherwise"), 0u);
   v.slides.clear();
   v.kind = VerdictKind::kTooNear;
+  EXPECT_EQ(heading(v), "Does not keep the clearance, straight along +z");
+  v.overlapped.clear();
   v.nearest = {Known::kMeasured, 0.0009, "Clip/Half", 0.0516};
   EXPECT_EQ(sentence(v),
             "Does not keep the clearance, straight along +z: comes as near as 0.9 mm (measured to "

@@ -43,6 +43,7 @@ using voxcheck::ExactViolation;
 constexpr double kWithinM = 1e-7, kWithinFraction = 1e-5;
 // Resolution of the travel at which a stretch begins and ends, m.
 constexpr double kTravelM = 16e-6;
+constexpr int kHalvings = 9;  // of the time in which the part gets the clearance from an object
 // Resolution of a depth elsewhere than in a seat, m.
 constexpr double kDepthM = 16e-6;
 
@@ -711,6 +712,7 @@ class ExactCheck {
     if (seat.installed_m == 0) {
       seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
     }
+    seat.margin_m = margin_m;
     seat.allowed_m = seat.installed_m + margin_m + request_.seat_depth_m.value_or(0);
     begin_stage(ExactStop::kContact, "measuring the depth in the seat", number);
     walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
@@ -730,12 +732,31 @@ class ExactCheck {
     }
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.walk);
     if (const auto soon_s = soon_out_s(2 * (request_.required_m + seat.installed_m))) {
+      const auto apart_m = [&](double at_s) {
+        const Pose pose = path_.world_from_center(path_.at(at_s));
+        return object.distance.at(pose, voxcheck::kNothingM).distance_m;
+      };
       seat.soon_s = *soon_s;
-      const Pose pose = path_.world_from_center(path_.at(*soon_s));
-      seat.soon_m = object.distance.at(pose, voxcheck::kNothingM).distance_m;
+      seat.soon_m = apart_m(*soon_s);
+      double near_s = in_seat_s();
+      for (int n = 0; n < kHalvings && seat.soon_m >= request_.required_m; ++n) {
+        const double middle_s = (near_s + seat.soon_s) / 2, middle_m = apart_m(middle_s);
+        if (middle_m >= request_.required_m) {
+          seat.soon_s = middle_s, seat.soon_m = middle_m;
+        } else {
+          near_s = middle_s;
+        }
+      }
     }
     answer.moments += walk.measured();
     answer.seat.push_back(seat);
+  }
+
+  // The end of the first stretch in the seat at which the part is installed: its last time where
+  // the part goes in.
+  double in_seat_s() const {
+    const auto [from_s, to_s] = seated_stretches_.front();
+    return from_s > request_.stretches.front().from_s ? to_s : from_s;
   }
 
   // The first time of some at which the part has moved so far, out of its seat or back from it;
@@ -743,8 +764,8 @@ class ExactCheck {
   std::optional<double> soon_out_s(double far_m) const {
     if (seated_stretches_.empty()) return std::nullopt;
     constexpr int kSteps = 256;
-    auto [at_s, end_s] = seated_stretches_.front();
-    if (at_s > request_.stretches.front().from_s) std::swap(at_s, end_s);  // it goes in
+    const auto [from_s, to_s] = seated_stretches_.front();
+    const double at_s = in_seat_s(), end_s = at_s == from_s ? to_s : from_s;
     const Pose seated = path_.world_from_center(path_.at(at_s));
     for (int n = 1; n <= kSteps; ++n) {
       const double soon_s = at_s + (end_s - at_s) * n / kSteps;

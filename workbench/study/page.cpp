@@ -15,9 +15,12 @@
 namespace forcelayer::study {
 namespace {
 
+using command::kDecimalM;
 using command::text;
 using Json = nlohmann::json;
 
+// Two depths of one pose that are searched for differ by less, m.
+constexpr double kSearchedM = 1e-6;
 std::string row(const std::string& name, const std::string& value) {
   return "<tr><th>" + html(name) + "</th><td>" + value + "</td></tr>\n";
 }
@@ -75,9 +78,12 @@ std::string facts_table(const Page& page) {
   for (const Json& object : v["seat"]) seat += (seat.empty() ? "" : ", ") + name_of(object);
   if (!seat.empty()) table += row("installed on", seat);
   for (const Json& s : v.value("seat_depths", Json::array())) {
+    const double installed_m = s["installed_m"], deepest_m = s["deepest_m"];
+    const bool is_deeper = deepest_m > installed_m + kSearchedM;
     table += row("depth in " + s["object"].get<std::string>(),
-                 mm(s["deepest_m"]) + "; as installed: " +
-                     (s["gap_m"] > 0 ? mm(s["gap_m"]) + " away" : mm(s["installed_m"])) +
+                 "at least " + mm(is_deeper ? deepest_m : installed_m) + "; as installed: " +
+                     (s["gap_m"] > 0 ? mm(s["gap_m"].get<double>() + kDecimalM) + " away"
+                                     : mm(installed_m)) +
                      "; allowed: " + mm(s["allowed_m"]));
   }
   for (const Json& s : v["seated"]) {

@@ -28,6 +28,7 @@
 #include "formats/command/version.h"
 #include "formats/file/descriptor.h"
 #include "formats/file/file_bytes.h"
+#include "formats/path/path_file.h"
 #include "workbench/study/curve.h"
 #include "workbench/study/page.h"
 #include "workbench/study/steps.h"
@@ -812,8 +813,11 @@ void Study::note_voxel_size() {
   }
   text_ += "  " + play_text(measured_play()) + "\n  " + line + "\n";
   if (open_answer().empty() || !no_finer_.empty()) return;
-  text_ += "  the answer is still open at the smallest size, " +
-           command::length_text(choice_.last_m) + ": " + choice_.why_last + "\n";
+  const std::string smallest = command::length_text(choice_.last_m) + ": " + choice_.why_last;
+  text_ +=
+      verdict_.kind == command::VerdictKind::kDoesNotComeOut
+          ? "  smaller voxels might change the answer; none are smaller than " + smallest + "\n"
+          : "  the answer is still open at the smallest size, " + smallest + "\n";
 }
 
 // The sizes from the first that is chosen to the last that would be tried.
@@ -978,7 +982,12 @@ Status Study::make() {
 
 Status Study::make_all() {
   if (!options_.path.empty()) {  // before minutes of baking
-    if (const auto path = FileBytes::read(options_.path); !path) return path.error();
+    const auto path = FileBytes::read(options_.path);
+    if (!path) return path.error();
+    const bool is_recording = std::ranges::find(path->bytes(), std::byte{0}) != path->bytes().end();
+    if (const auto rows = read_path(options_.path, PathOf::kPart); !is_recording && !rows) {
+      return rows.error();
+    }
   }
   if (options_.plan) {
     if (Status s = look(); !s) return s;

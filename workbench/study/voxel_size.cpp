@@ -10,6 +10,7 @@
 namespace forcelayer::study {
 namespace {
 
+using command::kDecimalM;
 using command::length_text;
 using command::text;
 
@@ -19,9 +20,7 @@ constexpr double kSceneVoxels = 500;  // across the scene at the first look: les
 // So many voxels voxcheck looks around (kMaxCapVoxels of runtime/clearance/path_check.cpp, with its
 // mend's reserve).
 constexpr double kClearanceVoxels = 0.9 * 160;
-constexpr double kContactM = 1e-6;  // less is contact: rounding
-// Lengths are shown rounded down; one between decimal coordinates may be less by this.
-constexpr double kDecimalM = 1e-10;
+constexpr double kContactM = 1e-6;      // a smaller gap is contact
 constexpr double kFirstFraction = 0.1;  // of the time allowed, for the bakes of the first size
 constexpr double kProgramBytes = 9e6;   // that a bake takes whatever its size
 constexpr std::size_t kListed = 3;

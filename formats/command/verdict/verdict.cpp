@@ -109,10 +109,6 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
     line += line.empty() ? "" : " and ";
     line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(v, touched);
   }
-  if (slide.overlap_m > 0) {
-    line += ", overlapping by at least " + length_text(slide.overlap_m) +
-            " when installed (the force for that is not computed),";
-  }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(v, slide.passed) +
             " with a gap of " + length_text(slide.gap_m);
@@ -310,7 +306,12 @@ bool is_less_proven(double measured_m, double proven_m) {
 }
 
 std::string heading(const Verdict& v) {
-  return capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion);
+  std::string line = capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion);
+  if (is_yes(v.kind) && !v.overlapped.empty()) {
+    line += ", if force overcomes its overlap with " + listed(v, v.overlapped) + " (at least " +
+            length_text(v.overlap_m) + " when installed)";
+  }
+  return line;
 }
 
 std::string explanation(const Verdict& v) {

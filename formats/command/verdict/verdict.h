@@ -47,6 +47,10 @@ const char* to_text(VerdictKind kind);
 // The kind that to_text() names; kUndecided for another word.
 VerdictKind verdict_kind(std::string_view words);
 
+// Lengths are shown rounded down. A distance that is measured between decimal coordinates may be
+// less than its decimal number by far less than this, m, which is added first.
+inline constexpr double kDecimalM = 1e-10;
+
 // A distance between part and scene at one position of the path.
 struct VerdictDistance {
   enum class Known {
@@ -68,7 +72,6 @@ struct VerdictSlide {
   std::vector<std::string> objects;    // that it touches, or may touch
   std::vector<std::string> passed;     // that it does not touch,
   double gap_m = 0;                    // and how near it comes to them
-  double overlap_m = 0;                // of the part and what it touches, as installed
   std::vector<std::string> left = {};  // that it touches at one end alone,
   double left_within_m = 0;            // within so much of the path
 };
@@ -87,6 +90,8 @@ struct Verdict {
   std::string motion;  // "straight along +z"; empty: it does not move, or no path is known
   double path_m = 0;   // how long the path is
   std::vector<VerdictSlide> slides;
+  std::vector<std::string> overlapped = {};  // objects that the installed part overlaps,
+  double overlap_m = 0;                      // at least as deep
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
   VerdictDistance beyond;   // the least distance from all objects that no slide names
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
@@ -119,7 +124,8 @@ std::string upper_length_text(double length_m, double than_m);
 // triangles that stand for a curved surface.
 bool is_less_proven(double measured_m, double proven_m);
 
-// The words of the answer and the direction, without an end: the heading of a page or picture.
+// The words of the answer and the direction, and the force without which the answer is no; without
+// an end: the heading of a page or picture.
 std::string heading(const Verdict& verdict);
 // The rest of the sentence.
 std::string explanation(const Verdict& verdict);
