@@ -38,6 +38,7 @@ for bake in vox part; do
     [ ! -s err ] || fail "$bake: --quiet is not: $(cat err)"
   done
 done
+expect 3 "$place; repair these faces in the CAD system, or list the other parts in a manifest" forcelayer pairs tray.step
 expect 0 "" "${vox[@]}" --missing-faces 1 --quiet && mv out.vox scene.vox
 expect 0 "" "${part[@]}" --missing-faces 1 --quiet && mv out.pshell part.pshell
 for file in scene.vox part.pshell; do

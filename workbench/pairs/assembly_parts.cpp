@@ -57,7 +57,13 @@ Result<AssemblyParts> read_parts(const std::string& assembly, std::optional<doub
   reading.voxel_size_m = kVoxelSizeM;
   reading.read = mesh::read_guarded;
   auto scene = mesh::read_scene(std::span(&assembly, 1), unit_m, reading);
-  if (!scene) return scene.error();
+  if (!scene) {
+    Error error = scene.error();
+    if (error.mend.find("--missing-faces") != std::string::npos) {  // no distance is known there
+      error.mend = "repair these faces in the CAD system, or list the other parts in a manifest";
+    }
+    return error;
+  }
   AssemblyParts read{std::move(*scene), {}};
   std::vector<ListedNames> names;
   for (const mesh::Assembly& one : read.scene.assemblies) names.push_back(listed_names(one));
