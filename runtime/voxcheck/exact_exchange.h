@@ -94,7 +94,7 @@ struct ExactSeat {
   double nearest_m = 0;    // how near they come then; 0 where they touch
   // Where the part has moved out of its seat by twice the required clearance and twice
   // `installed_m`: how far they are apart, and the time of the path. Where that is the required
-  // clearance or more: the same at about the first time at which it is.
+  // clearance or more: the same at an earlier time, just before which it is less.
   double soon_m = 0;
   double soon_s = 0;
   // False where one of the two has no inside and their surfaces meet: then the depth says nothing

@@ -76,11 +76,15 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            " than in the installed pose";
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
+  const auto explained = [&](const std::string& allowed) {
+    return ", of which " + allowed + " may be " +
+           (seat->overlaps() ? "overlap as installed and " : "") + "deviations of the meshes" +
+           (seat->has_seat_depth() ? " and --seat-depth" : "");
+  };
   if (exact->graze) {
     return "is " + length_text(v.depth_m) + " to " +
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep in " + object +
-           ", of which " + length_text(seat->allowed_m) + " may be deviations of the meshes" +
-           (seat->has_seat_depth() ? " and --seat-depth" : "");
+           explained(length_text(seat->allowed_m));
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
@@ -88,11 +92,9 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   }
   const auto [depth, allowed] = command::length_texts(v.depth_m, seat->allowed_m);
   const std::string deep = "goes " + depth + " deep into " + object;
-  return seat->installed_m > kRoundingM
-             ? deep + ", which the installed part overlaps by at least " +
-                   length_text(seat->installed_m)
-             : deep + ", of which " + allowed + " may be deviations of the meshes" +
-                   (seat->has_seat_depth() ? " and --seat-depth" : "");
+  return seat->overlaps() ? deep + ", which the installed part overlaps by at least " +
+                                length_text(seat->installed_m)
+                          : deep + explained(allowed);
 }
 
 // "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"

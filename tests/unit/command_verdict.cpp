@@ -215,6 +215,8 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
             "0.15 mm when installed)");
   EXPECT_EQ(sentence(v).find(heading(v) + ": slides along A for the first 51.6 mm, otherwise"), 0u);
   v.slides.clear();
+  v.kind = VerdictKind::kStaysInstalled;
+  EXPECT_EQ(heading(v), "Stays in contact, straight along +z");
   v.kind = VerdictKind::kTooNear;
   EXPECT_EQ(heading(v), "Does not keep the clearance, straight along +z");
   v.overlapped.clear();

@@ -307,7 +307,9 @@ bool is_less_proven(double measured_m, double proven_m) {
 
 std::string heading(const Verdict& v) {
   std::string line = capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion);
-  if (is_yes(v.kind) && !v.overlapped.empty()) {
+  // One that stays installed needs none: it may stand still.
+  const bool moves_out = is_yes(v.kind) && v.kind != VerdictKind::kStaysInstalled;
+  if (moves_out && !v.overlapped.empty()) {
     line += ", if force overcomes its overlap with " + listed(v, v.overlapped) + " (at least " +
             length_text(v.overlap_m) + " when installed)";
   }
