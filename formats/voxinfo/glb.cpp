@@ -7,7 +7,7 @@ namespace forcelayer::voxinfo {
 
 Status write_surface_glb(const SolidSurface& surface, const std::string& out) {
   mesh::GlbNode node;
-  node.name = "swept space";
+  node.name = "solid";
   node.color = {0.6, 0.7, 0.8};
   node.triangles = surface.triangles;
   node.vertices_m.reserve(surface.vertices_m.size());

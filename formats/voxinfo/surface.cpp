@@ -94,11 +94,15 @@ class Builder {
     return {};
   }
 
-  void build() {
-    for (std::size_t n = 0; n < blocks_.size(); ++n) build_block(n);
+  // False as soon as there are too many triangles.
+  bool build() {
+    for (std::size_t n = 0; n < blocks_.size(); ++n) {
+      build_block(n);
+      if (surface_.triangles.size() > kMaxTriangles) return false;
+    }
+    return true;
   }
 
-  bool too_large() const { return surface_.triangles.size() > kMaxTriangles; }
   SolidSurface& surface() { return surface_; }
 
  private:
@@ -282,8 +286,7 @@ Result<SolidSurface> solid_surface(const Voxmap& map, double offset_m, bool sing
   const CodeValues values(h, margin_m);
   Builder builder(map, values);
   if (Status s = builder.find_blocks(map.distance_counts(), path); !s) return s.error();
-  builder.build();
-  if (builder.too_large()) {
+  if (!builder.build()) {
     return unfit(path, "has a surface of more than 500 million triangles", "use larger voxels");
   }
   if (builder.surface().triangles.empty()) {
