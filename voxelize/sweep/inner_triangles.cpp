@@ -7,6 +7,7 @@
 #include "voxelize/fill/flood.h"
 #include "voxelize/limits/directory_limit.h"
 #include "voxelize/masks/mask_tree.h"
+#include "voxelize/masks/voxel_box.h"
 #include "voxelize/scan/scan_conversion.h"
 #include "voxelize/scan/snap.h"
 
@@ -50,18 +51,15 @@ class NearOutside {
   }
 
   bool holds(const lattice::VoxelIndex& voxel) const {
-    const auto found = bricks_.find(key(voxel));
+    const auto found = bricks_.find(brick_of(voxel));
     return found != bricks_.end() && found->second.test(static_cast<unsigned>(voxel[0] & 7),
                                                         static_cast<unsigned>(voxel[1] & 7),
                                                         static_cast<unsigned>(voxel[2] & 7));
   }
 
  private:
-  static std::uint64_t key(const lattice::VoxelIndex& voxel) {
-    std::uint64_t key = 0;
-    for (const std::int64_t index : voxel)
-      key = key << 21 | (static_cast<std::uint64_t>(index >> 3) & 0x1fffff);
-    return key;
+  static lattice::VoxelIndex brick_of(const lattice::VoxelIndex& voxel) {
+    return {voxel[0] >> 3, voxel[1] >> 3, voxel[2] >> 3};
   }
 
   void add(const masks::MaskLeaf& leaf, const masks::MaskTree& geometry,
@@ -82,10 +80,10 @@ class NearOutside {
       const auto at = [](unsigned n) { return static_cast<int>(n) + kNear; };
       if (outside[place(at(x), at(y), at(z))]) near.words[x] |= std::uint64_t{1} << (y * 8 + z);
     });
-    bricks_.emplace(key({low[0], low[1], low[2]}), near);
+    bricks_.emplace(brick_of({low[0], low[1], low[2]}), near);
   }
 
-  std::unordered_map<std::uint64_t, lattice::BrickMask> bricks_;
+  std::unordered_map<lattice::VoxelIndex, lattice::BrickMask, masks::IndexHash> bricks_;
 };
 
 // Whether a voxel of the box around the triangle is near the outside. A box of many voxels is not
