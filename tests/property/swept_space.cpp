@@ -16,6 +16,7 @@
 #include "tests/support/random_numbers.h"
 #include "tests/support/soups.h"
 #include "voxelize/sweep/inner_triangles.h"
+#include "voxelize/sweep/motion_center.h"
 #include "voxelize/sweep/swept_mesh.h"
 
 namespace forcelayer {
@@ -244,9 +245,10 @@ TEST(SweptSpace, ContainsThePartAtAllTimesAndLittleElse) {
     const Body part = body(static_cast<int>(seed % 5), random);
     const Motion motion = random_motion(part, random);
     SCOPED_TRACE(::testing::Message() << "seed " << seed << ", " << part.name);
-    const mesh::Vec3d center = sweep::motion_center_m(std::span(&part.mesh, 1));
-    EXPECT_LT(glm::length(vec(center) - part.center), 1e-9);
-    auto swept = sweep::sweep_mesh(part.mesh, motion.rows, center, 1, part.name);
+    const sweep::MotionCenter center = sweep::motion_center(std::span(&part.mesh, 1));
+    EXPECT_EQ(center.uncertainty_m, 0);
+    EXPECT_LT(glm::length(vec(center.at_m) - part.center), 1e-9);
+    auto swept = sweep::sweep_mesh(part.mesh, motion.rows, center.at_m, 1, part.name);
     ASSERT_TRUE(swept) << swept.error().what;
     ASSERT_TRUE(sweep::drop_inner_triangles(swept->mesh, 1, part.name));
     EXPECT_LE(swept->deviation_m, 0.07);
@@ -281,6 +283,126 @@ TEST(SweptSpace, ContainsThePartAtAllTimesAndLittleElse) {
   RecordProperty("p50", std::to_string(excess[excess.size() / 2]));
   RecordProperty("p99", std::to_string(excess[excess.size() * 99 / 100]));
   EXPECT_LE(excess[excess.size() * 99 / 100], 1);
+}
+
+// At all times the corners of the part are in the box of the swept space, but for its deviation.
+void expect_in_swept_box(const mesh::Mesh& part, const Motion& motion,
+                         const sweep::SweptMesh& swept) {
+  dvec3 low(INFINITY), high(-INFINITY);
+  for (const mesh::Vec3d& vertex : swept.mesh.vertices) {
+    low = glm::min(low, vec(vertex));
+    high = glm::max(high, vec(vertex));
+  }
+  double outside = 0;
+  for (std::size_t row = 0; row + 1 < motion.rows.size(); ++row) {
+    constexpr int kTimes = 16;
+    for (int n = 0; n <= kTimes; ++n) {
+      const double time = static_cast<double>(row) + (n - 1e-9 * n) / kTimes;
+      for (const mesh::Vec3d& vertex : part.vertices) {
+        const dvec3 p = motion.at(vec(vertex), time);
+        for (int d = 0; d < 3; ++d) outside = std::max({outside, low[d] - p[d], p[d] - high[d]});
+      }
+    }
+  }
+  EXPECT_LE(outside, swept.deviation_m);
+}
+
+void add_row(Motion& motion, const dvec3& center, const glm::dquat& turn) {
+  const dvec3 position = center - turn * motion.center;
+  motion.rows.push_back({static_cast<double>(motion.rows.size()),
+                         {position.x, position.y, position.z},
+                         {turn.w, turn.x, turn.y, turn.z}});
+}
+
+// The rows before and after the turn are less apart from its thinned path than the voxels can show,
+// but without them the short way round is the other one.
+TEST(SweptSpace, TakesAHalfTurnTheSameWayRound) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 center(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9));
+    const glm::dquat begin = test::random_orientation(random);
+    const dvec3 axis = test::random_direction(random);
+    const dvec3 arm =
+        glm::normalize(glm::cross(axis, test::random_direction(random))) * 8.0 + center;
+    mesh::Mesh part;
+    reference::add_box(part, {arm.x - 1, arm.y - 1, arm.z - 1}, {arm.x + 1, arm.y + 1, arm.z + 1});
+    Motion motion{{}, center};
+    const double sign = random() % 2 == 0 ? 1 : -1;
+    const auto jitter = [&](double turn_rad) {
+      add_row(motion, {}, begin * glm::angleAxis(sign * turn_rad, axis));
+    };
+    const double most = std::pow(10, uniform(random, -14, -4));
+    const auto before = test::integer(random, 1, 4), after = test::integer(random, 0, 3);
+    jitter(0);
+    for (std::int64_t n = 1; n <= before; ++n) {
+      jitter(most * static_cast<double>(n) / static_cast<double>(before));
+    }
+    // Less than half a turn from the last row, more from the first one.
+    jitter(glm::pi<double>() + most / 2);
+    for (std::int64_t n = 0; n < after; ++n) {
+      jitter(glm::pi<double>() + uniform(random, 0, 1) * most);
+    }
+    // Far away, such small turns are less than the rounding of the travel.
+    if (seed % 2 == 0) {
+      Motion far{{}, center};
+      add_row(far, {1e6, 0, 0}, begin);
+      motion.rows.insert(motion.rows.begin(), far.rows.front());
+    }
+    const auto swept = sweep::sweep_mesh(part, motion.rows, {center.x, center.y, center.z}, 1, "");
+    ASSERT_TRUE(swept) << swept.error().what;
+    expect_in_swept_box(part, motion, *swept);
+  }
+}
+
+// Most rows of a dense path with noise are left out, and the deviation covers them.
+TEST(SweptSpace, CoversTheRowsOfANoisyPathThatAreLeftOut) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Random random(seed);
+    const dvec3 center(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9));
+    mesh::Mesh part;
+    reference::add_box(part, {center.x - 6, center.y - 5, center.z - 4},
+                       {center.x + 6, center.y + 5, center.z + 4});
+    Motion motion{{}, center};
+    const double noise = uniform(random, 0.01, 0.05);
+    const double turn = seed % 2 == 0 ? 0.2 * noise / 6 : 0;
+    const dvec3 direction = test::random_direction(random);
+    constexpr int kRows = 1000;
+    for (int n = 0; n < kRows; ++n) {
+      add_row(motion,
+              direction * (4.0 * n / kRows) +
+                  test::random_direction(random) * uniform(random, 0, noise),
+              glm::angleAxis(uniform(random, 0, turn), test::random_direction(random)));
+    }
+    const auto swept = sweep::sweep_mesh(part, motion.rows, {center.x, center.y, center.z}, 1, "");
+    ASSERT_TRUE(swept) << swept.error().what;
+    EXPECT_LT(swept->poses, kRows / 4);
+    EXPECT_LE(swept->deviation_m, 0.15);
+    expect_in_swept_box(part, motion, *swept);
+  }
+}
+
+TEST(SweptSpace, IsRefusedWhereThePartHasTooManyTriangles) {
+  mesh::Mesh part;
+  reference::add_box(part, {0, 0, 0}, {1e9, 1e9, 1});
+  Motion motion{{}, {5e8, 5e8, 0.5}};
+  add_row(motion, {}, glm::dquat(1, 0, 0, 0));
+  add_row(motion, {}, glm::angleAxis(1e-6, dvec3(0, 0, 1)));
+  const auto swept = sweep::sweep_mesh(part, motion.rows, {5e8, 5e8, 0.5}, 1, "plate");
+  ASSERT_FALSE(swept);
+  EXPECT_EQ(swept.error().code, ErrorCode::kBakeTooLarge);
+}
+
+// The triangles on the outside stay, however far apart they are.
+TEST(SweptSpace, KeepsTheOuterTrianglesOfBodiesFarApart) {
+  mesh::Mesh bodies;
+  const double apart = 1 << 24;
+  reference::add_box(bodies, {0.2, 0.2, 0.2}, {2.8, 2.8, 2.8});
+  reference::add_box(bodies, {apart + 3.2, 3.2, 3.2}, {apart + 6.8, 6.8, 6.8});
+  const std::size_t triangles = bodies.triangles.size();
+  ASSERT_TRUE(sweep::drop_inner_triangles(bodies, 1, "bodies"));
+  EXPECT_EQ(bodies.triangles.size(), triangles);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
+#include <optional>
 
 #include "formats/lattice/voxel_overlap.h"
 #include "formats/path/path_edit.h"
@@ -25,6 +27,12 @@ constexpr double kMaxThinVoxels = 0.08;  // of a path that is noisy
 // Tetrahedra of one sweep: some minutes.
 constexpr double kMaxTetrahedra = 2e10;
 
+// Triangles of a part whose edges are short, some 300 bytes each.
+constexpr double kMaxPartTriangles = 1e8;
+
+// Between two rows that are farther apart than this, no row is left out.
+constexpr double kWideTurnRad = std::numbers::pi / 2;
+
 Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec3d cross(const Vec3d& a, const Vec3d& b) {
@@ -44,7 +52,6 @@ struct Topology {
   std::vector<mesh::Triangle> triangles;
   std::vector<std::array<std::uint32_t, 3>> edges_of;  // [triangles]
   std::vector<std::array<std::uint32_t, 2>> edges;     // ascending vertices
-  bool is_closed = true;  // whether triangles run along each edge as often forwards as backwards
 };
 
 Topology topology_of(const mesh::Mesh& mesh) {
@@ -60,22 +67,19 @@ Topology topology_of(const mesh::Mesh& mesh) {
   }
   struct Side {
     std::uint32_t low, high, triangle;
-    int place, direction;
+    int place;
   };
   std::vector<Side> sides;
   sides.reserve(3 * mesh.triangles.size());
   for (const mesh::Triangle& corners : mesh.triangles) {
     mesh::Triangle sorted{merged[corners[0]], merged[corners[1]], merged[corners[2]]};
-    const mesh::Triangle wound = sorted;
     std::sort(sorted.begin(), sorted.end());
     if (sorted[0] == sorted[1] || sorted[1] == sorted[2]) continue;  // its edges are of others too
     const auto triangle = static_cast<std::uint32_t>(topology.triangles.size());
     topology.triangles.push_back(sorted);
     for (std::size_t n = 0; n < 3; ++n) {
-      const std::uint32_t from = wound[n], to = wound[(n + 1) % 3];
-      const auto [low, high] = std::minmax(from, to);
-      const int place = low == sorted[1] ? 1 : high == sorted[1] ? 0 : 2;
-      sides.push_back({low, high, triangle, place, from < to ? 1 : -1});
+      const std::uint32_t low = sorted[n == 1 ? 1 : 0], high = sorted[n == 0 ? 1 : 2];
+      sides.push_back({low, high, triangle, static_cast<int>(n)});
     }
   }
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
@@ -84,21 +88,28 @@ Topology topology_of(const mesh::Mesh& mesh) {
   topology.edges_of.resize(topology.triangles.size());
   for (std::size_t n = 0; n < sides.size();) {
     const Side& first = sides[n];
-    int balance = 0;
     for (; n < sides.size() && sides[n].low == first.low && sides[n].high == first.high; ++n) {
       topology.edges_of[sides[n].triangle][static_cast<std::size_t>(sides[n].place)] =
           static_cast<std::uint32_t>(topology.edges.size());
-      balance += sides[n].direction;
     }
-    topology.is_closed &= balance == 0;
     topology.edges.push_back({first.low, first.high});
   }
   return topology;
 }
 
 // The mesh with its triangles halved at their longest edges until no edge is longer than
-// `longest_m`. Triangles that share an edge halve it at the same points.
-mesh::Mesh subdivided(const mesh::Mesh& mesh, double longest_m) {
+// `longest_m`. Triangles that share an edge halve it at the same points. Nothing where there would
+// be more than kMaxPartTriangles.
+std::optional<mesh::Mesh> subdivided(const mesh::Mesh& mesh, double longest_m) {
+  if (std::isinf(longest_m)) return mesh;
+  // No triangle with such edges has a larger area than the equilateral one.
+  double area_m2 = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    area_m2 += length(cross(minus(mesh.vertices[b], mesh.vertices[a]),
+                            minus(mesh.vertices[c], mesh.vertices[a]))) /
+               2;
+  }
+  if (area_m2 > kMaxPartTriangles * std::sqrt(3.0) / 4 * longest_m * longest_m) return {};
   mesh::Mesh fine{mesh.vertices, {}, mesh.single_precision};
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
   std::vector<mesh::Triangle> waiting(mesh.triangles.rbegin(), mesh.triangles.rend());
@@ -114,6 +125,7 @@ mesh::Mesh subdivided(const mesh::Mesh& mesh, double longest_m) {
     }
     if (!(length_m > longest_m)) {
       fine.triangles.push_back(corners);
+      if (static_cast<double>(fine.triangles.size()) > kMaxPartTriangles) return {};
       continue;
     }
     const std::uint32_t a = corners[longest], b = corners[(longest + 1) % 3],
@@ -299,8 +311,8 @@ Turn turn_between(const PathRow& from, const PathRow& to) {
 }
 
 // The rows of a path at times that grow by how far the part travels, so that a change of speed
-// makes no difference. Rows at which the part stands still are left out, but for the first and the
-// last.
+// makes no difference. Rows at which the part stands still are left out, but for the first, the
+// last, and those before a wide turn.
 std::vector<PathRow> timed_by_travel(std::span<const PathRow> rows, const Vec3d& center_m,
                                      double radius_m) {
   std::vector<PathRow> timed;
@@ -313,12 +325,17 @@ std::vector<PathRow> timed_by_travel(std::span<const PathRow> rows, const Vec3d&
   for (std::size_t i = 0; i < rows.size(); ++i) {
     double step_m = 0;
     if (i > 0) {
-      step_m = length(minus(center(rows[i]), center(rows[i - 1]))) +
-               radius_m * turn_between(rows[i - 1], rows[i]).angle_rad;
+      step_m = length(minus(center(rows[i]), center(timed.back()))) +
+               radius_m * turn_between(timed.back(), rows[i]).angle_rad;
     }
     const double before_m = travel_m;
     travel_m += step_m;
-    if (i > 0 && !(travel_m > before_m)) continue;
+    if (i > 0 && !(travel_m > before_m)) {
+      const bool turns_wide =
+          i + 1 < rows.size() && turn_between(rows[i], rows[i + 1]).angle_rad > kWideTurnRad;
+      if (!turns_wide) continue;
+      travel_m = std::nextafter(before_m, std::numeric_limits<double>::infinity());
+    }
     timed.push_back(rows[i]);
     timed.back().time_s = travel_m;
   }
@@ -335,6 +352,24 @@ struct StepsOfPath {
   std::vector<std::size_t> steps;  // [rows - 1]
   double deviation_m = 0;
 };
+
+// The rows without those that thinned() leaves out, but with both rows of each wide turn. Without
+// one of these the short way round can be the other way.
+std::vector<PathRow> thinned_between_wide_turns(std::span<const PathRow> rows,
+                                                const Vec3d& center_m, double radius_m,
+                                                double within_m) {
+  std::vector<PathRow> kept;
+  for (std::size_t first = 0; first < rows.size();) {
+    std::size_t end = first + 1;
+    while (end < rows.size() && turn_between(rows[end - 1], rows[end]).angle_rad <= kWideTurnRad) {
+      ++end;
+    }
+    const auto own = thinned(rows.subspan(first, end - first), center_m, radius_m, within_m);
+    kept.insert(kept.end(), own.begin(), own.end());
+    first = end;
+  }
+  return kept;
+}
 
 // Some times the edge that is as long as the farthest point travels in a step whose turn it limits.
 // Longer edges make more poses and longer triangles, shorter ones make more triangles: with factors
@@ -363,13 +398,15 @@ StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const 
   const double radius_m = radius_about_m(part.vertices, center_m);
   StepsOfPath path;
   const std::vector<PathRow> timed = timed_by_travel(rows, center_m, radius_m);
-  double thin_m = kThinVoxels * voxel_size_m;
-  path.rows = thinned(timed, center_m, radius_m, thin_m);
+  // No row is left out whose turn is off by more than half a radian.
+  const double max_thin_m = std::min(kMaxThinVoxels * voxel_size_m, radius_m / 2);
+  double thin_m = std::min(kThinVoxels * voxel_size_m, max_thin_m);
+  path.rows = thinned_between_wide_turns(timed, center_m, radius_m, thin_m);
   // More rows than two in a voxel of travel are the noise of a recording.
   const double enough = 2 + 2 * timed.back().time_s / voxel_size_m;
-  while (static_cast<double>(path.rows.size()) > enough && thin_m < kMaxThinVoxels * voxel_size_m) {
-    thin_m *= 2;
-    path.rows = thinned(timed, center_m, radius_m, thin_m);
+  while (static_cast<double>(path.rows.size()) > enough && thin_m < max_thin_m) {
+    thin_m = std::min(2 * thin_m, max_thin_m);
+    path.rows = thinned_between_wide_turns(timed, center_m, radius_m, thin_m);
   }
   double deviation_m = 0;
   for (std::size_t i = 0; i + 1 < path.rows.size(); ++i) {
@@ -380,8 +417,10 @@ StepsOfPath steps_of(const Topology& part, std::span<const PathRow> rows, const 
     path.steps.push_back(static_cast<std::size_t>(std::min(count, 1e15)));
     deviation_m = std::max(deviation_m, deviation_of_step_m(reach, turn.angle_rad / count));
   }
-  // Two turns that are apart by an angle at their ends are apart by at most sqrt(2) times that
-  // angle in between, as neither is more than half a turn.
+  // As unit quaternions, the rows of a step that is not wide are at most 45 degrees apart, and the
+  // thinned path passes each of them within half a radian / 2. So it takes the step the same way
+  // round. Two turns the same way round that are apart by an angle at their ends are apart by at
+  // most sqrt(2) times that angle in between, as neither is more than half a turn.
   const double thinned_m = path.rows.size() < timed.size() ? std::sqrt(2.0) * thin_m : 0;
   path.deviation_m = thinned_m + deviation_m;
   return path;
@@ -395,43 +434,6 @@ double rounding_m(double largest_m, double voxel_size_m) {
 
 }  // namespace
 
-Vec3d motion_center_m(std::span<const mesh::Mesh> parts) {
-  double volume = 0, area = 0;
-  Vec3d of_volume{}, of_area{};
-  bool is_closed = true;
-  for (const mesh::Mesh& part : parts) {
-    if (part.vertices.empty()) continue;
-    is_closed &= topology_of(part).is_closed;
-    // Relative to a vertex, so that a part far from the origin loses no digits.
-    const Vec3d origin = part.vertices.front();
-    double own_volume = 0;
-    Vec3d own_moment{};
-    for (const mesh::Triangle& t : part.triangles) {
-      const Vec3d a = minus(part.vertices[t[0]], origin), b = minus(part.vertices[t[1]], origin),
-                  c = minus(part.vertices[t[2]], origin);
-      const double piece = dot(a, cross(b, c)) / 6;
-      const double face = length(cross(minus(b, a), minus(c, a))) / 2;
-      own_volume += piece;
-      area += face;
-      for (std::size_t d = 0; d < 3; ++d) {
-        own_moment[d] += piece * (a[d] + b[d] + c[d]) / 4;
-        of_area[d] += face * ((a[d] + b[d] + c[d]) / 3 + origin[d]);
-      }
-    }
-    const double sign = own_volume < 0 ? -1 : 1;  // of a part that is wound the wrong way round
-    volume += sign * own_volume;
-    for (std::size_t d = 0; d < 3; ++d) {
-      of_volume[d] += sign * (own_moment[d] + own_volume * origin[d]);
-    }
-  }
-  // A volume that is only rounding belongs to a sheet that is folded onto itself.
-  const bool is_solid = is_closed && volume > 1e-9 * std::pow(area, 1.5);
-  const Vec3d& moment = is_solid ? of_volume : of_area;
-  const double measure = is_solid ? volume : area;
-  if (!(measure > 0)) return {};
-  return {moment[0] / measure, moment[1] / measure, moment[2] / measure};
-}
-
 Result<SweptMesh> sweep_mesh(const mesh::Mesh& part, std::span<const PathRow> rows,
                              const Vec3d& center_m, double voxel_size_m, const std::string& name) {
   if (rows.size() < 2) {
@@ -439,8 +441,13 @@ Result<SweptMesh> sweep_mesh(const mesh::Mesh& part, std::span<const PathRow> ro
                  "give a path of two or more rows"};
   }
   const double radius_m = radius_about_m(part.vertices, center_m);
-  const Topology topology =
-      topology_of(subdivided(part, longest_edge_m(rows, radius_m, voxel_size_m)));
+  const auto fine = subdivided(part, longest_edge_m(rows, radius_m, voxel_size_m));
+  if (!fine) {
+    return Error{ErrorCode::kBakeTooLarge, "", name,
+                 "is so large that its turns need more than 100 million triangles",
+                 "use a larger voxel size"};
+  }
+  const Topology topology = topology_of(*fine);
   const StepsOfPath path = steps_of(topology, rows, center_m, voxel_size_m);
   double poses = 1;
   for (const std::size_t steps : path.steps) poses += static_cast<double>(steps);
@@ -477,11 +484,12 @@ Result<SweptMesh> sweep_mesh(const mesh::Mesh& part, std::span<const PathRow> ro
     for (std::size_t n = 1; n <= path.steps[i]; ++n) {
       const double fraction = static_cast<double>(n) / static_cast<double>(path.steps[i]);
       sweep.add_pose(place(pose_at(ends, fraction, center_m)));
-    }
-    constexpr std::size_t kMaxTriangles = 1'000'000'000;
-    if (sweep.triangles() > kMaxTriangles) {
-      return Error{ErrorCode::kBakeTooLarge, "", name,
-                   "has a swept space of more than a billion triangles", "use a larger voxel size"};
+      constexpr std::size_t kMaxTriangles = 1'000'000'000;
+      if (sweep.triangles() > kMaxTriangles) {
+        return Error{ErrorCode::kBakeTooLarge, "", name,
+                     "has a swept space of more than a billion triangles",
+                     "use a larger voxel size"};
+      }
     }
   }
   if (!inside) {

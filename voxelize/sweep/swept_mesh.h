@@ -28,14 +28,10 @@ struct SweptMesh {
   std::uint64_t poses = 0;  // sub-poses
 };
 
-// The point of the part that moves in a straight line between two rows of a path, as for voxcheck:
-// the centroid of the volume, or of the area where an object is open. `parts`: the objects of the
-// part, in meters, in the part's frame.
-mesh::Vec3d motion_center_m(std::span<const mesh::Mesh> parts);
-
-// Sweeps `part` (part frame, m) along `rows`, which are poses world_from_part. `name` names the
-// part in errors. Errors: kUsage for a path of one row, kBakeTooLarge where the part turns so far
-// for its size that there are too many sub-poses, kSceneInvalid beyond the lattice.
+// Sweeps `part` (part frame, m) along `rows`, which are poses world_from_part. Between two rows
+// `center_m` moves in a straight line. `name` names the part in errors. Errors: kUsage for a path
+// of one row, kBakeTooLarge where there are too many sub-poses or triangles, because the part is
+// large or turns far, kSceneInvalid beyond the lattice.
 Result<SweptMesh> sweep_mesh(const mesh::Mesh& part, std::span<const PathRow> rows,
                              const mesh::Vec3d& center_m, double voxel_size_m,
                              const std::string& name);

@@ -12,13 +12,14 @@ namespace forcelayer::sweep {
 
 struct SweptScene {
   std::uint64_t poses = 0;  // sub-poses of the object that needs the most
-  double deviation_m = 0;   // largest SweptMesh::deviation_m
+  double deviation_m = 0;   // largest SweptMesh::deviation_m, with that of the center
 };
 
 // Moves all objects of `scene` along `rows` as one rigid part, whose frame is that of the scene,
 // and replaces each by the space that it sweeps, in `meshes` too. The deviation of each object
 // grows by that of its sweep. `keeps_inner_triangles`: a free seed may open an enclosed space.
-// Errors: those of sweep_mesh(), drop_inner_triangles() and MeshSource::mesh().
+// Errors: kUsage where the path turns far from row to row and motion_center() does not know the
+// center well enough, and those of sweep_mesh(), drop_inner_triangles() and MeshSource::mesh().
 Result<SweptScene> sweep_scene(mesh::Scene& scene, cache::MeshSource& meshes,
                                std::span<const PathRow> rows, double voxel_size_m,
                                bool keeps_inner_triangles);
