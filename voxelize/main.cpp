@@ -277,6 +277,11 @@ Status check_early(const Arguments& arguments) {
                  std::string("cannot be combined with ") + (is_shard ? "--shard" : "--plan"),
                  "leave one of them out"};
   }
+  if (is_shard && !arguments.along.empty()) {
+    return Error{ErrorCode::kUsage, "", "--along",
+                 "cannot be combined with --shard, because all objects move about one center",
+                 "leave one of them out"};
+  }
   if (arguments.list && !arguments.along.empty()) {
     return Error{ErrorCode::kUsage, "", "--along", "has no effect with --list", "leave it out"};
   }
@@ -320,7 +325,7 @@ std::vector<SceneObject> objects_of(const mesh::Scene& scene, cache::MeshSource&
 
 // Replaces the objects of the scene by the space that they sweep along --along.
 Status sweep_objects(const Arguments& arguments, mesh::Scene& scene, cache::MeshSource& meshes,
-                     const BakeOptions& options) {
+                     const BakeOptions& options, command::ProgressLine& progress) {
   const auto rows = read_path(arguments.along, PathOf::kPart);
   if (!rows) return rows.error();
   const auto swept =
@@ -331,6 +336,7 @@ Status sweep_objects(const Arguments& arguments, mesh::Scene& scene, cache::Mesh
     return error;
   }
   if (!arguments.quiet) {
+    progress.clear();
     std::printf("along %s: %llu poses, at most %.3g mm from the motion\n",
                 escaped(arguments.along).c_str(), static_cast<unsigned long long>(swept->poses),
                 swept->deviation_m * 1e3);
@@ -517,7 +523,7 @@ Status voxelize(const Arguments& arguments) {
   options->cache = cache ? &*cache : nullptr;
   if (!arguments.along.empty()) {
     if (Status checked = check_options(*options); !checked) return checked;
-    const Status swept = sweep_objects(arguments, *scene, meshes, *options);
+    const Status swept = sweep_objects(arguments, *scene, meshes, *options, progress);
     if (!swept) return swept;
   }
   run.threads = options->threads;
