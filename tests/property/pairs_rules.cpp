@@ -1,5 +1,8 @@
 // Rules of pairs, against a matcher that looks at every row for every pair, label by label.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <optional>
@@ -30,13 +33,30 @@ bool glob(const char* pattern, const char* text) {
   return *text != 0 && (*pattern == '?' || *pattern == *text) && glob(pattern + 1, text + 1);
 }
 
-// Whether the last labels of a path, cut off below any node, are those of the name.
-bool brute_means(const std::string& name, const std::string& path) {
-  const Labels wanted = labels_of(name), labels = labels_of(path);
+bool has_wildcard(const std::string& text) { return text.find_first_of("*?") != std::string::npos; }
+
+// Whether a label of a name is that of a node, as its path or as a listing writes it.
+bool label_means(const std::string& wanted, const std::string& label, const std::string& listed) {
+  if (glob(wanted.c_str(), label.c_str()) || glob(wanted.c_str(), listed.c_str())) return true;
+  return !has_wildcard(wanted) && wanted == label + "[1]";
+}
+
+// Whether the last labels of a path, cut off below any node, are those of the name or of one in a
+// list of names.
+bool brute_means(const std::string& name, const PartName& part) {
+  if (name.front() == '{') {
+    std::istringstream list(name.substr(1, name.size() - 2));
+    bool any = false;
+    for (std::string one; std::getline(list, one, ',');) any = any || brute_means(one, part);
+    return any;
+  }
+  const Labels wanted = labels_of(name), labels = labels_of(part.path),
+               listed = labels_of(part.listed);
   for (std::size_t end = wanted.size(); end <= labels.size(); ++end) {
     bool all = true;
     for (std::size_t n = 0; n < wanted.size(); ++n) {
-      all = all && glob(wanted[n].c_str(), labels[end - wanted.size() + n].c_str());
+      const std::size_t at = end - wanted.size() + n;
+      all = all && label_means(wanted[n], labels[at], listed[at]);
     }
     if (all) return true;
   }
@@ -56,12 +76,30 @@ std::string random_path(test::Random& random) {
   return path;
 }
 
-// A name, with wildcards in some places.
+// The path as a listing shows it: the first of some siblings has a number.
+std::string random_listed(test::Random& random, const std::string& path) {
+  std::string listed;
+  for (const std::string& label : labels_of(path)) {
+    const bool is_first = label.back() != ']' && test::integer(random, 0, 2) == 0;
+    listed += (listed.empty() ? "" : "/") + label + (is_first ? "[1]" : "");
+  }
+  return listed;
+}
+
+// A name, with wildcards and numbers of first siblings in some places, or a list of names.
 std::string random_name(test::Random& random) {
   std::string name = random_path(random);
-  switch (test::integer(random, 0, 3)) {
+  switch (test::integer(random, 0, 7)) {
     case 0:
       return "*";
+    case 4:
+      return "*[1]";
+    case 5:
+      return name.substr(0, static_cast<std::size_t>(test::integer(random, 1, 4))) + "*[1]";
+    case 6:
+      return random_listed(random, name);
+    case 7:
+      return "{" + name + "," + random_label(random) + "*}";
     case 1:
       name[static_cast<std::size_t>(
           test::integer(random, 0, static_cast<std::int64_t>(name.size()) - 1))] = '?';
@@ -82,7 +120,7 @@ TEST(PairsRules, AreThoseOfABruteForceMatcherInRandomFiles) {
     std::vector<PartName> parts;
     for (int n = 0; n < 12; ++n) {
       const std::string path = random_path(random);
-      parts.push_back({path, path});
+      parts.push_back({path, random_listed(random, path)});
     }
     std::ostringstream text;
     text << "part,object,clearance\n";
@@ -90,7 +128,8 @@ TEST(PairsRules, AreThoseOfABruteForceMatcherInRandomFiles) {
     const auto count = test::integer(random, 1, 6);
     for (int n = 0; n < count; ++n) {
       names.emplace_back(random_name(random), random_name(random));
-      text << names.back().first << "," << names.back().second << "," << n + 1 << "mm\n";
+      text << '"' << names.back().first << "\",\"" << names.back().second << "\"," << n + 1
+           << "mm\n";
     }
     const std::string file = folder / "rules.csv";
     std::ofstream(file) << text.str();
@@ -102,7 +141,7 @@ TEST(PairsRules, AreThoseOfABruteForceMatcherInRandomFiles) {
         std::size_t expected = 0;
         for (; expected < names.size(); ++expected) {
           const auto& [part, object] = names[expected];
-          const std::string &p = parts[a].path, &q = parts[b].path;
+          const PartName &p = parts[a], &q = parts[b];
           if (brute_means(part, p) && brute_means(object, q)) break;
           if (brute_means(part, q) && brute_means(object, p)) break;
         }
@@ -174,9 +213,32 @@ TEST(PairsRules, AreRefusedWithLineAndMend) {
   EXPECT_EQ(RuleFile(header + "A,B,-1mm\n").error(),
             "line 2: the clearance '-1mm' must not be negative" + clearances);
   EXPECT_EQ(RuleFile(std::string("PK\3\4\0\0", 6)).error(), "line 1: is not text" + columns);
+  // Behind the header a row is no comment, whatever it begins with.
+  EXPECT_EQ(RuleFile("# rules\n" + header + "# bolts\nA,B,1mm\n").error(),
+            "line 3: has 1 cells, but the header has 3" + columns);
+  const auto screw = RuleFile(header + "#10 screw,Housing,1mm\n").read();
+  ASSERT_TRUE(screw);
+  EXPECT_EQ((*screw)[0].part, "#10 screw");
   const auto missing = read_rules("no/such/rules.csv");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
+}
+
+// A file that is there and cannot be opened, for any user: a socket.
+TEST(PairsRules, AFileThatCannotBeReadHasNoLines) {
+  test::ScratchFolder folder;
+  const std::string path = folder / "s";
+  const int made = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_GE(made, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(path.size(), sizeof address.sun_path);
+  path.copy(address.sun_path, path.size());
+  ASSERT_EQ(bind(made, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  const auto read = read_rules(path);
+  close(made);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kReadFailed);
 }
 
 // Siblings with one name: the first has no number in its path, but has one in listings.
@@ -212,16 +274,46 @@ TEST(PairsRules, RefuseANameOfSeveralSiblings) {
             "r.csv: line 2: several siblings have the name 'Bolt', such as Lid/Bolt[1]; write "
             "Bolt[1] for only the first, or Bolt* for all");
   EXPECT_NE(refused("Lid/Bolt,Box"), "");
+  EXPECT_EQ(refused("*/Bolt,Box"),
+            "r.csv: line 2: several siblings have the name '*/Bolt', such as Lid/Bolt[1]; write "
+            "*/Bolt[1] for only the first, or */Bolt* for all");
+  EXPECT_NE(refused("\"{Box,Bolt}\",Box"), "");
+  EXPECT_EQ(refused("\"{Box,Bolt*}\",Box"), "");
+  EXPECT_EQ(refused("*/Bolt[1],Box"), "");
   for (const char* const row : {"Box,Bolt[1]", "Box,Bolt[2]", "Box,Bolt*", "Box,Lid", "Box,*"}) {
     EXPECT_EQ(refused(row), "") << row;
   }
+}
+
+TEST(PairsRules, NumbersBesideWildcardsMeanFirstSiblings) {
+  const auto meant = [](const std::string& name) {
+    std::string parts;
+    for (const PartName& part : kSiblings) parts += means(name, part) ? part.listed + " " : "";
+    return parts;
+  };
+  EXPECT_EQ(meant("*[1]"), "Lid/Bolt[1] ");
+  EXPECT_EQ(meant("Bolt*[1]"), "Lid/Bolt[1] ");
+  EXPECT_EQ(meant("L*/Bolt[1]"), "Lid/Bolt[1] ");
+  EXPECT_EQ(meant("Bolt*"), "Lid/Bolt[1] Lid/Bolt[2] ");
+  EXPECT_EQ(meant("{Box,Bolt[2]}"), "Lid/Bolt[2] Box ");
+}
+
+// One name of a list may be wrong.
+TEST(PairsRules, WarnOfEachNameOfAList) {
+  const auto rules = RuleFile("part,object,clearance\n\"{Bolt*,Nut}\",Box,1mm\n").read();
+  ASSERT_TRUE(rules);
+  EXPECT_EQ(RuleTable(*rules, kSiblings).warnings("r"),
+            (std::vector<std::string>{"r: line 2: no part has the name 'Nut'; the nearest names "
+                                      "are: Box, Lid/Bolt[1], Lid/Bolt[2]"}));
 }
 
 TEST(PairsRules, OnePartAloneIsNoPair) {
   const std::vector<PartName> parts = {{"A", "A"}, {"B", "B"}};
   const auto rules = RuleFile("part,object,clearance\nA,A,1mm\n").read();
   ASSERT_TRUE(rules);
-  EXPECT_EQ(RuleTable(*rules, parts).warnings("r").size(), 1u);
+  EXPECT_EQ(RuleTable(*rules, parts).warnings("r"),
+            std::vector<std::string>{"r: line 2: the row decides about no pair, because both names "
+                                     "mean only one part, A"});
 }
 
 // The broad phase against all pairs.

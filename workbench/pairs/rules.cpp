@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -35,8 +36,12 @@ char separator_of(std::string_view header) {
 }
 
 bool is_blank(std::string_view line) {
+  return line.find_first_not_of(" \t,;") == std::string_view::npos;
+}
+
+bool is_comment(std::string_view line) {
   const std::size_t first = line.find_first_not_of(" \t,;");
-  return first == std::string_view::npos || line[first] == '#';
+  return first != std::string_view::npos && line[first] == '#';
 }
 
 // Reads a file of rules line by line.
@@ -44,8 +49,9 @@ class RuleReader {
  public:
   // The mistake of a line; empty: it has none.
   std::string read(std::string_view line, std::size_t number) {
-    if (is_blank(line)) return "";
-    return cell_of_.empty() ? read_header(line) : read_row(line, number);
+    // Comments stand before the header alone: behind it a part may be called "#10 screw".
+    if (is_blank(line) || (!has_header() && is_comment(line))) return "";
+    return !has_header() ? read_header(line) : read_row(line, number);
   }
 
   bool has_header() const { return !cell_of_.empty(); }
@@ -94,20 +100,88 @@ class RuleReader {
   std::vector<Rule> rules_;
 };
 
-// Whether a path, or that of a node above it, is meant by one spelling of a name.
-bool fits(const std::string& path, const std::string& spelling) {
-  for (std::size_t end = path.find('/');; end = path.find('/', end + 1)) {
-    if (mesh::fits_name(path.substr(0, end), spelling)) return true;
-    if (end == std::string::npos) return false;
+using Labels = std::vector<std::string>;
+
+Labels labels_of(const std::string& path) {
+  Labels labels;
+  for (std::size_t start = 0; start <= path.size();) {
+    const std::size_t end = std::min(path.find('/', start), path.size());
+    labels.push_back(path.substr(start, end - start));
+    start = end + 1;
   }
+  return labels;
 }
 
-// Whether a name without wildcards means a part only because the first of several siblings may be
-// written without its number.
-bool means_first_alone(const std::string& name, const PartName& part) {
-  return name.find_first_of("*?") == std::string::npos && !fits(part.listed, name) &&
-         fits(part.path, name);
+std::string joined(const Labels& labels) {
+  std::string path = labels.front();
+  for (std::size_t n = 1; n < labels.size(); ++n) path += "/" + labels[n];
+  return path;
 }
+
+bool has_wildcard(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
+
+// The names that a name in a rule may mean: those of a list, as typed and as a listing shows them.
+std::vector<std::string> names_of(const std::string& name) {
+  std::vector<std::string> names = mesh::names_in(name);
+  for (std::size_t n = 0, count = names.size(); n < count; ++n) {
+    const std::string shown = command::unescaped(names[n]);
+    if (shown != names[n]) names.push_back(shown);
+  }
+  return names;
+}
+
+// How a name, which is no list, may mean a part: it fits the path of the part's node, or of a node
+// above it, label by label, as the path or a listing writes each.
+class Meaning {
+ public:
+  Meaning(const std::string& name, const PartName& part)
+      : named_(labels_of(name)), labels_(labels_of(part.path)), listed_(labels_of(part.listed)) {
+    listed_.resize(labels_.size());  // a listing only adds numbers to labels
+  }
+
+  bool fits() const {
+    for (std::size_t end = named_.size(); end <= labels_.size(); ++end) {
+      if (fits_to(end)) return true;
+    }
+    return false;
+  }
+
+  // Where the name fits because the first of several siblings may be written without its number:
+  // the name with `ending` behind each label that is such a one. None where a number or a wildcard
+  // at each label says which siblings it means.
+  std::optional<std::string> with_ending(const char* ending) const {
+    for (std::size_t end = named_.size(); end <= labels_.size(); ++end) {
+      if (!fits_to(end)) continue;
+      Labels ended = named_;
+      for (std::size_t n = 0; n < named_.size(); ++n) {
+        const std::size_t at = end - named_.size() + n;
+        const bool is_first = labels_[at] != listed_[at] && named_[n] == labels_[at];
+        if (is_first && !has_wildcard(named_[n])) ended[n] += ending;
+      }
+      if (ended != named_) return joined(ended);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // Whether the labels of the name are the last of the first `end` labels.
+  bool fits_to(std::size_t end) const {
+    for (std::size_t n = 0; n < named_.size(); ++n) {
+      const std::size_t at = end - named_.size() + n;
+      if (!label_fits(named_[n], at)) return false;
+    }
+    return true;
+  }
+  // Beside a wildcard "[1]" stands as written: "*[1]" means first siblings, and not every part.
+  bool label_fits(const std::string& name, std::size_t at) const {
+    if (mesh::fits_name(labels_[at], name) || mesh::fits_name(listed_[at], name)) return true;
+    return labels_[at] == command::without_first_numbers(name);
+  }
+
+  Labels named_, labels_, listed_;
+};
+
+bool means_one(const std::string& name, const PartName& part) { return Meaning(name, part).fits(); }
 
 }  // namespace
 
@@ -116,7 +190,9 @@ Result<std::vector<Rule>> read_rules(const std::string& path) {
   if (!std::filesystem::exists(path, failure) || std::filesystem::is_directory(path, failure)) {
     return Error{ErrorCode::kFileNotFound, path, "", "no such file", kMend};
   }
+  const Error unreadable{ErrorCode::kReadFailed, path, "", "cannot be read", ""};
   std::ifstream file(path, std::ios::binary);
+  if (!file.is_open()) return unreadable;
   RuleReader reader;
   std::string line;
   std::size_t number = 0;
@@ -134,7 +210,7 @@ Result<std::vector<Rule>> read_rules(const std::string& path) {
     const std::string mistake = reader.read(text, number);
     if (!mistake.empty()) return wrong(mistake, reader.mend());
   }
-  if (file.bad()) return Error{ErrorCode::kReadFailed, path, "", "cannot be read", ""};
+  if (file.bad()) return unreadable;
   ++number;
   if (!reader.has_header()) return wrong("the header is missing", kMend);
   std::vector<Rule> rules = reader.take();
@@ -143,23 +219,31 @@ Result<std::vector<Rule>> read_rules(const std::string& path) {
 }
 
 bool means(const std::string& name, const PartName& part) {
-  const std::vector<std::string> spellings = command::meanings_of(name);
-  return std::any_of(spellings.begin(), spellings.end(), [&](const std::string& spelling) {
-    return fits(part.path, spelling) || fits(part.listed, spelling);
-  });
+  if (means_one(name, part)) return true;
+  const std::vector<std::string> names = names_of(name);
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& one) { return means_one(one, part); });
 }
 
 Status check_siblings(std::span<const Rule> rules, std::span<const PartName> parts,
                       const std::string& path) {
+  const auto check_name = [&](const std::string& name, std::size_t line) -> Status {
+    for (const PartName& part : parts) {
+      const Meaning meaning(name, part);
+      const auto first = meaning.with_ending("[1]");
+      if (!first) continue;
+      return Error{
+          ErrorCode::kUsage, path, "line " + std::to_string(line),
+          "several siblings have the name '" + name + "', such as " + part.listed,
+          "write " + *first + " for only the first, or " + *meaning.with_ending("*") + " for all"};
+    }
+    return {};
+  };
   for (const Rule& rule : rules) {
-    for (const std::string* const name : {&rule.part, &rule.object}) {
-      const auto first = std::find_if(parts.begin(), parts.end(), [&](const PartName& part) {
-        return means_first_alone(*name, part);
-      });
-      if (first == parts.end()) continue;
-      return Error{ErrorCode::kUsage, path, "line " + std::to_string(rule.line),
-                   "several siblings have the name '" + *name + "', such as " + first->listed,
-                   "write " + *name + "[1] for only the first, or " + *name + "* for all"};
+    for (const std::string* const list : {&rule.part, &rule.object}) {
+      for (const std::string& name : names_of(*list)) {
+        if (Status s = check_name(name, rule.line); !s) return s;
+      }
     }
   }
   return {};
@@ -211,15 +295,28 @@ std::vector<std::string> RuleTable::warnings(const std::string& path) const {
 }
 
 std::string RuleTable::warning_of(std::size_t rule) const {
-  for (const std::string* const name : {&rules_[rule].part, &rules_[rule].object}) {
-    const auto meant = [&](const PartName& part) { return means(*name, part); };
-    if (std::none_of(parts_.begin(), parts_.end(), meant)) {
-      command::NearestNames nearest(*name);
-      for (const PartName& part : parts_) nearest.add(part.listed);
-      return "no part has the name '" + *name + "'; " + nearest.text();
+  std::array<std::vector<std::size_t>, 2> meant;  // the parts that each column names
+  std::size_t column = 0;
+  for (const std::string* const list : {&rules_[rule].part, &rules_[rule].object}) {
+    for (std::size_t n = 0; n < parts_.size(); ++n) {
+      if (means(*list, parts_[n])) meant[column].push_back(n);
     }
+    const bool is_borne = std::any_of(parts_.begin(), parts_.end(),
+                                      [&](const PartName& part) { return means_one(*list, part); });
+    for (const std::string& name : mesh::names_in(*list, is_borne)) {
+      const auto is_meant = [&](const PartName& part) { return means(name, part); };
+      if (std::any_of(parts_.begin(), parts_.end(), is_meant)) continue;
+      command::NearestNames nearest(name);
+      for (const PartName& part : parts_) nearest.add(part.listed);
+      return "no part has the name '" + name + "'; " + nearest.text();
+    }
+    ++column;
   }
   if (decides_[rule]) return "";
+  if (meant[0].size() == 1 && meant[0] == meant[1]) {
+    return "the row decides about no pair, because both names mean only one part, " +
+           parts_[meant[0].front()].listed;
+  }
   return "the row decides about no pair, because earlier rows name all pairs that it names";
 }
 

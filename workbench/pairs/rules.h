@@ -2,8 +2,9 @@
 //
 // A file of rules is a table with the columns part, object and clearance. The first row that names
 // both parts of a pair, in either order, decides about that pair. A row names a part by its name or
-// the end of its name, as in FILE#NODE; `*` and `?` stand for letters other than "/". The name of a
-// node means all parts below it, too.
+// the end of its name, as in FILE#NODE; `*` and `?` stand for letters other than "/", and
+// "{Cover,Bolt*}" is a list of names. The name of a node means all parts below it, too. Comments,
+// behind "#", stand before the header.
 #pragma once
 
 #include <cstddef>
@@ -35,8 +36,9 @@ struct PartName {
 // Whether a name in a rule means this part.
 bool means(const std::string& name, const PartName& part);
 
-// An error where a name without a number or wildcard means the first of several siblings alone: its
-// writer may know all of them by one name. Errors: kUsage, with the line of `path`.
+// An error where a label of a name has no number and no wildcard and means the first of several
+// siblings alone: its writer may know all of them by one name. Errors: kUsage, with the line of
+// `path`.
 Status check_siblings(std::span<const Rule> rules, std::span<const PartName> parts,
                       const std::string& path);
 
