@@ -63,7 +63,7 @@ sigset_t stop_signals() {
   // It ends when its parent does, however that ends: nobody would read what it makes.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(128 + SIGTERM);
-  if (takes_place(in, STDIN_FILENO) && (out < 0 || takes_place(out, STDOUT_FILENO))) {
+  if ((in < 0 || takes_place(in, STDIN_FILENO)) && (out < 0 || takes_place(out, STDOUT_FILENO))) {
     execve(program, argv, environ);
   }
   const int error = errno;
@@ -164,7 +164,7 @@ bool is_new_warning(const std::string& text) {
 }
 
 Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,
-                               const std::string& input, ProgramOutput output,
+                               const std::optional<std::string>& input, ProgramOutput output,
                                const std::string& package) {
   const std::string program = program_path(name);
   if (program.empty()) {
@@ -172,8 +172,8 @@ Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::s
                  "install the package " + package};
   }
   if (stop_signal() != 0) return ProgramEnd{128 + stop_signal(), ""};
-  const Descriptor in = file_of(input);
-  if (!in.valid()) return refused(name, errno);
+  const Descriptor in = input ? file_of(*input) : Descriptor();
+  if (input && !in.valid()) return refused(name, errno);
   int ends[2] = {-1, -1}, failure_ends[2] = {-1, -1};
   if (pipe2(ends, O_CLOEXEC) != 0) return refused(name, errno);
   const Descriptor out(ends[0]);

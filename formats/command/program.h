@@ -1,6 +1,7 @@
 // Another program of this project, started by one.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,11 @@ void share_warnings();
 bool is_new_warning(const std::string& text);
 
 // Runs the program to its end; it is sent SIGTERM if this one ends before. `input` is its standard
-// input. Its standard error is this one's.
+// input; without one it reads this one's. Its standard error is this one's.
 // Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the
 // system refuses to start it.
 Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,
-                               const std::string& input, ProgramOutput output,
+                               const std::optional<std::string>& input, ProgramOutput output,
                                const std::string& package);
 
 }  // namespace forcelayer::command

@@ -3,8 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <new>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
@@ -73,7 +73,12 @@ int run(int argc, char** argv) {
     const std::string inputs[] = {options->assembly, options->rules};
     const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
-    return check(*options);
+    try {
+      return check(*options);
+    } catch (const std::bad_alloc&) {  // there is no voxel size to enlarge
+      return Error{ErrorCode::kOutOfMemory, options->assembly, "", "out of memory",
+                   "use a machine with more memory"};
+    }
   });
 }
 

@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
@@ -62,16 +64,21 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
   return command::write_report(json, report);
 }
 
-// Has forcelayer-pairs do the work, with the arguments behind the word pairs.
+// Has forcelayer-pairs do the work, with the arguments behind the word pairs and this standard
+// input.
 int run_pairs(const forcelayer::pairs::OptionParser& parser, int argc, char** argv) {
   using namespace forcelayer;
   int status = 0;
   const int failed = command::run_command("forcelayer", [&]() -> Status {
     const auto options = parser.finish();
     if (!options) return options.error();
+    if (std::string_view(argv[1]) != "pairs") {
+      return Error{ErrorCode::kUsage, "", argv[1], "stands before the word pairs",
+                   "write options behind it: forcelayer pairs ASSEMBLY [OPTIONS]"};
+    }
     const std::vector<std::string> arguments(argv + 2, argv + argc);
     command::stop_programs_on_signals();
-    const auto end = command::run_program(pairs::kProgram, arguments, "",
+    const auto end = command::run_program(pairs::kProgram, arguments, std::nullopt,
                                           command::ProgramOutput::kShown, "forcelayer-tools");
     if (!end) return end.error();
     status = end->status;
