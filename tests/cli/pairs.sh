@@ -79,10 +79,21 @@ report deep_report.json '[f["found"] for f in report["found"]] == ["overlap", "o
 pairs 6 twice.json
 says '1 of 1 pair overlaps: block at least 20 mm into block_again.'
 pairs 6 open.json
-says '1 of 3 pairs is undecided, because a mesh is open.'
+says '1 of 3 pairs is undecided, because a mesh has no inside.'
 grep -qF 'it may be inside: the mesh of open is open' out.txt || fail "no reason: $(cat out.txt)"
 pairs 0 open.json --rules <(printf 'part,object,clearance\nopen,*,ignore\n') --quiet
 [ ! -s out.txt ] && [ ! -s err.txt ] || fail "not quiet: $(cat out.txt err.txt)"
+
+
+# Rules from the standard input, lists of names, and numbers beside wildcards.
+printf 'part,object,clearance\nopen,*,ignore\n' | "$bin/forcelayer" pairs open.json --rules /dev/stdin >out.txt 2>err.txt ||
+  fail "rules from the standard input: $(cat out.txt err.txt)"
+printf 'part,object,clearance\n"{Cover,Bolt*}",*,ignore\n' >list.csv
+pairs 6 gearbox.glb --clearance 0.15mm --rules list.csv
+[ ! -s err.txt ] || ! grep -q warning err.txt || fail "a list of names: $(cat err.txt)"
+printf 'part,object,clearance\n*[1],*,ignore\n' >first.csv
+pairs 6 gearbox.glb --clearance 0.15mm --rules first.csv
+says '9 of 36 pairs are nearer than the required 0.15 mm, the nearest: Cover touches Bolt[2]; 15 are ignored.'
 
 # Wrong input.
 columns='the first line names the columns part,object,clearance, and each row has a cell for each'
@@ -102,6 +113,9 @@ refuses 3 'none.json: parts: is missing, empty or not a list; list at least one 
 report none_report.json 'report["exit_status"] == 3 and report["error"]["where"] == "parts"'
 refuses 1 'no.glb: no such file; check the path' no.glb
 pairs 2
+status=0
+"$bin/forcelayer" --quiet pairs gearbox.glb >out.txt 2>err.txt || status=$?
+[ "$status" = 2 ] && grep -qF -- '--quiet: stands before the word pairs' err.txt || fail "an option before pairs: $status $(cat out.txt err.txt)"
 pairs 2 gearbox.glb --json gearbox.glb
 cmp -s gearbox.glb "$data/gearbox.glb" || fail "the assembly is overwritten"
 finish

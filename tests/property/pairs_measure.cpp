@@ -312,6 +312,14 @@ TEST(PairsMeasure, FindsPartsThatStandInTheSamePlace) {
   EXPECT_EQ(found.kind, VerdictKind::kCollides);
   EXPECT_TRUE(found.measure.is_at_least);
   EXPECT_GT(found.measure.depth_m, 0.003);
+  // The copy may be smaller by less than deviations explain. Then no surfaces meet.
+  AssemblyParts nested;
+  test::add_part(nested, "block", box_mesh(0.04, 0.04, 0.04), 2e-5);
+  test::add_part(nested, "smaller", box_mesh(0.03999, 0.03999, 0.03999));
+  const PairFinding copy = only_finding(nested);
+  EXPECT_EQ(copy.kind, VerdictKind::kCollides);
+  EXPECT_NEAR(copy.measure.depth_m, 0.02, 1e-4);
+  EXPECT_NEAR(copy.measure.distance_m, 5e-6, 1e-9);
   // A plug fills the bore of a ring exactly: all of its side touches.
   AssemblyParts filled;
   test::add_part(filled, "ring", test::ring_mesh(12, 0.005, 0.01, 0.03));
@@ -344,7 +352,78 @@ TEST(PairsMeasure, ClaimsNoDepthInOpenMeshes) {
   EXPECT_EQ(only_finding(crossing).kind, VerdictKind::kUndecided);
 }
 
-// A place may come through a crack of a solid as deep as the crack is wide.
+// Two bodies of one part.
+mesh::Mesh both(mesh::Mesh a, const mesh::Mesh& b) {
+  const auto first = static_cast<std::uint32_t>(a.vertices.size());
+  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const mesh::Triangle& t : b.triangles) {
+    a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return a;
+}
+
+// A box without its upper face.
+mesh::Mesh bowl_mesh(double size_m) {
+  mesh::Mesh bowl = box_mesh(size_m, size_m, size_m);
+  bowl.triangles.erase(bowl.triangles.begin() + 2, bowl.triangles.begin() + 4);
+  return bowl;
+}
+
+TEST(PairsMeasure, KeepsNoPairThatAnOpenMeshMayHold) {
+  const auto with_bowl = [](const mesh::Mesh& other, double deviation_m = 0) {
+    AssemblyParts assembly;
+    test::add_part(assembly, "bowl", bowl_mesh(0.04), deviation_m);
+    test::add_part(assembly, "other", other);
+    return assembly;
+  };
+  const auto doubted = [&](const mesh::Mesh& other, double deviation_m = 0) {
+    const PairFinding finding = only_finding(with_bowl(other, deviation_m));
+    return finding.kind == VerdictKind::kUndecided &&
+           finding.measure.doubt.find("it may be inside: the mesh of ") != std::string::npos;
+  };
+  // On the inner side of a wall, or of the floor.
+  EXPECT_TRUE(doubted(moved(box_mesh(0.01, 0.01, 0.01), 0.015, 0, 0)));
+  EXPECT_TRUE(doubted(moved(box_mesh(0.01, 0.01, 0.01), 0, 0, -0.015)));
+  EXPECT_TRUE(doubted(moved(box_mesh(0.01, 0.01, 0.001), 0, 0, -0.0195)));
+  // A small body of a part of which a larger one touches it from outside.
+  EXPECT_TRUE(doubted(both(moved(rod_mesh(16, 0.02, 0.1), 0, 0, -0.07),
+                           moved(box_mesh(0.002, 0.002, 0.002), 0.01, 0.01, 0))));
+  // A rod stands out of it, and touches nothing.
+  EXPECT_TRUE(doubted(moved(rod_mesh(12, 0.005, 0.05), 0, 0, 0.02)));
+  // A solid fills it, or does so but for less than deviations explain.
+  EXPECT_TRUE(doubted(box_mesh(0.04, 0.04, 0.04)));
+  EXPECT_TRUE(doubted(box_mesh(0.03999, 0.03999, 0.03999), 2e-5));
+  EXPECT_TRUE(doubted(bowl_mesh(0.03999), 2e-5));
+  // Outside of it: on a wall, under the floor, and farther away.
+  const auto contact = [&](const mesh::Mesh& other) {
+    return only_finding(with_bowl(other)).measure.contact;
+  };
+  EXPECT_EQ(contact(moved(box_mesh(0.01, 0.01, 0.01), 0.025, 0, 0)), Contact::kTouch);
+  EXPECT_EQ(contact(moved(box_mesh(0.01, 0.01, 0.01), 0, 0, -0.025)), Contact::kTouch);
+  EXPECT_TRUE(check(with_bowl(moved(box_mesh(0.01, 0.01, 0.01), 0.026, 0, 0))).by_rank.empty());
+  // A wall in a solid is an overlap, and how deep the solid is in the open mesh is not known.
+  const PairFinding through =
+      only_finding(with_bowl(moved(box_mesh(0.01, 0.01, 0.01), 0.02, 0, 0)));
+  EXPECT_EQ(through.kind, VerdictKind::kCollides);
+  EXPECT_TRUE(through.measure.is_at_least);
+}
+
+// Two bodies of each part: one pair of them touches, the other overlaps, and no surfaces meet.
+TEST(PairsMeasure, LooksInsideBothWays) {
+  // The first part is within rounding of a wall of the second's thin shell; the second's other
+  // body lies inside the first's other body.
+  const mesh::Mesh thin = box_mesh(0.04, 0.04, 1.2e-5);
+  AssemblyParts assembly;
+  test::add_part(assembly, "a",
+                 both(box_mesh(0.0399, 0.0399, 2e-6), moved(box_mesh(0.05, 0.05, 0.05), 0, 0, 0.2)),
+                 2e-5);
+  test::add_part(assembly, "b", both(thin, moved(box_mesh(0.02, 0.02, 0.02), 0, 0, 0.2)));
+  const PairFinding found = only_finding(assembly);
+  EXPECT_EQ(found.kind, VerdictKind::kCollides);
+  EXPECT_GT(found.measure.depth_m, 0.014);
+}
+
+// A place may come through a crack of a solid as deep as the crack is wide, but only near it.
 TEST(PairsMeasure, CracksWidenTheBoundOfAContact) {
   mesh::Mesh cracked = moved(box_mesh(0.1, 0.1, 0.1), 0, 0, -0.05);
   const auto first = static_cast<std::uint32_t>(cracked.vertices.size());
@@ -355,16 +434,27 @@ TEST(PairsMeasure, CracksWidenTheBoundOfAContact) {
   }
   cracked.triangles[2] = {first, first + 1, first + 2};
   cracked.triangles[3] = {first + 1, first + 3, first + 2};
-  const auto pressed = [&](double depth_m) {
+  const auto pressed = [&](double depth_m, double width_m, double x_m) {
     AssemblyParts assembly;
     test::add_part(assembly, "cracked", cracked);
     test::add_part(assembly, "foot",
-                   moved(box_mesh(0.02, 0.02, 0.02), 0, 0, 0.01 + 5e-6 - depth_m));
+                   moved(box_mesh(width_m, width_m, 0.02), x_m, 0, 0.01 + 5e-6 - depth_m));
     return only_finding(assembly).measure;
   };
-  EXPECT_EQ(pressed(2e-6).contact, Contact::kTouch);
-  EXPECT_EQ(pressed(1e-3).contact, Contact::kOverlap);
-  EXPECT_NEAR(pressed(1e-3).depth_m, 1e-3, 1e-5);
+  const PairMeasure beside = pressed(2e-6, 4e-6, 0.05 - 3e-6);
+  EXPECT_EQ(beside.contact, Contact::kTouch);
+  EXPECT_GE(beside.crack_m, 5e-6);
+  EXPECT_EQ(pressed(1e-4, 4e-6, 0.05 - 3e-6).contact, Contact::kOverlap);
+  EXPECT_EQ(pressed(0, 0.02, 0).contact, Contact::kTouch);
+  EXPECT_EQ(pressed(0, 0.02, 0).crack_m, 0);
+  EXPECT_EQ(pressed(2e-6, 0.02, 0).contact, Contact::kOverlap);
+  AssemblyParts feet;  // at the middle of both parts there is nothing
+  test::add_part(feet, "cracked", cracked);
+  test::add_part(feet, "foot",
+                 moved(test::ring_mesh(8, 0.005, 0.01, 0.02), 0, 0, 0.01 + 5e-6 - 2e-6));
+  EXPECT_EQ(only_finding(feet).measure.contact, Contact::kOverlap);
+  EXPECT_EQ(pressed(1e-3, 0.02, 0).contact, Contact::kOverlap);
+  EXPECT_NEAR(pressed(1e-3, 0.02, 0).depth_m, 1e-3, 1e-5);
 }
 
 TEST(PairsMeasure, RanksTheWorstFirst) {

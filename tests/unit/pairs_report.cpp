@@ -101,12 +101,32 @@ TEST(PairsReport, SaysWhyAPairIsNotDecided) {
   open.triangles.pop_back();
   test::add_part(row.assembly(), "shell", open);
   const Answer answer = row.answer();
-  EXPECT_EQ(sentence(answer), "1 of 3 pairs is undecided, because a mesh is open.");
+  EXPECT_EQ(sentence(answer), "1 of 3 pairs is undecided, because a mesh has no inside.");
   EXPECT_NE(table(answer).find("  cube0 and shell: it may be inside: the mesh of shell is open "
                                "(102.426 mm of open edges)\n"),
             std::string::npos)
       << table(answer);
   EXPECT_FALSE(exit_of(answer, "row.glb"));
+}
+
+// A pair may be undecided and too near at once, and still be apart.
+TEST(PairsReport, SaysThatPartsTouchOnlyWhereTheyDo) {
+  Row row({0.5}, {Requirement::Kind::kClearance, 0.02});
+  mesh::Mesh open = box_mesh(0.03, 0.03, 0.03);
+  open.triangles.pop_back();
+  test::add_part(row.assembly(), "shell", open);
+  EXPECT_EQ(sentence(row.answer()),
+            "1 of 3 pairs is nearer than the required 20 mm: cube0 10 mm from shell.");
+}
+
+TEST(PairsReport, CountsCracksInTheMargin) {
+  Row row({0});
+  Answer answer = row.answer();
+  const double margin_m = report_of(answer)["found"][0]["margin_m"];
+  Findings cracked = answer.findings;
+  cracked.by_rank[0].measure.crack_m = 1e-5;
+  const Answer other{answer.assembly, answer.rules, answer.otherwise, cracked};
+  EXPECT_EQ(report_of(other)["found"][0]["margin_m"], margin_m + 1e-5);
 }
 
 }  // namespace

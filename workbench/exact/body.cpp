@@ -142,8 +142,10 @@ bool Body::holds(const Vec3& place_m) const {
     const auto windings = crack_m_ == 0 ? windings_by_ray(place_m) : windings_past_cracks(place_m);
     if (windings) return *windings != 0;
   }
-  return std::abs(winding_->at(place_m, kFar)) > 0.5;
+  return std::abs(winding(place_m)) > 0.5;
 }
+
+double Body::winding(const Vec3& place_m) const { return winding_->at(place_m, kFar); }
 
 bool Body::may_meet(const part::Piece& piece) const {
   const double largest_m = largest_of(piece);

@@ -52,6 +52,8 @@ class Body {
 
   // Whether a place lies inside: around it the triangles wind once or more, whatever their sides.
   bool holds(const part::Vec3& place_m) const;
+  // About how often they do: a fraction where the body is open.
+  double winding(const part::Vec3& place_m) const;
 
   // How often the triangles wind around a place: exact where each edge is closed. None where the
   // ray that counts comes too near an edge for its rounding.

@@ -352,12 +352,70 @@ class Search {
   std::uint64_t looked_at_ = 0;
 };
 
+part::Box box_of(const part::TriangleTree::Node& node) {
+  return {{node.low[0], node.low[1], node.low[2]}, {node.high[0], node.high[1], node.high[2]}};
+}
+
+// Whether two boxes have no place in common.
+bool are_apart(const part::Box& a, const part::Box& b) {
+  return a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y ||
+         a.low.z > b.high.z || b.low.z > a.high.z;
+}
+
 }  // namespace
 
 Depth deepest(std::span<const SurfaceInSolid> pairs, std::optional<double> allowed_m,
               double within_m, double within_fraction, const DepthProgress& progress,
               const Depth& known) {
   return Search(pairs, allowed_m, within_m, within_fraction, known).run(progress);
+}
+
+AwayFromCracks away_from_cracks(const Body& surface, const Body& solid) {
+  // Pieces near a crack are cut until they reach no farther, in widths of the crack; and how many.
+  constexpr double kReach = 4;
+  constexpr std::size_t kMaxPieces = 1 << 14;
+  AwayFromCracks away;
+  const part::TriangleTree& tree = surface.tree();
+  const part::Box solid_box = box_of(solid.tree().nodes()[0]);
+  const auto crack_m = [&](const part::Box& box, const Vec3& center, double reach_m) {
+    if (are_apart(box, solid_box)) return 0.0;
+    return std::max(surface.crack_near_m(center, reach_m), solid.crack_near_m(center, reach_m));
+  };
+  std::vector<std::uint32_t> nodes{0};
+  std::vector<Piece> pieces;
+  while (!nodes.empty()) {
+    const std::uint32_t number = nodes.back();
+    nodes.pop_back();
+    const part::TriangleTree::Node& node = tree.nodes()[number];
+    const part::Box box = box_of(node);
+    if (crack_m(box, 0.5 * (box.low + box.high), part::length(box.high - box.low) / 2) == 0) {
+      away.parts.nodes.push_back(number);
+      continue;
+    }
+    for (std::uint32_t n = 0; n < node.count; ++n) {
+      pieces.push_back(part::triangle_piece(tree.part(), tree.ordered_triangles()[node.first + n]));
+    }
+    if (node.count == 0) nodes.push_back(node.first), nodes.push_back(number + 1);
+  }
+  for (std::size_t cuts = 0; !pieces.empty();) {
+    const Piece piece = pieces.back();
+    pieces.pop_back();
+    part::Box box;
+    for (const Vec3& corner : piece) box.grow(corner);
+    const Vec3 center = part::centroid(piece);
+    const double reach_m = reach_of_m(piece, center), near_m = crack_m(box, center, reach_m);
+    if (cuts == kMaxPieces || near_m == 0) {
+      away.parts.pieces.push_back(piece);
+    } else if (reach_m <= kReach * near_m) {
+      away.is_all = false;
+    } else {
+      ++cuts;
+      for (const Piece& half : part::bisected(piece, part::longest_edge(piece).from)) {
+        pieces.push_back(half);
+      }
+    }
+  }
+  return away;
 }
 
 }  // namespace forcelayer::exact

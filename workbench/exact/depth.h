@@ -44,6 +44,14 @@ struct SurfaceInSolid {
   const Parts* parts;  // of the surface, that count
 };
 
+// The surface without its places near its own cracks or those of a solid in the same frame: those
+// within nine widths of a crack. Where such places are too many, some of them stay.
+struct AwayFromCracks {
+  Parts parts;
+  bool is_all = true;  // no place in the box of the solid is near a crack
+};
+AwayFromCracks away_from_cracks(const Body& surface, const Body& solid);
+
 using DepthProgress = std::function<void(double fraction)>;
 
 // The deepest place of all pairs. `found_m` and `at_most_m` differ by `within_m` and the width of

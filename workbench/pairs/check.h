@@ -20,7 +20,7 @@ struct PairFinding {
   std::size_t rule = 0;                // number; the count of rules: none names the pair
   Requirement requirement;
   PairMeasure measure;
-  double margin_m = 0;  // deviations and rounding of both
+  double margin_m = 0;  // deviations and rounding of both, without cracks
   // kCollides, kTooNear, kUndecided, kTooCloseToCall; kept: kStaysInstalled of parts that touch
   command::VerdictKind kind = command::VerdictKind::kUndecided;
   bool is_kept() const { return command::is_yes(kind); }

@@ -13,6 +13,7 @@
 #include "formats/command/verdict/verdict.h"
 #include "workbench/exact/depth.h"
 #include "workbench/exact/watch.h"
+#include "workbench/pairs/inside_places.h"
 #include "workbench/pairs/near_boxes.h"
 
 namespace forcelayer::pairs {
@@ -33,19 +34,6 @@ constexpr double kWithin = 1.0 / 8, kClosely = 1.0 / 256;
 constexpr std::uint64_t kMaxAsked = 1 << 15;
 
 std::array<double, 3> array_of(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
-
-double diagonal_of(const mesh::Box& box) {
-  double squared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    squared += (box.high[axis] - box.low[axis]) * (box.high[axis] - box.low[axis]);
-  }
-  return std::sqrt(squared);
-}
-
-bool is_in(const mesh::Box& box, const Vec3& p) {
-  return p.x >= box.low[0] && p.x <= box.high[0] && p.y >= box.low[1] && p.y <= box.high[1] &&
-         p.z >= box.low[2] && p.z <= box.high[2];
-}
 
 // The triangles that hang together, in the order of their lowest corners.
 std::vector<Shape::Piece> pieces_of(const part::Part& part) {
@@ -83,57 +71,6 @@ std::string open_text(const NamedShape& named) {
          " of open edges)";
 }
 
-// A ball that lies in both bodies.
-struct Ball {
-  Vec3 center;
-  double radius_m = 0;
-};
-
-// The middle of the box in which two boxes overlap.
-Vec3 middle_of_both(const mesh::Box& a, const mesh::Box& b) {
-  std::array<double, 3> middle{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    middle[axis] = (std::max(a.low[axis], b.low[axis]) + std::min(a.high[axis], b.high[axis])) / 2;
-  }
-  return {middle[0], middle[1], middle[2]};
-}
-
-// The largest ball that is found in both bodies: about the middle of their boxes, and about places
-// below the largest triangles of the first, at depths of a half, a fourth and so on of its
-// diagonal.
-Ball ball_in_both(const Shape& first, const Shape& second, double min_m) {
-  constexpr std::size_t kTriangles = 24;
-  constexpr int kDepths = 12;
-  const Body &own = *first.body(), &other = *second.body();
-  const part::Part& part = own.tree().part();
-  std::vector<std::pair<double, std::size_t>> largest;  // doubled areas
-  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
-    largest.emplace_back(-part::length(part::doubled_area_normal(part, t)), t);
-  }
-  const std::size_t count = std::min(kTriangles, largest.size());
-  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(count),
-                    largest.end());
-  Ball best;
-  const auto try_place = [&](const Vec3& place) {
-    if (!is_in(first.box_m(), place) || !is_in(second.box_m(), place)) return;
-    const double radius_m = std::sqrt(std::min(own.tree().nearest(place).distance_squared,
-                                               other.tree().nearest(place).distance_squared));
-    if (radius_m <= std::max(best.radius_m, min_m)) return;
-    if (own.holds(place) && other.holds(place)) best = {place, radius_m};
-  };
-  try_place(middle_of_both(first.box_m(), second.box_m()));
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t t = largest[n].second;
-    const Vec3 inwards = -own.outward() * part::normalized(part::doubled_area_normal(part, t));
-    double depth_m = diagonal_of(first.box_m());
-    for (int k = 0; k < kDepths && depth_m > 2 * best.radius_m; ++k) {
-      depth_m /= 2;
-      try_place(part::centroid(part::triangle_piece(part, t)) + depth_m * inwards);
-    }
-  }
-  return best;
-}
-
 class PairSearch {
  public:
   PairSearch(const NamedShape& first, const NamedShape& second, double margin_m)
@@ -155,7 +92,7 @@ class PairSearch {
       look_into_contact();
       return found_;
     }
-    const bool is_told = look_inside(first_, second_, true) || look_inside(second_, first_, false);
+    const bool is_told = look_inside_both();
     if (!nearest && !is_told) return std::nullopt;
     if (!nearest) {
       found_.distance_m = pair.at(kWorld, std::numeric_limits<double>::infinity()).distance_m;
@@ -164,25 +101,54 @@ class PairSearch {
   }
 
  private:
-  // The surfaces do not meet, so one place of a piece tells whether it lies inside the other part.
-  // Whether one does, or may.
+  // The surfaces do not meet. Whether one part lies in the other one, or may.
+  bool look_inside_both() {
+    bool is_told = look_inside(first_, second_, true);
+    if (found_.contact == Contact::kOverlap) return true;
+    const PairMeasure other_way = found_;
+    const bool is_second_told = look_inside(second_, first_, false);
+    if (found_.contact == Contact::kOverlap) return true;
+    if (is_told && other_way.contact == Contact::kUndecided) found_ = other_way;
+    is_told = is_told || is_second_told;
+    if (found_.contact == Contact::kTouch) find_common_ball();
+    return is_told;
+  }
+
+  // One place of a piece tells whether it lies inside a solid. Many are asked where the other part
+  // is open or has cracks: a piece may reach in through these.
   bool look_inside(const NamedShape& inner, const NamedShape& outer, bool is_first) {
     if (distance_of(outer.shape.box_m(), inner.shape.box_m()) > 0) return false;
-    if (outer.shape.body() == nullptr) return false;
-    for (const Shape::Piece& piece : inner.shape.pieces()) {
-      if (!contains(outer.shape.box_m(), piece.box_m)) continue;
-      if (!outer.shape.body()->holds(piece.place_m)) continue;
-      if (outer.shape.is_solid()) {
-        take_depth(deepest_of({&inner.shape, &outer.shape}, piece.place_m, is_first));
-      } else {
-        found_.contact = Contact::kUndecided;
-        found_.doubt = "it may be inside: " + open_text(outer);
-        found_.is_first_deep = is_first;
-        found_.at_m = {piece.place_m.x, piece.place_m.y, piece.place_m.z};
-      }
-      return true;
+    if (outer.shape.body() == nullptr || inner.shape.body() == nullptr) return false;
+    if (!outer.shape.is_solid()) return look_inside_open(inner, outer, is_first);
+    const auto place = place_in_solid(inner.shape, outer.shape);
+    if (!place) return false;
+    const Deep deep = deepest_of({&inner.shape, &outer.shape}, *place, is_first);
+    const double crack_m = outer.shape.body()->crack_near_m(exact::vec3_of(deep.depth.place_m),
+                                                            std::max(0.0, deep.depth.found_m));
+    take_depth(deep, margin_m_ + crack_m);
+    found_.crack_m = crack_m;
+    return true;
+  }
+
+  std::optional<Vec3> place_in_solid(const Shape& inner, const Shape& outer) const {
+    for (const Shape::Piece& piece : inner.pieces()) {
+      if (!contains(outer.box_m(), piece.box_m)) continue;
+      if (outer.body()->holds(piece.place_m)) return piece.place_m;
     }
-    return false;
+    return outer.body()->crack_m() > 0 ? place_inside(inner, outer, margin_m_) : std::nullopt;
+  }
+
+  bool look_inside_open(const NamedShape& inner, const NamedShape& outer, bool is_first) {
+    const auto place = place_inside(inner.shape, outer.shape, margin_m_);
+    if (place) set_undecided(outer, *place, is_first);
+    return place.has_value();
+  }
+
+  void set_undecided(const NamedShape& open, const Vec3& place, bool is_first) {
+    found_.contact = Contact::kUndecided;
+    found_.doubt = "it may be inside: " + open_text(open);
+    found_.is_first_deep = is_first;
+    found_.at_m = {place.x, place.y, place.z};
   }
 
   void look_into_contact() {
@@ -193,34 +159,53 @@ class PairSearch {
       return;
     }
     if (first_.shape.body() == nullptr || second_.shape.body() == nullptr) return;  // lines touch
-    bounded_depth(first_solid, second_solid);
-    if (found_.contact == Contact::kTouch && first_solid && second_solid) find_common_ball();
+    find_depth(first_solid, second_solid);
+    // The surface of the solid may be inside the open mesh where no depth is known.
+    if (found_.contact == Contact::kTouch && !second_solid) look_inside_open(first_, second_, true);
+    if (found_.contact == Contact::kTouch && !first_solid) look_inside_open(second_, first_, false);
+    if (found_.contact == Contact::kTouch) find_common_ball();
   }
 
-  // The depth that deviations, rounding and cracks explain.
-  double allowed_m() const {
-    double cracks_m = 0;
-    for (const NamedShape* const named : {&first_, &second_}) {
-      if (named->shape.body() != nullptr) cracks_m += named->shape.body()->crack_m();
-    }
-    return margin_m_ + cracks_m;
-  }
-
-  // Whether a place of either surface is deeper in the other part than allowed, and then how deep.
-  void bounded_depth(bool first_solid, bool second_solid) {
-    const exact::Parts whole = exact::whole_surface();
+  struct SurfacePairs {
     std::vector<exact::SurfaceInSolid> pairs;
-    std::vector<bool> is_first;
-    const auto add = [&](const Shape& surface, const Shape& solid, bool of_first) {
-      pairs.push_back({surface.body(), solid.body(), kWorld, kWorld, &whole});
-      is_first.push_back(of_first);
+    std::vector<bool> is_first;  // the surface is that of the first part
+  };
+
+  // Whether a place of either surface is deeper in the other part than is allowed, and then how
+  // deep. Cracks explain a depth only of places near them.
+  void find_depth(bool first_solid, bool second_solid) {
+    const exact::Parts whole = exact::whole_surface();
+    SurfacePairs all, away;
+    std::vector<exact::AwayFromCracks> parts;
+    parts.reserve(2);
+    double cracks_m = 0;
+    const auto add = [&](const Shape& surface, const Shape& solid, bool is_first) {
+      all.pairs.push_back({surface.body(), solid.body(), kWorld, kWorld, &whole});
+      all.is_first.push_back(is_first);
+      cracks_m = std::max({cracks_m, surface.body()->crack_m(), solid.body()->crack_m()});
+      parts.push_back(exact::away_from_cracks(*surface.body(), *solid.body()));
+      away.pairs.push_back({surface.body(), solid.body(), kWorld, kWorld, &parts.back().parts});
+      away.is_first.push_back(is_first);
     };
     if (second_solid) add(first_.shape, second_.shape, true);
     if (first_solid) add(second_.shape, first_.shape, false);
+    const bool near_cracks =
+        std::any_of(parts.begin(), parts.end(), [](const auto& part) { return !part.is_all; });
+    bound_depth(away, margin_m_);
+    if (near_cracks && found_.contact == Contact::kTouch) {
+      found_.crack_m = cracks_m;
+      bound_depth(all, margin_m_ + cracks_m);
+    }
+    if (found_.contact == Contact::kOverlap && !(first_solid && second_solid)) {
+      found_.is_at_least = true;  // of a surface in the solid: the other way round none is known
+    }
+  }
+
+  void bound_depth(const SurfacePairs& surfaces, double most_m) {
+    const auto& [pairs, is_first] = surfaces;
     exact::Depth met;  // where surfaces meet, that is a place of both, and no depth
     met.found_m = met.at_most_m = 0;
     met.place_m = met.foot_m = {found_.at_m[0], found_.at_m[1], found_.at_m[2]};
-    const double most_m = allowed_m();
     auto bounded = search(pairs, most_m, kWithin * most_m, 0, met);
     if (bounded && bounded->found_m <= most_m && bounded->at_most_m > most_m) {
       const double within_m = std::max((most_m - bounded->found_m) / 2, kClosely * most_m);
@@ -234,7 +219,7 @@ class PairSearch {
     if (bounded->found_m > most_m) {
       const auto deep = search(pairs, std::nullopt, kDepthM, kDepthFraction, *bounded);
       found_.is_at_least = !deep;
-      take_depth({deep ? *deep : *bounded, is_first[(deep ? *deep : *bounded).pair]});
+      take_depth({deep ? *deep : *bounded, is_first[(deep ? *deep : *bounded).pair]}, most_m);
     } else if (bounded->at_most_m > most_m) {
       found_.contact = Contact::kClose;
     }
@@ -274,19 +259,27 @@ class PairSearch {
     return {deep ? *deep : known, is_first};
   }
 
-  void take_depth(const Deep& deep) {
+  void take_depth(const Deep& deep, double allowed_m) {
+    found_.doubt.clear();
     found_.depth_m = deep.depth.found_m;
     found_.at_m = array_of(deep.depth.place_m);
     found_.is_first_deep = deep.is_first;
-    found_.contact = deep.depth.found_m > allowed_m() ? Contact::kOverlap : Contact::kTouch;
+    found_.contact = deep.depth.found_m > allowed_m ? Contact::kOverlap : Contact::kTouch;
   }
 
+  // Parts of which the surfaces coincide have no place of a surface that is deep.
   void find_common_ball() {
-    const double min_m = allowed_m();
-    Ball ball = ball_in_both(first_.shape, second_.shape, min_m);
-    const Ball other = ball_in_both(second_.shape, first_.shape, std::max(min_m, ball.radius_m));
+    if (first_.shape.body() == nullptr || second_.shape.body() == nullptr) return;
+    Ball ball = ball_in_both(first_.shape, second_.shape, margin_m_);
+    const Ball other =
+        ball_in_both(second_.shape, first_.shape, std::max(margin_m_, ball.radius_m));
     if (other.radius_m > ball.radius_m) ball = other;
-    if (ball.radius_m <= min_m) return;
+    if (ball.radius_m <= margin_m_) return;
+    if (!first_.shape.is_solid() || !second_.shape.is_solid()) {
+      const bool is_first = !second_.shape.is_solid();
+      set_undecided(is_first ? second_ : first_, ball.center, is_first);
+      return;
+    }
     found_.contact = Contact::kOverlap;
     found_.depth_m = ball.radius_m;
     found_.is_at_least = true;

@@ -4,7 +4,8 @@
 // Surfaces that meet may touch or overlap. They overlap where a place of one surface is deeper in
 // the other part than deviations and rounding explain (exact/depth.h). Parts of which all surfaces
 // coincide have no such place: they overlap where a place in both is that far from both surfaces.
-// Surfaces that do not meet overlap where one part lies inside the other.
+// Surfaces that do not meet overlap where one part lies inside the other. Beside an open mesh a
+// pair is undecided where a place of the other part may be inside of it.
 #pragma once
 
 #include <array>
@@ -55,7 +56,7 @@ class Shape {
 
 enum class Contact {
   kApart,      // no surfaces meet, and no part lies inside the other
-  kTouch,      // no nearer and no deeper than deviations and rounding explain
+  kTouch,      // no nearer and no deeper than deviations, rounding and near cracks explain
   kOverlap,    // deeper than these explain
   kClose,      // the depth is so near to that bound that it may lie on either side
   kUndecided,  // nobody knows whether a place is inside: a mesh is open
@@ -66,6 +67,7 @@ struct PairMeasure {
   double distance_m = 0;         // between the surfaces; 0 where they meet
   double depth_m = 0;            // of an overlap: of the deepest place that was found
   bool is_at_least = false;      // the depth may be more than was found
+  double crack_m = 0;            // the width of the cracks near it, which explain as much depth
   bool is_first_deep = true;     // of an overlap: the first part's surface is inside the second
   std::array<double, 3> at_m{};  // the place, world: the middle of the nearest, or the deepest
   std::string doubt;             // why contact or distance is less certain; empty: it is not

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -35,11 +36,13 @@ std::string counted(std::size_t count, const std::string& of, const char* one, c
   return command::text("%zu", count) + of + " " + (count == 1 ? one : many);
 }
 
-// "0.2 mm" and, of a pair that touches, "touches".
+// "Bolt 0.2 mm from Lid" or, of a pair that touches, "Bolt touches Lid".
 std::string nearest_text(const Answer& answer, const PairFinding& finding) {
   const std::string first = shown_name(answer, finding.part),
                     second = shown_name(answer, finding.object);
-  if (finding.measure.contact != Contact::kApart) return first + " touches " + second;
+  const bool touches =
+      finding.measure.contact == Contact::kTouch || finding.measure.distance_m == 0;
+  if (touches) return first + " touches " + second;
   const auto [distance, required] =
       command::length_texts(finding.measure.distance_m, finding.requirement.clearance_m);
   return first + " " + distance + " from " + second;
@@ -191,7 +194,7 @@ Json json_of(const Answer& answer, const PairFinding& finding) {
   json["depth_m"] = is_deep ? Json(measure.depth_m) : Json(nullptr);
   json["depth_is_at_least"] = is_deep && measure.is_at_least;
   json["position_m"] = measure.at_m;
-  json["margin_m"] = finding.margin_m;
+  json["margin_m"] = finding.margin_m + measure.crack_m;
   json["required"] = requirement_text(finding.requirement);
   json["required_clearance_m"] = finding.requirement.clearance_m;
   const bool has_rule = finding.rule < answer.rules.size();
@@ -219,7 +222,7 @@ std::string sentence(const Answer& answer) {
                 required_text(near) + (near.size() == 1 ? ": " : ", the nearest: ") +
                     nearest_text(answer, *near.front()));
   }
-  clauses.add(undecided.size(), "is undecided", "are undecided", ", because a mesh is open");
+  clauses.add(undecided.size(), "is undecided", "are undecided", ", because a mesh has no inside");
   clauses.add(close.size(), "is too close to call", "are too close to call", "");
   clauses.begin(findings.pairs == 1
                     ? "The only pair keeps its rule"
