@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/report.h"
@@ -186,6 +187,39 @@ std::string path_length_text(const CheckedPath& checked) {
       1e3 * whole_m, 1e3 * center_m);
 }
 
+// Whether the part ends, in part, within the box around the scene's surfaces.
+bool ends_in_scene_box(const CheckedPath& checked) {
+  const auto& h = checked.scene.header();
+  const PshellView& shell = checked.part.view();
+  const Pose end = checked.path.world_from_center({checked.path.poses() - 1, 0});
+  glm::dvec3 low(INFINITY), high(-INFINITY);
+  for (std::uint64_t i = 0; i < shell.point_count; ++i) {
+    const glm::dvec3 place =
+        end.position_m + end.orientation * glm::dvec3(shell.x[i], shell.y[i], shell.z[i]);
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  // The voxels that are not free reach farther than the surfaces: by the force layer and one more.
+  const double beyond_m = h.zero_force_m + 2 * h.voxel_size_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double from_m = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m + beyond_m;
+    const double to_m =
+        from_m - 2 * beyond_m + static_cast<double>(h.dims_voxels[axis]) * h.voxel_size_m;
+    if (high[axis] < from_m || low[axis] > to_m) return false;
+  }
+  return true;
+}
+
+// Where the path ends before the part is outside of all.
+std::string end_text(const CheckedPath& checked, command::VerdictKind kind) {
+  if (kind == command::VerdictKind::kStaysInstalled) {
+    return "the path ends in the seat: whether the part comes out was not checked";
+  }
+  if (kind != command::VerdictKind::kComesOut || !ends_in_scene_box(checked)) return "";
+  return "the path ends within the box around the other objects: whether the part gets out from "
+         "there was not checked";
+}
+
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
   if (verdict.kind == command::VerdictKind::kNeverNear) {
     return "check the units of the path, and whether path, part and scene belong together";
@@ -216,6 +250,7 @@ command::Verdict verdict_of(const Report& report) {
   verdict.advice = advice_of(report, verdict);
   verdict.remarks = overlap_texts(report);
   auto& notes = verdict.notes;
+  if (std::string line = end_text(checked, verdict.kind); !line.empty()) notes.push_back(line);
   // That of the sentence first.
   std::vector<const Violation*> listed;
   if (!r.clear()) listed.push_back(&worst_of(checked));

@@ -16,7 +16,7 @@ check() {
   "$bin/voxcheck" "$@" >out.txt 2>err.txt || status=$?
   [ "$status" -eq "$wanted" ] || { cat out.txt err.txt; fail "status $status instead of $wanted: $*"; }
   # The first sentence says yes or no, as the exit status does.
-  local answer='^(Comes out|Keeps the clearance|Passes without a collision|Stays in contact)(, |: )'
+  local answer='^(Comes out|Keeps the clearance|Passes without a collision|Is still in its seat)(, |: )'
   [ "$wanted" -eq 0 ] || answer='^(Does not keep the clearance|Collides|Does not come out|Too close to call|Undecided|Never near the scene)(, |: )'
   if [ -s out.txt ] && [ "$wanted" -eq 0 -o "$wanted" -eq 6 ] && ! head -n 1 out.txt | grep -qE '^(::|<)'; then
     head -n 1 out.txt | grep -qE "$answer" || { cat out.txt; fail "status $wanted, and the first sentence: $*"; }

@@ -255,6 +255,16 @@ END
     # One that is nearer is.
     check 0 corner$size.vox cube$size.pshell clear.csv "${seat[@]}" --clearance 2.6mm
     says '^Comes out, .*: leaves Floor within the first 2\.7 mm and passes Wall with a gap of 1\.5 mm for the first '
+    ! grep -q 'the path ends' out.txt || fail "it ends above the wall: $(cat out.txt)"
+    # Beside the wall it is not outside yet.
+    path beside "0 0 0 0" "1 0 0 25"
+    meshes=(--seat 0,0,0m --exact corner.json --part cube.obj --part-units mm)
+    check 0 corner$size.vox cube$size.pshell beside.csv "${meshes[@]}" --clearance 0.8mm
+    says '^  the path ends within the box around the other objects: whether the part gets out from there was not checked$'
+    path lifted "0 0 0 0" "1 0 0 0.5"
+    check 0 corner$size.vox cube$size.pshell lifted.csv "${meshes[@]}" --clearance 0.8mm
+    says '^Is still in its seat, straight along \+z: slides along Floor for the whole path of 0\.5 mm, '
+    says '^  the path ends in the seat: whether the part comes out was not checked$'
     python3 - $size <<'END' || fail "the seat: $(cat corner$size.json)"
 import json, sys
 floor, wall = json.load(open(f"corner{sys.argv[1]}.json"))["seat_depths"]

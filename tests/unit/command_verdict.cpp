@@ -34,7 +34,7 @@ bool begins_with_a_no(const std::string& line) {
 }
 bool begins_with_a_yes(const std::string& line) {
   for (const char* words :
-       {"Comes out", "Keeps the clearance", "Passes without a collision", "Stays in contact"}) {
+       {"Comes out", "Keeps the clearance", "Passes without a collision", "Is still in its seat"}) {
     if (line.starts_with(words)) return true;
   }
   return false;
@@ -216,7 +216,7 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   EXPECT_EQ(sentence(v).find(heading(v) + ": slides along A for the first 51.6 mm, otherwise"), 0u);
   v.slides.clear();
   v.kind = VerdictKind::kStaysInstalled;
-  EXPECT_EQ(heading(v), "Stays in contact, straight along +z");
+  EXPECT_EQ(heading(v), "Is still in its seat, straight along +z");
   v.kind = VerdictKind::kTooNear;
   EXPECT_EQ(heading(v), "Does not keep the clearance, straight along +z");
   v.overlapped.clear();
@@ -261,9 +261,10 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.kind = VerdictKind::kStaysInstalled;
   v.finding.clear();
   v.nearest = {Known::kAtLeast, 0.005, "", 0};
-  EXPECT_EQ(sentence(v),
-            "Stays in contact, straight along +z: slides along Floor for the whole path of 60 mm, "
-            "otherwise stays 5 mm away or more (nothing is nearer; 1 mm required).");
+  EXPECT_EQ(
+      sentence(v),
+      "Is still in its seat, straight along +z: slides along Floor for the whole path of 60 mm, "
+      "otherwise stays 5 mm away or more (nothing is nearer; 1 mm required).");
 }
 
 // A name of a long path is cut in the sentence, at one of its slashes, and nowhere else.

@@ -215,6 +215,7 @@ std::string reason_text(const Verdict& v) {
 std::string head_of(const Verdict& v) {
   if (v.kind == VerdictKind::kKeepsClearance && v.required_m == 0)
     return "passes without a collision";
+  if (v.kind == VerdictKind::kStaysInstalled) return "is still in its seat";
   return to_text(v.kind);
 }
 
