@@ -20,7 +20,7 @@ namespace forcelayer::clearance {
 class SeatStretch {
  public:
   // Finds the objects that the part touches with its centroid frame at `world_from_center`, as
-  // voxrun does (runtime/field/README.md, "Seats"). Both files outlive the result. Errors: kUsage
+  // voxrun does (runtime/guard/README.md, "Seats"). Both files outlive the result. Errors: kUsage
   // where PoseGuard::find_seat() refuses the pose. With the depth of the meshes, one that is
   // refused only because it lies too deep for the stored distances is found: shell points feel
   // nothing in it, and `too_deep` says why.
