@@ -1,6 +1,8 @@
 #include "runtime/model/contact_rows.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 // Compiles what follows once per instruction set.
 #include "runtime/query/vector_targets.h"
@@ -28,12 +30,61 @@ double sum_of_columns(const double (&c)[kRows]) {
   return ((c[0] + c[4]) + (c[2] + c[6])) + ((c[1] + c[5]) + (c[3] + c[7]));
 }
 
-double energy_on_target(const Columns& rows, std::size_t blocks, const coupling::Vector6& v,
-                        std::uint8_t* push) {
+// The boxes of the blocks from box `first` on.
+void box_on_target(const Columns& rows, std::size_t first, std::size_t blocks,
+                   ContactRowBox* boxes) {
+  constexpr std::size_t kBlocks = ContactRows::kBoxBlocks;
+  for (std::size_t box = first; box * kBlocks < blocks; ++box) {
+    const std::size_t begin = box * kBlocks * kRows,
+                      end = std::min(blocks, (box + 1) * kBlocks) * kRows;
+    auto numbers = hn::FirstN(kD, kLanes);
+    const auto range_of = [&](const double* column, VD& low, VD& high) HWY_ATTR {
+      low = high = hn::LoadU(kD, column + begin);
+      for (std::size_t at = begin; at < end; at += kLanes) {
+        const VD x = hn::LoadU(kD, column + at);
+        low = hn::Min(low, x), high = hn::Max(high, x);
+        numbers = hn::And(numbers, hn::Eq(x, x));
+      }
+    };
+    VD low, high;
+    for (std::size_t i = 0; i < 6; ++i) {
+      range_of(rows.at[i], low, high);
+      const double from = hn::GetLane(hn::MinOfLanes(kD, low)),
+                   to = hn::GetLane(hn::MaxOfLanes(kD, high));
+      boxes[box].middle[i] = 0.5 * (from + to);
+      boxes[box].half[i] = 0.5 * (to - from);
+    }
+    range_of(rows.at[Columns::kOnset], low, high);
+    boxes[box].max_onset = hn::AllTrue(kD, numbers) ? hn::GetLane(hn::MaxOfLanes(kD, high))
+                                                    : std::numeric_limits<double>::infinity();
+  }
+}
+
+// Whether no row of a box pushes at `v`: not even by the rounding of its speed and of the box.
+bool pushes_nothing(const ContactRowBox& box, const coupling::Vector6& v) {
+  constexpr double kRounding = 1e-12, kTiny = 1e-290;
+  double least = 0, size = std::abs(box.max_onset);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double middle = box.middle[i] * v[i], half = box.half[i] * std::abs(v[i]);
+    least += middle - half;
+    size += std::abs(middle) + half;
+  }
+  return box.max_onset + kRounding * size + kTiny <= least;
+}
+
+double energy_on_target(const Columns& rows, const ContactRowBox* boxes, std::size_t blocks,
+                        const coupling::Vector6& v, std::uint8_t* push) {
   VD sum[kVectors];
   for (VD& part : sum) part = hn::Zero(kD);
   const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5);
   for (std::size_t b = 0; b < blocks; ++b) {
+    // The rows of such a box add 0.
+    if (b % ContactRows::kBoxBlocks == 0 && pushes_nothing(boxes[b / ContactRows::kBoxBlocks], v)) {
+      const std::size_t end = std::min(blocks, b + ContactRows::kBoxBlocks);
+      for (; b < end; ++b) push[b] = 0;
+      --b;
+      continue;
+    }
     unsigned bits = 0;
     for (std::size_t part = 0; part < kVectors; ++part) {
       const std::size_t lane = part * kLanes, at = b * kRows + lane;
@@ -68,6 +119,7 @@ void sum_on_target(const Columns& rows, std::size_t blocks, const std::uint8_t* 
     VD sums[kSums];
     for (VD& sum : sums) sum = hn::Zero(kD);
     for (std::size_t b = 0; b < blocks; ++b) {
+      if (push[b] == 0) continue;  // its rows add 0
       const std::uint8_t mask[8] = {static_cast<std::uint8_t>(push[b] >> lane)};
       const auto pushes = hn::LoadMaskBits(kD, mask);
       const std::size_t at = b * kRows + lane;
@@ -97,6 +149,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace forcelayer::model {
 
+HWY_EXPORT(box_on_target);
 HWY_EXPORT(energy_on_target);
 HWY_EXPORT(sum_on_target);
 
@@ -108,10 +161,11 @@ void ContactRows::reserve(std::size_t rows) {
   columns_.resize(ContactRowColumns::kColumns * stride_);
   push_.resize(blocks);
   summed_.resize(blocks);
+  boxes_.resize((blocks + kBoxBlocks - 1) / kBoxBlocks);
 }
 
 void ContactRows::clear() noexcept {
-  count_ = 0;
+  count_ = boxed_ = 0;
   sum_known_ = false;
 }
 
@@ -138,8 +192,16 @@ void ContactRows::add(const ContactRow& row) noexcept {
   added(1);
 }
 
+void ContactRows::box_new_rows() noexcept {
+  if (boxed_ == count_) return;
+  HWY_DYNAMIC_DISPATCH(box_on_target)
+  (from(0), boxed_ / (kBoxBlocks * kRowsAtOnce), blocks(), boxes_.data());
+  boxed_ = count_;
+}
+
 double ContactRows::energy_j(const coupling::Vector6& v) noexcept {
-  return HWY_DYNAMIC_DISPATCH(energy_on_target)(from(0), blocks(), v, push_.data());
+  box_new_rows();
+  return HWY_DYNAMIC_DISPATCH(energy_on_target)(from(0), boxes_.data(), blocks(), v, push_.data());
 }
 
 bool ContactRows::same_push() const noexcept {

@@ -28,6 +28,13 @@ struct ContactRowSum {
   coupling::Vector6 impulse{};
 };
 
+// A box that holds the j of consecutive rows, and the largest onset of them. Most rows of a part
+// that is near the scene all around push at no velocity that matters: their boxes show it at once.
+struct ContactRowBox {
+  coupling::Vector6 middle{}, half{};
+  double max_onset = 0;  // infinite where a row is not a number
+};
+
 // Sums run in eight columns and are then added in one order: the same bits for any vector width.
 class ContactRows {
  public:
@@ -51,15 +58,19 @@ class ContactRows {
   bool same_push() const noexcept;
 
   static constexpr std::size_t kRowsAtOnce = 8;
+  static constexpr std::size_t kBoxBlocks = 8;  // blocks of kRowsAtOnce rows in a box
 
  private:
   std::size_t blocks() const noexcept { return (count_ + kRowsAtOnce - 1) / kRowsAtOnce; }
   ContactRowColumns from(std::size_t row) noexcept;
+  void box_new_rows() noexcept;
 
   std::vector<double> columns_;       // each of stride_; rows beyond count_ push nothing
   std::vector<std::uint8_t> push_;    // [blocks()] bit n: row n of the eight pushes
   std::vector<std::uint8_t> summed_;  // those of sum_
+  std::vector<ContactRowBox> boxes_;  // of each kBoxBlocks blocks
   std::size_t room_ = 0, stride_ = 0, count_ = 0;
+  std::size_t boxed_ = 0;  // rows that are in boxes
   bool sum_known_ = false;
   ContactRowSum sum_;
 };

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
@@ -81,6 +82,112 @@ model::ContactRows columns_of(const std::vector<model::ContactRow>& rows) {
 void use_vectors(std::int64_t targets) {  // 0: all
   hwy::SetSupportedTargetsForTest(targets);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+// Rows of points side by side, as a shell has them, of a part that bends; some are far from
+// pushing.
+std::vector<model::ContactRow> rows_side_by_side(std::mt19937_64& random) {
+  std::vector<model::ContactRow> rows(static_cast<std::size_t>(uniform(random, 0, 1500)));
+  const glm::dvec3 axis = random_direction(random);
+  const double bend_rad = uniform(random, 0, 0.05), gap_mps = uniform(random, -0.05, 0.5);
+  glm::dvec3 n = random_direction(random);
+  for (model::ContactRow& row : rows) {
+    n = glm::normalize(n + bend_rad * glm::cross(axis, n));
+    row.j = coupling::vector6(n, glm::cross(-0.03 * n + 0.01 * random_direction(random), n));
+    row.weight = std::pow(10.0, uniform(random, -4, 1));
+    row.onset = uniform(random, 0, 0.05) - gap_mps;
+  }
+  return rows;
+}
+
+// Sums in eight columns, added in the order of ContactRows.
+double sum_of_eight(const std::array<double, 8>& c) {
+  return ((c[0] + c[4]) + (c[2] + c[6])) + ((c[1] + c[5]) + (c[3] + c[7]));
+}
+
+// Energy, and the sum over the rows that push, one row after the other.
+double sum_plainly(const std::vector<model::ContactRow>& rows, const coupling::Vector6& v,
+                   model::ContactRowSum& sum) {
+  std::array<double, 8> energy{};
+  std::array<std::array<double, 8>, 27> sums{};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const model::ContactRow& row = rows[i];
+    double speed = row.j[0] * v[0];
+    for (std::size_t k = 1; k < 6; ++k) speed += row.j[k] * v[k];
+    const double short_of = row.onset - speed;
+    if (!(short_of > 0)) continue;
+    energy[i % 8] += 0.5 * row.weight * (short_of * short_of);
+    for (std::size_t k = 0, n = 0; k < 6; ++k) {
+      const double weighted = row.weight * row.j[k];
+      for (std::size_t l = 0; l <= k; ++l, ++n) sums[n][i % 8] += weighted * row.j[l];
+      sums[21 + k][i % 8] += weighted * row.onset;
+    }
+  }
+  for (std::size_t n = 0; n < 21; ++n) sum.matrix.lower[n] = sum_of_eight(sums[n]);
+  for (std::size_t n = 0; n < 6; ++n) sum.impulse[n] = sum_of_eight(sums[21 + n]);
+  return sum_of_eight(energy);
+}
+
+// Rows that push nothing are left out by the box around them: no bit changes.
+TEST(ContactRows, ThatPushNothingAreLeftOutBitForBit) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 random(seed);
+    std::vector<model::ContactRow> rows = rows_side_by_side(random), all = rows;
+    std::vector<coupling::Vector6> velocities(4);
+    for (coupling::Vector6& v : velocities) {
+      v = coupling::vector6(random_direction(random) * uniform(random, 0, 0.5),
+                            random_direction(random) * uniform(random, 0, 3));
+    }
+    velocities.push_back({});
+    // Rows on the threshold, and one representable step away from it.
+    for (int n = 0; n < 200 && !rows.empty(); ++n) {
+      model::ContactRow row = rows[n * 7919u % rows.size()];
+      const coupling::Vector6& v = velocities[random() % velocities.size()];
+      row.onset = row.j[0] * v[0];
+      for (std::size_t k = 1; k < 6; ++k) row.onset += row.j[k] * v[k];
+      if (n % 3 == 1) row.onset = std::nextafter(row.onset, 1.0);
+      if (n % 3 == 2) row.onset = std::nextafter(row.onset, -1.0);
+      // Alone in a box, of which no other row widens the box.
+      for (int same = 0; same < (n < 4 ? 64 : 1); ++same) all.push_back(row);
+    }
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      use_vectors(target);
+      model::ContactRows columns;
+      columns.reserve(all.size());
+      std::size_t added = 0;
+      // As a solve does: contacts found later are added to rows that have been summed.
+      for (const std::size_t end : {rows.size(), all.size()}) {
+        for (; added < end; ++added) columns.add(all[added]);
+        const std::vector<model::ContactRow> there(all.begin(),
+                                                   all.begin() + static_cast<std::ptrdiff_t>(end));
+        for (const coupling::Vector6& v : velocities) {
+          model::ContactRowSum sum;
+          const double energy_j = sum_plainly(there, v, sum);
+          EXPECT_EQ(columns.energy_j(v), energy_j);
+          const model::ContactRowSum& found = columns.pushing();
+          EXPECT_EQ(0, std::memcmp(&found, &sum, sizeof sum));
+        }
+      }
+    }
+    use_vectors(0);
+  }
+}
+
+// A row that is not a number pushes nothing, and hides no row beside it.
+TEST(ContactRows, ThatAreNoNumbersHideNoOthers) {
+  for (const std::size_t bad : {0u, 5u, 63u}) {
+    model::ContactRow row;
+    row.j = {1, 0, 0, 0, 0, 0};
+    row.weight = 1, row.onset = 0.5;
+    std::vector<model::ContactRow> rows(64, row);
+    for (std::size_t k = 0; k < 7; ++k) {
+      std::vector<model::ContactRow> with_bad = rows;
+      (k < 6 ? with_bad[bad].j[k] : with_bad[bad].onset) = NAN;
+      model::ContactRows columns = columns_of(with_bad);
+      EXPECT_EQ(columns.energy_j({}), 63 * 0.125);
+    }
+  }
 }
 
 // Every vector width gives the bits of the narrowest, and these are what one row after the other
