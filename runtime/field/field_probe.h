@@ -49,6 +49,7 @@ class FieldProbe {
   glm::vec3 gradient(std::uint32_t i) const noexcept {
     return {samples_.ex[i], samples_.ey[i], samples_.ez[i]};
   }
+  float zero_force_m() const noexcept { return zero_force_m_; }
   // A measure, and no bound: the interpolated stored distance from the scene's surface.
   float stored_distance_m(std::uint32_t i) const noexcept {
     return zero_force_m_ + samples_.from_zero_force_m[i];

@@ -5,6 +5,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "runtime/guard/seat_kernel.h"
+
 namespace forcelayer::guard {
 namespace {
 
@@ -86,22 +88,14 @@ void BetweenPoints::for_each_edge(float highest_m, float gentle_m, const Take& t
   constexpr float kMargin = 1.001f;  // exceeds rounding
   constexpr float kMaxSum = 1.2f;
   const float reach_m = kMargin * neighbor_m_;
-  steep_.clear(), gentle_.clear();
-  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
-    const float distance_m = probe_.stored_distance_m(i);
-    if (!(distance_m < neighbor_m_)) continue;
-    const glm::vec3 g = probe_.slope(i);
-    const float squared = glm::dot(g, g), out = glm::dot(g, probe_.normal(i));
-    const float tilt = squared - out * out;
-    if (!(tilt > kGentleFall * kGentleFall)) continue;
-    const bool gentle = !(tilt > kFlatFall * kFlatFall);
-    if (gentle && !(distance_m < gentle_m)) continue;
-    // The distance falls no faster than by the slope: from some points it cannot fall so far.
-    const float above_m = distance_m - highest_m;
-    if (above_m > 0 && above_m * above_m > reach_m * reach_m * squared) continue;
-    (gentle ? gentle_ : steep_).push_back(i);
-    position_[probe_.point(i)] = gentle ? i | kGentle : i;
-  }
+  const TiltedPoints found = find_tilted(probe_,
+                                         {neighbor_m_, gentle_m, kGentleFall * kGentleFall,
+                                          kFlatFall * kFlatFall, highest_m, reach_m * reach_m},
+                                         steep_.data(), gentle_.data());
+  const std::span<const std::uint32_t> steep(steep_.data(), found.steep),
+      gentle(gentle_.data(), found.gentle);
+  for (const std::uint32_t i : steep) position_[probe_.point(i)] = i;
+  for (const std::uint32_t i : gentle) position_[probe_.point(i)] = i | kGentle;
   const auto take_edge = [&](std::uint32_t a, std::uint32_t b) {
     // A slope is hardly above 1: two points that are farther from the scene than apart have nothing
     // in it between them.
@@ -110,20 +104,20 @@ void BetweenPoints::for_each_edge(float highest_m, float gentle_m, const Take& t
     if (sum_m > 0 && sum_m * sum_m > kMaxSum * kMaxSum * glm::dot(path_m, path_m)) return;
     if (const std::optional<Edge> edge = edge_between(a, b)) take(a, b, *edge);
   };
-  for (const std::uint32_t a : steep_) {
+  for (const std::uint32_t a : steep) {
     for (const std::uint32_t point : neighbors_->after(probe_.point(a))) {
       const std::uint32_t b = position_[point];
       if (b != field::ContactSet::kNone) take_edge(a, b & ~kGentle);
     }
   }
-  for (const std::uint32_t a : gentle_) {
+  for (const std::uint32_t a : gentle) {
     for (const std::uint32_t point : neighbors_->after(probe_.point(a))) {
       const std::uint32_t b = position_[point];
       if ((b & kGentle) == 0) take_edge(a, b);
     }
   }
-  for (const std::uint32_t i : steep_) position_[probe_.point(i)] = field::ContactSet::kNone;
-  for (const std::uint32_t i : gentle_) position_[probe_.point(i)] = field::ContactSet::kNone;
+  for (const std::uint32_t i : steep) position_[probe_.point(i)] = field::ContactSet::kNone;
+  for (const std::uint32_t i : gentle) position_[probe_.point(i)] = field::ContactSet::kNone;
 }
 
 // How near to the scene a point is read whose distance falls by less than kFlatFall per length.
@@ -191,7 +185,7 @@ void BetweenPoints::find(const Pose& world_from_center, Seat& seat) {
     neighbor_m_ = static_cast<float>(2 * shell.header().covering_radius_m);
     neighbors_.emplace(shell.view(), double{neighbor_m_});
     position_.assign(shell.view().point_count, field::ContactSet::kNone);
-    steep_.reserve(shell.view().point_count), gentle_.reserve(shell.view().point_count);
+    steep_.resize(shell.view().point_count), gentle_.resize(shell.view().point_count);
   }
   float highest_m = -neighbor_m_;
   for (const SeatObject& object : seat.objects()) {

@@ -89,11 +89,14 @@ Status SeatRule::check_side(std::uint32_t i) const {
 
 Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
   seat_ = {};
+  tables_ = SeatTables(seat_);
   const std::size_t points = probe_.query().shell().view().point_count;
   in_seat_m_.assign(points, 0);
   in_seat_steepness_.assign(points, 1);
   corner_points_ = 0;
   walls_.reserve(points);
+  nearest_.reserve(points);
+  turned_.resize(points);
   probe_.query_pose(world_from_center);
   const field::FieldSamples& samples = probe_.samples();
   const auto voxel_size_m = static_cast<float>(probe_.voxmap().voxel_size_m());
@@ -152,6 +155,7 @@ Status SeatRule::find(const Pose& world_from_center, SeatDepth depth) {
     if (Status told = check_depth(object); !told) return told;
   }
   seat_ = std::move(seat);
+  tables_ = SeatTables(seat_);
   return {};
 }
 

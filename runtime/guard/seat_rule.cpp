@@ -10,12 +10,6 @@
 namespace forcelayer::guard {
 namespace {
 
-// Cosine between gradient and slope of the field, from which on both face the same side: they
-// differ by some degrees before a face and up to 30 at an edge, and by up to 180 beside a sheet.
-constexpr float kSameSide = 0.7f;
-// Within a cell through which a thin wall leads, the slope is short, and of one direction on both
-// sides. One that is at least this steep tells a point's side.
-constexpr float kSureSlope = 0.5f;
 // A motion that goes against a point's side by less than this fraction goes along the wall.
 constexpr float kGrazing = 0.01f;
 // A point is beyond the middle of a wall from there on: more than the rounding of two codes.
@@ -42,6 +36,8 @@ SeatRule::SeatRule(field::FieldProbe& probe, const PointRule& rule)
       rule_(rule),
       between_(probe),
       walls_(probe),
+      tables_(seat_),
+      nearest_(probe),
       corner_m_(static_cast<float>(0.25 * probe.voxmap().voxel_size_m())) {}
 
 // A sheet midway between voxel centers has this distance in the middle: half a diagonal. A wall of
@@ -65,65 +61,19 @@ bool SeatRule::is_in_corner(std::uint32_t i) const noexcept {
 // Whether the part lies in the corners of its seat: with an eighth of the points that do there. An
 // edge of the scene that a few of them meet elsewhere looks like a corner.
 bool SeatRule::lies_in_corners() const noexcept {
-  std::uint32_t in_corner = 0;
-  for (std::uint32_t i = 0; i < probe_.count(); ++i) {
-    const bool was_in_corner = in_seat_steepness_[probe_.point(i)] < 1;
-    if (was_in_corner && touches_in_corner(i)) ++in_corner;
-  }
-  return 8 * in_corner > corner_points_;
+  return 8 * count_in_corners(probe_, in_seat_steepness_.data(), corner_m_) > corner_points_;
 }
 
 void SeatRule::apply(field::ContactSet& out) noexcept {
-  for (std::uint32_t i = 0; i < out.count; ++i) {
-    out.ax[i] = out.rx[i], out.ay[i] = out.ry[i], out.az[i] = out.rz[i];
-  }
-  const bool in_corners = corner_points_ > 0 && lies_in_corners();
-  const SeatObject* object = nullptr;
-  std::uint32_t number = 0;  // of `object`: neighbors are mostly near the same one
-  for (std::uint32_t i = 0; i < out.count; ++i) {
-    const std::uint32_t nearest = probe_.object_of(i);
-    if (i == 0 || nearest != number) object = seat_.find(number = nearest);
-    out.of_seat[i] = object != nullptr ? 1 : 0;
-    if (object == nullptr) continue;
-    const glm::vec3 g = probe_.slope(i), n = probe_.normal(i);
-    const float steepness = glm::length(g), distance_m = probe_.stored_distance_m(i);
-    const std::uint32_t point = probe_.point(i);
-    // As is_in_corner() says.
-    const bool in_corner = in_corners && in_seat_steepness_[point] < 1 && distance_m < corner_m_ &&
-                           steepness <= kFaceSlope;
-    const bool barred = distance_m < (in_corner ? object->corner_floor_m : object->floor_m);
-    if (out.is_barred[i] != 0 || out.depth_m[i] > 0) ++out.seated;
-    const bool interior =
-        rule_.goes_by_value() ? field::is_interior(out.value[i]) : out.is_barred[i] != 0;
-    if (interior && !barred) --out.interior, ++out.surface;
-    if (out.is_barred[i] != 0) --out.barred;
-    if (barred) ++out.barred;
-    out.is_barred[i] = barred ? 1 : 0;
-    const glm::vec3 direction = steepness < field::kMinSlope ? n : g / steepness;
-    // Along the gradient, where it has the same side, the push is that of a potential: a closed
-    // path gives nothing. The slope is some degrees aside of it.
-    const glm::vec3 e = probe_.gradient(i);
-    const float fall = glm::length(e);
-    const glm::vec3 push = glm::dot(e, direction) > kSameSide * fall ? e / fall : direction;
-    out.ux[i] = push.x, out.uy[i] = push.y, out.uz[i] = push.z;
-    float contact_m = object->contact_m;
-    if (const float there = in_seat_steepness_[point]; there < 1) {
-      // In the seat itself as deep as there, before a face as other points.
-      const float fraction = in_corners ? (1 - steepness) / (1 - there) : 0;
-      contact_m = std::lerp(contact_m, std::min(contact_m, in_seat_m_[point]),
-                            std::clamp(fraction, 0.0f, 1.0f));
-    }
-    out.depth_m[i] = contact_m - distance_m;
-    if (direction == glm::vec3(0)) out.depth_m[i] = std::min(out.depth_m[i], 0.0f);
-    // Short slopes are of positions near the middle of a sheet, where they have no side. A point
-    // that touches it has the part, and so its inward normal, on its own side. One without an
-    // inside has no side there.
-    const float sure = n == glm::vec3(0) ? field::kSideSlope : kSureSlope;
-    const glm::vec3 side = steepness < sure ? n : direction;
-    out.sx[i] = side.x, out.sy[i] = side.y, out.sz[i] = side.z;
-    out.gx[i] = g.x, out.gy[i] = g.y, out.gz[i] = g.z;
-    out.from_surface_m[i] = distance_m;
-  }
+  std::copy_n(out.rx.begin(), out.count, out.ax.begin());
+  std::copy_n(out.ry.begin(), out.count, out.ay.begin());
+  std::copy_n(out.rz.begin(), out.count, out.az.begin());
+  const bool corners = corner_points_ > 0;
+  press_points(
+      probe_,
+      {nearest_.find(), tables_, in_seat_m_.data(), corners ? in_seat_steepness_.data() : nullptr,
+       corners && lies_in_corners(), corner_m_, rule_.goes_by_value()},
+      out);
   if (out.seated > 0) {
     out.min_distance_m = 0;
     out.nearest = field::ContactSet::kNone;
@@ -162,13 +112,10 @@ void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3&
                               field::ContactSet& later) const noexcept {
   if (!earlier.seat_open || !later.seat_open) return;
   const float sheet_m = half_sheet_m();
-  std::uint32_t at = 0;
-  for (std::uint32_t i = 0; i < later.count; ++i) {
-    if (later.of_seat[i] == 0) continue;
-    while (at < earlier.count && earlier.point[at] < later.point[i]) ++at;
-    if (at == earlier.count) return;
-    if (earlier.point[at] != later.point[i] || earlier.of_seat[at] == 0) continue;
-    if (!(probe_.stored_distance_m(i) < sheet_m)) continue;
+  const std::size_t pairs =
+      find_turned(probe_, earlier, later, sheet_m, kClearSlope, turned_.data());
+  for (std::size_t n = 0; n < pairs; ++n) {
+    const auto [at, i] = turned_[n];
     const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
     const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
     const bool faces = may_face_wall(i);

@@ -14,11 +14,9 @@
 #include "runtime/guard/flush_walls.h"
 #include "runtime/guard/point_rule.h"
 #include "runtime/guard/seat.h"
+#include "runtime/guard/seat_kernel.h"
 
 namespace forcelayer::guard {
-
-// A point whose interpolated distance has at least this slope lies in front of one face.
-inline constexpr float kFaceSlope = 0.9f;
 
 class SeatRule {
  public:
@@ -71,6 +69,9 @@ class SeatRule {
   BetweenPoints between_;
   FlushWalls walls_;
   Seat seat_;
+  SeatTables tables_;  // of seat_
+  NearestObjects nearest_;
+  mutable std::vector<PointPair> turned_;  // room for mark_crossings()
   std::vector<float> in_seat_m_;  // of every shell point: its distance there where it touches, or 0
   // The slope of the field there, of points that touch in a corner; 1 elsewhere.
   std::vector<float> in_seat_steepness_;
