@@ -118,6 +118,26 @@ HWY_INLINE void for_each_bit(std::uint32_t bits, const Take& take) {
   for (; bits != 0; bits &= bits - 1) take(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
+// Shell points of a vector of collected points, of which the first `count` are real: mostly they
+// follow each other, and their values are loaded at once.
+struct ShellPoints {
+  HWY_INLINE ShellPoints(const std::int32_t* index, std::size_t count)
+      : first(index[0]),
+        in_row(count >= kLanes && index[kLanes - 1] == first + static_cast<int>(kLanes) - 1),
+        at(hn::IfThenElseZero(hn::FirstN(kI, count), hn::LoadU(kI, index))) {}
+
+  HWY_INLINE VI of(const std::int32_t* column) const {
+    return in_row ? hn::LoadU(kI, column + first) : hn::GatherIndex(kI, column, at);
+  }
+  HWY_INLINE VF of(const float* column) const {
+    return in_row ? hn::LoadU(kF, column + first) : hn::GatherIndex(kF, column, at);
+  }
+
+  std::int32_t first;
+  bool in_row;
+  VI at;
+};
+
 // NearestObjects::find(): writes what is remembered, and the places of the points that are in other
 // voxels; returns their number.
 std::size_t recall_on_target(const query::CollectedPoints& points, const std::int32_t* const* known,
@@ -128,13 +148,13 @@ std::size_t recall_on_target(const query::CollectedPoints& points, const std::in
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.count; i += kLanes) {
     const MI real = hn::FirstN(kI, points.count - i);
-    const VI at = hn::IfThenElseZero(real, hn::LoadU(kI, index + i));
+    const ShellPoints shell(index + i, points.count - i);
     MI same = real;
     for (int axis = 0; axis < 3; ++axis) {
-      const VI there = hn::GatherIndex(kI, known[axis], at);
+      const VI there = shell.of(known[axis]);
       same = hn::And(same, hn::Eq(there, hn::LoadU(kI, voxel[axis] + i)));
     }
-    hn::StoreU(hn::GatherIndex(kI, object, at), kI, found + i);
+    hn::StoreU(shell.of(object), kI, found + i);
     for_each_bit(bits_of(floats(hn::AndNot(same, real))),
                  [&](std::size_t lane) { moved[count++] = static_cast<std::uint32_t>(i + lane); });
   }
@@ -151,10 +171,10 @@ void count_in_corners_on_target(const Points& p, const float* in_seat_steepness,
                                 std::size_t& count) {
   for (std::size_t i = 0; i < p.count; i += kLanes) {
     const MI real = hn::FirstN(kI, p.count - i);
-    const VI at = hn::IfThenElseZero(real, hn::LoadU(kI, p.index + i));
+    const ShellPoints shell(p.index + i, p.count - i);
     VF slope[3];
     load(p.slope, i, slope);
-    const MF in_corner = lie_in_corner(hn::GatherIndex(kF, in_seat_steepness, at), distance_m(p, i),
+    const MF in_corner = lie_in_corner(shell.of(in_seat_steepness), distance_m(p, i),
                                        hn::Sqrt(dot(slope, slope)), corner_m);
     count += hn::CountTrue(kF, hn::And(in_corner, floats(real)));
   }
@@ -196,8 +216,7 @@ void press_on_target(const Points& p, const SeatPress& press, field::ContactSet&
     VF floor = hn::GatherIndex(kF, press.tables.floor_m.data(), object);
     VF contact = hn::GatherIndex(kF, press.tables.contact_m.data(), object);
     if (press.in_seat_steepness != nullptr) {
-      const VI at = hn::IfThenElseZero(real, hn::LoadU(kI, p.index + i));
-      const VF there = hn::GatherIndex(kF, press.in_seat_steepness, at);
+      const VF there = ShellPoints(p.index + i, p.count - i).of(press.in_seat_steepness);
       const MF of_corner = hn::And(touched, hn::Lt(there, hn::Set(kF, 1.0f)));
       if (!hn::AllFalse(kF, of_corner)) {
         if (press.in_corners) {

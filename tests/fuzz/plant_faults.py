@@ -33,6 +33,7 @@ RULE = ("runtime_tests", "GuardRule*:GuardDistance*")
 SEAT = ("runtime_tests", "Seat.*:TwoSided*")
 WALLS, TABS = ("runtime_tests", "SeatWalls*"), ("runtime_tests", "SeatWalls*Tab")
 SHEETS = ("runtime_tests", "SeatSheets*")
+KERNEL, ROWS = ("runtime_tests", "*SeatKernel*"), ("runtime_tests", "ContactRows*")
 FILES = ("runtime_tests", "*CInterface*")
 WATCH = ("runtime_tests", "OutputWatch*:LatestValue*")
 BYTES = ("formats_tests", "FileBytes*")
@@ -48,6 +49,7 @@ GATE_FILE, STAGE, INPUT = ("runtime/loop/output_gate.cpp", "runtime/loop/output_
 MODEL, TABLE_FILE, BULK = ("runtime/model/default_model.cpp", "formats/section_table.cpp",
                            "formats/bulk_checks.cpp")
 RULE_FILE, SEAT_FILE = "runtime/guard/point_rule.cpp", "runtime/guard/seat_rule.cpp"
+KERNEL_FILE, ROWS_FILE = "runtime/guard/seat_kernel.cpp", "runtime/model/contact_rows.cpp"
 A = "formats/audit/"
 RANGES = "runtime/run/ranges.cpp"
 
@@ -137,8 +139,14 @@ FAULTS = [
      "scale_.mesh_code = static_cast<float>(h.distance_zero_code - 1);", "a code stands for one step more", [RULE]),
     ("guard", "runtime/guard/find_seat.cpp", "             step_m;", "             step_m - 1e-6f;",
      "a seat's floor is a micrometer too low", [RULE]),
-    ("guard", SEAT_FILE, "barred = distance_m < (in_corner", "barred = distance_m + 1e-6f < (in_corner",
+    ("guard", KERNEL_FILE, "ints(hn::Lt(distance, floor))", "ints(hn::Lt(hn::Add(distance, hn::Set(kF, 1e-6f)), floor))",
      "a seated point may be a micrometer too deep", [RULE]),
+    ("guard", KERNEL_FILE, "hn::Eq(there, hn::LoadU(kI, voxel[axis] + i))", "hn::Eq(there, there)",
+     "a point keeps its nearest object in another voxel", [KERNEL]),
+    ("guard", KERNEL_FILE, "hn::Or(against, faces)", "faces", "points that went against their side are not looked at", [KERNEL]),
+    ("guard", ROWS_FILE, "0.5 * (to - from)", "0.25 * (to - from)", "contacts at the sides of a box push nothing", [ROWS]),
+    ("guard", ROWS_FILE, "box.max_onset + kRounding * size + kTiny <= least", "box.max_onset - kRounding * size <= least",
+     "a box is not larger by the rounding", [ROWS]),
     ("guard", "runtime/guard/find_seat.cpp", "kEarlyVoxels = 0.15f", "kEarlyVoxels = 0",
      "the force of a seat with a gap begins at the surface", [SEAT]),
     ("guard", "runtime/guard/find_seat.cpp", "std::min(object.between_m, object.contact_m)", "object.between_m",
