@@ -150,20 +150,4 @@ DistanceField::DistanceField(const Voxmap& voxmap)
   scale_.squared_codes_per_voxel = static_cast<float>(codes_per_voxel * codes_per_voxel);
 }
 
-// The codes of unknown voxels are those of known ones, which is no bound for a point in whose cell
-// they stand.
-void DistanceField::disprove_beside_cropped_sides(const query::CollectedPoints& points,
-                                                  FieldSamples& samples) const noexcept {
-  const KnownBox& known = bricks_.known();
-  for (std::uint32_t i = 0; i < points.count; ++i) {
-    const std::array<std::int64_t, 3> cell{points.vx[i] - (points.fx[i] < 0.5f ? 1 : 0),
-                                           points.vy[i] - (points.fy[i] < 0.5f ? 1 : 0),
-                                           points.vz[i] - (points.fz[i] < 0.5f ? 1 : 0)};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (cell[axis] >= known.low[axis] && cell[axis] + 1 < known.high[axis]) continue;
-      samples.distance_m[i] = 0;
-    }
-  }
-}
-
 }  // namespace forcelayer::field

@@ -119,9 +119,6 @@ class DistanceField final : public ForceField {
   bool proves_distances() const noexcept override { return true; }
 
  private:
-  void disprove_beside_cropped_sides(const query::CollectedPoints& points,
-                                     FieldSamples& samples) const noexcept;
-
   DistanceScale scale_;
   bool cropped_;
   mutable DistanceBricks bricks_;  // no answer depends on which bricks are there

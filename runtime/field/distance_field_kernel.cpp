@@ -350,6 +350,35 @@ void measure_on_target(const query::CollectedPoints& points, const DistanceScale
   Kernel(points, scale, bricks, samples).run();
 }
 
+// The codes of unknown voxels are those of known ones, which is no bound for a point in whose cell
+// they stand.
+void disprove_on_target(const query::CollectedPoints& points, const KnownBox& known,
+                        FieldSamples& samples) {
+  const std::int32_t* const voxel[3] = {points.vx.data(), points.vy.data(), points.vz.data()};
+  const float* const fraction[3] = {points.fx.data(), points.fy.data(), points.fz.data()};
+  // The lowest and the highest voxel that a cell may begin with. No point is near the ends of the
+  // numbers: a directory has at most 2^30 voxels along a side, and a part a radius of 2^20.
+  constexpr std::int64_t kFar = INT32_MAX;
+  VI low[3], high[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = hn::Set(kI, static_cast<std::int32_t>(std::clamp(known.low[axis], -kFar, kFar)));
+    high[axis] =
+        hn::Set(kI, static_cast<std::int32_t>(std::clamp(known.high[axis] - 2, -kFar, kFar)));
+  }
+  for (std::size_t i = 0; i < points.count; i += kLanes) {
+    auto unknown = hn::MaskFromVec(hn::Zero(kI));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto before = hn::Lt(hn::LoadU(kF, fraction[axis] + i), hn::Set(kF, 0.5f));
+      const VI cell = hn::Sub(hn::LoadU(kI, voxel[axis] + i),
+                              hn::IfThenElseZero(hn::RebindMask(kI, before), hn::Set(kI, 1)));
+      unknown = hn::Or(unknown, hn::Or(hn::Lt(cell, low[axis]), hn::Gt(cell, high[axis])));
+    }
+    float* const distance_m = &samples.distance_m[i];
+    hn::StoreU(hn::IfThenZeroElse(hn::RebindMask(kF, unknown), hn::LoadU(kF, distance_m)), kF,
+               distance_m);
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace forcelayer::field
@@ -359,11 +388,12 @@ HWY_AFTER_NAMESPACE();
 namespace forcelayer::field {
 
 HWY_EXPORT(measure_on_target);
+HWY_EXPORT(disprove_on_target);
 
 void DistanceField::measure(const query::CollectedPoints& points,
                             FieldSamples& samples) const noexcept {
   HWY_DYNAMIC_DISPATCH(measure_on_target)(points, scale_, bricks_, samples);
-  if (cropped_) disprove_beside_cropped_sides(points, samples);
+  if (cropped_) HWY_DYNAMIC_DISPATCH(disprove_on_target)(points, bricks_.known(), samples);
 }
 
 }  // namespace forcelayer::field
