@@ -115,7 +115,7 @@ void SeatRule::mark_crossings(const field::ContactSet& earlier, const glm::vec3&
   const std::size_t pairs =
       find_turned(probe_, earlier, later, sheet_m, kClearSlope, turned_.data());
   for (std::size_t n = 0; n < pairs; ++n) {
-    const auto [at, i] = turned_[n];
+    const std::uint32_t at = turned_[n].earlier, i = turned_[n].later;
     const glm::vec3 slope(later.gx[i], later.gy[i], later.gz[i]);
     const glm::vec3 side(earlier.sx[at], earlier.sy[at], earlier.sz[at]);
     const bool faces = may_face_wall(i);
