@@ -37,10 +37,16 @@ test_safety() {
   run_tests "$1" -L safety
 }
 
+# The release build and the runtime alone compile the same sources the same way: what the first one compiled is kept in
+# the build folder for the second one.
+export CCACHE_DIR=$root/build/ccache CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=true CCACHE_DEPEND=true CCACHE_MAXSIZE=2G
+export CCACHE_SLOPPINESS=pch_defines,time_macros
+kept=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+
 # Builds as on a workstation without the offline libraries, and shows that no source saw one. The code is the same as in
 # the release build, whose tests of it have run: here those commands are tested that miss the tools, or are installed.
 check_runtime_only() {
-  local without=() package
+  local without=("${kept[@]}") package
   for package in OpenVDB OpenMesh draco TBB VTK OpenCASCADE; do
     without+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
@@ -89,7 +95,7 @@ if [ "$more" = no ]; then
   configure asan -DFORCELAYER_STEP=OFF  # none of these tests reads STEP
   test_safety asan
 else
-  configure release -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=-O0 -DFORCELAYER_SLOW_TESTS=ON
+  configure release "${kept[@]}" -DFORCELAYER_BENCHMARKS=ON -DFORCELAYER_BENCHMARK_FLAGS=-O0 -DFORCELAYER_SLOW_TESTS=ON
   build release
   run_tests release -LE vm
   plant_faults
