@@ -85,6 +85,33 @@ assert worst.startswith(f"after {1e3 * least['along_path_m']:.1f} of 60.0 mm: {l
 END
 grep -q '<g id="here">' page.html || fail "no mark on the curve"
 
+# A section: through the marked point of the worst moment, where a link or the slider says, and none for other words.
+cut_at() { sed -nE 's/.*<output id="cut-at">([^<]*)<.*/\1/p' page.html; }
+page 'pin/report.html#worst&section=x' "${gl[@]}"
+at=$(cut_at) python3 - <<'END' || fail "the section at the worst moment: '$(cut_at)'"
+import json, os
+worst = json.load(open("pin/verdict.json"))["min_clearance"]
+assert os.environ["at"] == f"x = {1e3 * worst['point_m'][0]:.2f} mm", worst
+END
+page 'pin/report.html#section=y:34.5' "${gl[@]}"
+[ "$(cut_at)" = 'y = 34.50 mm' ] || fail "a section by a link: '$(cut_at)'"
+page 'pin/report.html#section=q:3' "${gl[@]}"
+[ -n "$(now)" ] && [ -z "$(cut_at)" ] || fail "no section: '$(cut_at)'"
+cat >cutter.html <<'END'
+<script>
+setTimeout(() => {
+  const get = (id) => document.getElementById(id);
+  get('section').value = 'z';
+  get('section').dispatchEvent(new Event('change'));
+  get('cut').value = 0;
+  get('cut').dispatchEvent(new Event('input'));
+}, 5000);
+</script>
+END
+cat pin/report.html cutter.html >cut.html
+page cut.html "${gl[@]}"
+[ "$(cut_at)" = 'z = 0.00 mm' ] || fail "a section by the slider: '$(cut_at)'"
+
 # A scene that is too large for a page: the farthest object is left out by name, and the view still opens.
 python3 - <<'END'
 def obj(name, vertices, faces):

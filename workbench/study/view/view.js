@@ -32,6 +32,7 @@
   });
 
   let move, mark, along_m = 0, part, world, playing = 0;
+  let section = null;  // {axis: 'x', at_m}: in the axes of the assembly
   const all = [];
 
   function start(gltf, nodes) {
@@ -45,6 +46,11 @@
       node.material = new THREE.MeshPhongMaterial({
         color, side: THREE.DoubleSide, flatShading: true, shininess: 10,
         polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+      // Seen in a section: what is behind a closed surface has one color, as if it were filled.
+      const inside = new THREE.Mesh(node.geometry, new THREE.MeshBasicMaterial({
+        color: new THREE.Color(color).multiplyScalar(0.6), side: THREE.BackSide}));
+      inside.visible = false;
+      node.add(inside);
       if (triangles < kEdgeTriangles) {
         const edges = new THREE.EdgesGeometry(node.geometry, 25);
         node.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x333333})));
@@ -98,17 +104,58 @@
   // Objects hide neither the part nor its neighbors: those that the report names are less clear.
   function see_through() {
     for (const {node, is_plain} of all) {
-      const clear = node !== part && !get('solid').checked;
-      Object.assign(node.material, {transparent: clear, opacity: !clear ? 1 : is_plain ? 0.2 : 0.35, depthWrite: !clear});
-      for (const lines of node.children) lines.material.color.set(clear && is_plain ? 0x999999 : 0x333333);
+      const clear = node !== part && !get('solid').checked && !section;
+      Object.assign(node.material, {transparent: clear, opacity: !clear ? 1 : is_plain ? 0.2 : 0.35, depthWrite: !clear,
+                                    side: section ? THREE.FrontSide : THREE.DoubleSide});
+      const [inside, lines] = node.children;
+      inside.visible = Boolean(section);
+      if (lines) lines.material.color.set(clear && is_plain ? 0x999999 : 0x333333);
     }
     draw();
+  }
+
+  // All objects as they are now, in the axes of the assembly.
+  function bounds() {
+    const box = new THREE.Box3();
+    for (const {node} of all) box.union(new THREE.Box3().setFromObject(node));
+    return new THREE.Box3().setFromPoints([box.min, box.max].map((corner) => world.worldToLocal(corner)));
+  }
+
+  // Cuts all objects across an axis, at a position or else through the marked point, or the part's middle.
+  function cut(axis, at_m) {
+    if (axis && at_m === undefined) {
+      const middle = new THREE.Box3().setFromObject(part).getCenter(new THREE.Vector3());
+      at_m = (mark.visible ? mark.position : world.worldToLocal(middle))[axis];
+    }
+    section = axis ? {axis, at_m} : null;
+    get('section').value = axis;
+    get('cut').disabled = !section;
+    if (section) {
+      const {min, max} = bounds();
+      get('cut').value = (at_m - min[axis]) / (max[axis] - min[axis]);
+    }
+    get('cut-at').textContent = section ? axis + ' = ' + (1e3 * at_m).toFixed(2) + ' mm' : '';
+    see_through();
+  }
+
+  // The half beyond the section, as the camera sees it, stays.
+  function section_planes() {
+    if (!section) return [];
+    const {axis, at_m} = section, normal = new THREE.Vector3();
+    const side = world.worldToLocal(camera.position.clone())[axis] > at_m ? -1 : 1;
+    normal[axis] = side;
+    return [new THREE.Plane(normal, -side * at_m).applyMatrix4(world.matrixWorld)];
   }
 
   function wire() {
     get('along').oninput = () => go(get('along').value * length_m);
     get('fit').onclick = fit;
     get('solid').onchange = see_through;
+    get('section').onchange = () => cut(get('section').value);
+    get('cut').oninput = () => {
+      const {axis} = section, {min, max} = bounds();
+      cut(axis, min[axis] + get('cut').value * (max[axis] - min[axis]));
+    };
     get('all').onchange = () => show(() => true, get('all').checked);
     get('filter').oninput = () => {
       const text = get('filter').value.toLowerCase();
@@ -169,6 +216,7 @@
     mark.visible = Boolean(moment && moment.point_m);
     if (mark.visible) mark.position.fromArray(moment.point_m);
     point_out(moment ? moment.value_m : proven_m);
+    if (mark.visible && section) cut(section.axis);
     draw();
   }
 
@@ -237,17 +285,29 @@
     draw();
   }
 
-  function draw() { renderer.render(scene, camera); }
+  function draw() {
+    renderer.clippingPlanes = section_planes();
+    renderer.render(scene, camera);
+  }
 
-  // report.html#worst, report.html#at=12.5 (mm), and &hide=NAME for each object to hide.
+  // report.html#worst, report.html#at=12.5 (mm), &section=x:12.5 (mm), or &section=x through the marked point, and
+  // &hide=NAME for each object to hide.
   function follow_link() {
-    let at = 0, moment;
+    let at = 0, moment, axis = '', cut_m;  // of the section
     for (const word of location.hash.slice(1).split('&')) {
       const [key, value] = word.split('=').map(decodeURIComponent);
       if (key === 'at') at = value / 1e3;
       if (key === 'worst') [moment] = data.moments;
+      if (key === 'section') [axis, cut_m] = section_of(value);
       if (key === 'hide') show(({name}) => name === value, false);
     }
     go(moment ? moment.along_m : at, moment);
+    cut(axis, cut_m);
+  }
+
+  // "x:12.5" (mm) or "x"; no section for other words.
+  function section_of(words) {
+    const [, axis, mm] = /^([xyz])(?::(-?[0-9.]+))?$/.exec(words) || [null, ''];
+    return [axis, mm === undefined ? mm : mm / 1e3];
   }
 })();
