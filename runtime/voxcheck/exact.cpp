@@ -279,7 +279,6 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
     }
     auto answer = ask(question);
     if (!answer) return answer.error();
-    for (ExactStop& stop : answer->stop) stop.max_s = *options.max_s;
     if (auto refused = refused_seat(scene, *checked, *answer)) {
       if (refused->file.empty()) refused->file = options.scene;
       return *std::move(refused);

@@ -122,8 +122,7 @@ struct ExactStop {
   enum Stage { kClearance, kBlockers, kDepths, kInstalled, kContact, kSmallest };
   int stage = kClearance;
   std::uint32_t object = 0;  // of the seat, in the stages kInstalled and kContact
-  double settled_s = 0;      // until then the path was checked in this stage,
-  double max_s = 0;          // in this time
+  double settled_s = 0;      // until then the path was checked in this stage
 };
 
 struct ExactAnswer {

@@ -138,7 +138,7 @@ assert "  smallest gap when installed: 0.098 mm, to plate\n  voxels of " in word
 END
 # Where an answer stays open, smaller voxels are tried, and the verdict says where that ends.
 if [ -x "$bin/voxplan" ]; then
-  study 6 'gearbox.glb#Cover' --clearance 1mm --time 2s -o open --json open.json
+  study 6 'gearbox.glb#Cover' --clearance 50mm --time 30s -o open --json open.json
   grep -q '^  the answer is still open at the smallest size, .* mm: .*smaller voxels ' open/verdict.txt || fail "no limit: $(cat open/verdict.txt)"
   python3 - <<'END' || fail "refined: $(cat open.json)"
 import json
@@ -146,7 +146,13 @@ report = json.load(open("open.json"))
 tried = [size["voxel_size_m"] for size in report["voxel_sizes_tried"]] + [report["voxel_size_m"]]
 assert tried == sorted(tried, reverse=True) and len(set(tried)) == len(tried) and tried[-1] >= report["smallest_voxel_size_m"] - 1e-12, tried
 assert len(tried) > 1 and all(size["open"] for size in report["voxel_sizes_tried"])
+# All searches together have the time of the study.
+searches_s = [float(line.split(" --time ")[1].split("s")[0]) for line in open("out.txt") if line.startswith("$ voxplan ")]
+assert len(searches_s) == len(tried) and 0 < sum(searches_s) < 30, searches_s
 END
+  study 6 'gearbox.glb#Cover' --clearance 50mm --time 30s -o open
+  grep -q '^\$' out.txt && fail "a study with --time is done again: $(cat out.txt)"
+  [ ! -e open/larger_voxels ] || fail "files of an answer stay: $(ls open)"
 fi
 study 3 'bore.json#pim' --pull 0,0,100mm -o nowhere
 grep -q '^pointshell: bore.json: #pim: no entry under "parts" has this "name"; use one of the names, such as plate, pin$' err.txt || fail "$(cat err.txt)"

@@ -145,6 +145,44 @@ stopped 137 KILL voxrun "${cover[@]}"
 says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped '
 study 6 "${cover[@]}" -o stoppedKILLvoxrun
 says stoppedKILLvoxrun "does not come out" '^Does not come out, '
+# Where --time stops smaller voxels, the answer of larger ones stays, with all its files.
+if [ -x "$bin/voxplan" ]; then
+  cat >slow/voxplan <<'END'
+#!/bin/bash
+# Searches for one second. From the second time on, as if a path were found.
+while [ "${1:-}" != --time ]; do words+=("$1"); shift; done
+if [ -e searched ]; then
+  cp up.csv late/path.csv && echo '{}' >late/plan.json
+else
+  touch searched
+  exec "$bin/voxplan" "${words[@]}" --time 1s
+fi
+END
+  cat >slow/voxcheck <<'END'
+#!/bin/bash
+# Gives the check of that path no time.
+words=("$@")
+for n in "${!words[@]}"; do [ ! -e late/path.csv ] || [ "${words[n]}" != --time ] || words[n + 1]=1e-9s; done
+exec "$bin/voxcheck" "${words[@]}"
+END
+  chmod +x slow/voxplan slow/voxcheck
+  printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
+  for again in "" again; do
+    status=0
+    bin=$bin slow/forcelayer study 'gearbox.glb#Cover' --clearance 50mm --time 100s --no-pictures -o late --json late.json >out.txt 2>err.txt || status=$?
+    [ $status = 6 ] && grep -q '^  voxels of 1 mm, the smallest that gave an answer; --time (100s) ended before voxels of 0\.5 mm gave an answer$' late/verdict.txt ||
+      fail "an answer is lost $again: $status $(cat late/verdict.txt err.txt)"
+    says late "no path found" '^No path found: ' 6
+    python3 - <<'END' || fail "the files of the answer $again: $(ls late) $(cat late.json)"
+import json, os
+report, scene = json.load(open("late.json")), json.load(open("late/scene.json"))
+assert report["voxel_size_m"] == scene["voxel_size_m"] == 1e-3 and report["voxel_sizes_tried"] == [], report
+assert not os.path.exists("late/larger_voxels") and not os.path.exists("late/motion.glb") and os.path.exists("late/farthest.csv")
+END
+  done
+  grep -q '^\$' out.txt && fail "the answer that stays is done again: $(cat out.txt)"
+  rm slow/voxplan slow/voxcheck
+fi
 # A program that the system ends is no answer, and is tried again.
 printf '#!/bin/sh\nkill -s KILL $$\n' >slow/voxcheck
 chmod +x slow/voxcheck

@@ -152,7 +152,7 @@ class ExactCheck {
 
   // The terminal and a stop say this from here on.
   void begin_stage(ExactStop::Stage stage, const std::string& words, std::uint32_t object = 0) {
-    stop_ = {stage, object, path_.time_s({0, 0}), request_.max_s.value_or(0)};
+    stop_ = {stage, object, path_.time_s({0, 0})};
     words_ = words;
     show(0);
   }

@@ -73,9 +73,9 @@ OptionParser::OptionParser(CLI::App& study) {
                    "the part");
   study.add_option(
       "--time", options_.time,
-      "time limit of the search for a path (without --path and --pull); default 60s. With "
-      "--voxel-size auto, also the approximate time limit of the bakes. A check of the exact "
-      "meshes has a time limit only if you give --time");
+      "approximate time limit of the whole study; a bake that has begun is finished. If smaller "
+      "voxels are stopped, the answer of larger ones stays. Default: 60s for each search for a "
+      "path, and no limit for a check of the exact meshes");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
   study.add_option(

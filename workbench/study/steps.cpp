@@ -11,6 +11,7 @@
 
 #include "formats/command/command.h"
 #include "formats/command/program.h"
+#include "formats/command/text.h"
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
 #include "formats/file/named_file.h"
@@ -75,6 +76,12 @@ std::set<std::string> names_in(const std::string& file) {
   return names;
 }
 
+Step with_time_left(const Step& step) {
+  Step limited = step;
+  if (step.left_s) limited.arguments.back() = command::text("%.4gs", *step.left_s);
+  return limited;
+}
+
 // Other programs may answer otherwise.
 std::string version() { return std::string(command::kVersion) + " " + command::commit(); }
 
@@ -133,6 +140,7 @@ Status Steps::remember(const Step& step) {
 
 Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begins) {
   const std::string line = command_line(step);
+  const Step limited = with_time_left(step);
   const auto inputs = digests_of(step.inputs);
   if (!inputs) return inputs.error();
   const bool is_own = kept_.contains(line);  // run before in this study
@@ -140,27 +148,32 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   if (const auto last = known.find(line); last != known.end() && (*last)["inputs"] == *inputs) {
     const auto outputs = digests_of(step.outputs);
     if (outputs && (*last)["outputs"] == *outputs) {
-      say("unchanged: " + line + "\n");
+      const std::string shown = last->value("command", line);
+      say("unchanged: " + shown + "\n");
       const StepEnd end{(*last)["status"], (*last)["output"], true};
-      lines_.push_back({line, end.status, true});
+      lines_.push_back({shown, end.status, true});
       if (!is_own) kept_[line] = *last;
       return end;
     }
   }
-  say("$ " + line + "\n");
+  const std::string shown = command_line(limited);
+  say("$ " + shown + "\n");
   if (Status s = begins(); !s) return s.error();
-  const auto end = command::run_program(step.program, step.arguments, "",
+  const auto end = command::run_program(step.program, limited.arguments, "",
                                         command::ProgramOutput::kTaken, step.package);
   if (!end) return end.error();
   if (step.shows) say(end->output);
-  lines_.push_back({line, end->status});
+  lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
   const bool answered = end->status == 0 || end->status == exit_status(ErrorCode::kAnswerIsNo);
   if (!answered) return StepEnd{end->status, end->output};
   const auto outputs = digests_of(step.outputs);
   if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
-  kept_[line] = {
-      {"status", end->status}, {"output", end->output}, {"inputs", *inputs}, {"outputs", *outputs}};
+  kept_[line] = {{"command", shown},
+                 {"status", end->status},
+                 {"output", end->output},
+                 {"inputs", *inputs},
+                 {"outputs", *outputs}};
   if (Status written = write(); !written) return written.error();
   return StepEnd{end->status, end->output};
 }

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct Step {
   std::vector<std::string> outputs;  // files that it writes
   std::string package;               // that it is installed with
   bool shows = true;  // whether its output is for the reader: not that of a measurement
+  // Its last argument is the --time of the study; this much of it is left for the step, s.
+  std::optional<double> left_s = {};
 };
 
 // The end of a step.
@@ -37,7 +40,8 @@ class Steps {
 
   // Runs a step to its end, and prints its command and output; `begins` is called before. Errors:
   // kFileNotFound for a program or an input that is not there. A step that fails is forgotten, and
-  // its status reported.
+  // its status reported. The time that is left is no part of the question: a step that has answered
+  // is not run again with more or less of it.
   Result<StepEnd> run(const Step& step, const std::function<Status()>& begins);
 
   // Whether an earlier study remembered this step with the inputs and outputs as they are now.

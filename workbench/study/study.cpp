@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -47,11 +48,43 @@ json read_json(const std::string& path) {
   return json::parse(file, nullptr, false);
 }
 
+// The files of an answer. While smaller voxels are tried, they wait in this folder.
+constexpr const char* kKeptFolder = "larger_voxels";
+constexpr const char* kAnswerFiles[] = {
+    "scene.vox",   "scene.json",  "part.pshell",  "part.json",     "path.csv",   "trace.csv",
+    "run.json",    "plan.json",   "straight.csv", "farthest.csv",  "hand.json",  "check.json",
+    "curve.csv",   "curve.svg",   "worst.png",    "installed.png", "motion.glb", "verdict.json",
+    "verdict.txt", "verdict.xml", "report.html"};
+
+// The answer with the files of one voxel size.
+struct Answer {
+  std::string path;  // that is checked; empty where the search found none
+  json checked;      // report of voxcheck; null where there is no path
+  command::Verdict verdict;
+  std::string sentence;  // the first one
+  std::string text;      // that and the lines that follow it
+  bool draws = false;
+};
+
+// An answer that is used again where smaller voxels give none.
+struct KeptAnswer {
+  std::string voxel_size;
+  Answer answer;
+  Steps steps;
+};
+
 // One study, step by step.
 class Study {
  public:
+  ~Study() { drop_kept(); }
+
   Study(const Options& options, Steps steps)
-      : options_(options), steps_(std::move(steps)), voxel_size_(options.voxel_size) {}
+      : options_(options),
+        steps_(std::move(steps)),
+        voxel_size_(options.voxel_size),
+        begun_(std::chrono::steady_clock::now()) {
+    if (!options.time.empty()) allowed_s_ = *command::parse_duration(options.time);
+  }
 
   Status make();
 
@@ -59,12 +92,19 @@ class Study {
   std::string in(const char* name) const {
     return (std::filesystem::path(options_.folder) / name).string();
   }
+  // Whether the file is the one of --path, which is only read.
+  bool is_own_path(const std::string& file) const {
+    std::error_code failure;
+    return std::filesystem::equivalent(file, options_.path, failure);
+  }
   std::string part_mesh() const { return options_.assembly + "#" + options_.node; }
 
   std::vector<std::string> left_out() const;
   void add_reading(Step& step) const;
   void add_meshes(Step& step) const;
-  void add_check_meshes(Step& step) const;
+  void add_check_meshes(Step& step, double fraction) const;
+  void add_time(Step& step, double fraction) const;
+  double left_s() const;
   void add_bake_reading(Step& step) const;
   bool is_deep() const;
   Step scene_step() const;
@@ -80,6 +120,14 @@ class Study {
   Status choose_voxel_size();
   Status look();
   Result<double> look_size() const;
+  bool has_time_for(double voxel_size_m) const;
+  bool is_out_of_time() const;
+  Status keep_size(const std::string& key, const std::vector<std::string>& inputs,
+                   const json& installed);
+  Status keep_answer();
+  Status restore_answer();
+  void drop_kept();
+  bool is_kept_better() const;
   Status plan() const;
   Status answer();
   std::string open_answer() const;
@@ -123,14 +171,14 @@ class Study {
   Play play_;
   SizeChoice choice_;
   std::vector<json> tried_;  // sizes that left the answer open, and why
-  std::string no_finer_;     // why a smaller size gave no answer at all; empty: none was tried
-  bool draws_ = false;
-  std::string path_;  // that is checked; empty where the search found none
-  json checked_;      // report of voxcheck; null where there is no path
-  command::Verdict verdict_;
+  std::chrono::steady_clock::time_point begun_;
+  std::optional<double> allowed_s_;  // of --time
+  double baked_s_ = 0;               // how long the last bakes took
+  bool finer_follows_ = false;       // smaller voxels may be tried after these
+  std::string no_finer_;  // why a smaller size gave no answer at all; empty: none was tried
+  Answer answer_;
+  std::optional<KeptAnswer> kept_;
   bool is_held_ = false;     // the simulated hand did not reach the end of its pull
-  std::string sentence_;     // the first one
-  std::string text_;         // that and the lines that follow it
   bool is_known_ = false;    // the page is there, of the same question
   bool is_checked_ = false;  // the verdict in the folder is that of these voxels
   std::string failure_;      // why a step failed, in its own words
@@ -216,12 +264,26 @@ void Study::add_meshes(Step& step) const {
   add_reading(step);
 }
 
-// The same for voxcheck, which has them measured only as long as is allowed.
-void Study::add_check_meshes(Step& step) const {
+// The time that is left of --time; negative where more was spent.
+double Study::left_s() const {
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun_;
+  return *allowed_s_ - spent.count();
+}
+
+// The last argument: so much of the time that is left for the whole study. A little is always
+// allowed: a question that is answered at once has an answer.
+void Study::add_time(Step& step, double fraction) const {
+  if (!allowed_s_) return;
+  constexpr double kLeastFraction = 0.02;
+  step.arguments.insert(step.arguments.end(), {"--time", options_.time});
+  step.left_s = std::max(kLeastFraction * *allowed_s_, fraction * left_s());
+}
+
+// For voxcheck, which has the meshes measured for so much of the time that is left.
+void Study::add_check_meshes(Step& step, double fraction) const {
   if (options_.files_alone) return;
   add_meshes(step);
-  if (options_.time.empty()) return;
-  step.arguments.insert(step.arguments.end(), {"--time", options_.time});
+  add_time(step, fraction);
 }
 
 // The reports of the baked files.
@@ -294,17 +356,17 @@ Step Study::plan_step() const {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
   if (!options_.files_alone) add_meshes(step);
-  if (!options_.time.empty()) {
-    step.arguments.insert(step.arguments.end(), {"--time", options_.time});
-  }
+  // A path that is found may take as long again to be proven. The rest is for smaller voxels.
+  constexpr double kBeforeFiner = 0.3, kLast = 0.45;
+  add_time(step, finer_follows_ ? kBeforeFiner : kLast);
   return step;
 }
 
 Step Study::check_step() const {
   Step step{"voxcheck",
-            {in("scene.vox"), in("part.pshell"), path_, "--clearance", options_.clearance,
+            {in("scene.vox"), in("part.pshell"), answer_.path, "--clearance", options_.clearance,
              "--fail-on", "nothing"},  // a "no" is said once, by the study
-            {in("scene.vox"), in("part.pshell"), path_},
+            {in("scene.vox"), in("part.pshell"), answer_.path},
             {in("check.json"), in("curve.csv"), in("verdict.xml")},
             "forcelayer-runtime",
             false};
@@ -314,17 +376,18 @@ Step Study::check_step() const {
   if (!options_.center.empty()) add({"--center", options_.center});
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
-  add_check_meshes(step);
+  if (!options_.files_alone) add_meshes(step);
   add({"--json", in("check.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
   if (!options_.files_alone) {
     add({"--report", "animation:" + in("motion.glb")});
     step.outputs.push_back(in("motion.glb"));
   }
-  if (draws_) {
+  if (answer_.draws) {
     add({"--report", "picture:" + in("worst.png")});
     step.outputs.push_back(in("worst.png"));
   }
+  if (!options_.files_alone) add_time(step, 1);
   return step;
 }
 
@@ -343,7 +406,7 @@ Step Study::hand_step() const {
   for (const std::string& object : options_.allow) {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
-  add_check_meshes(step);
+  add_check_meshes(step, 1);
   return step;
 }
 
@@ -368,19 +431,21 @@ Step Study::picture_step() const {
 
 // The part first: a wrong name of it is refused in words about the part.
 Status Study::bake() {
+  const auto begun = std::chrono::steady_clock::now();
   if (const auto part = run(part_step()); !part) return part.error();
   if (const auto scene = run(scene_step()); !scene) return scene.error();
+  baked_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return {};
 }
 
 Status Study::find_path() {
-  path_ = options_.path;
-  if (!path_.empty()) return {};
-  path_ = in("path.csv");
+  answer_.path = options_.path;
+  if (!answer_.path.empty()) return {};
+  answer_.path = in("path.csv");
   if (!options_.searches()) return pull();
   const auto planned = run(plan_step(), true);
   if (!planned) return planned.error();
-  if (planned->status != 0) path_.clear();
+  if (planned->status != 0) answer_.path.clear();
   return {};
 }
 
@@ -391,7 +456,7 @@ Status Study::pull() {
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
   is_held_ = ended.is_object() && ended.value("held", false);
-  path_ = in("straight.csv");
+  answer_.path = in("straight.csv");
   return write_path("straight.csv", {0, 1});
 }
 
@@ -414,7 +479,7 @@ Status Study::write_path(const char* name, std::initializer_list<double> fractio
 }
 
 Result<StepEnd> Study::check_path(const std::string& path) {
-  path_ = path;
+  answer_.path = path;
   auto checked = run(check_step());
   is_checked_ = true;
   if (!checked) return checked;
@@ -424,17 +489,17 @@ Result<StepEnd> Study::check_path(const std::string& path) {
   if (!report.is_object()) report = nlohmann::ordered_json::object();
   const bool is_yes = command::is_yes(command::verdict_kind(report.value("kind", "")));
   report["exit_status"] = is_yes ? 0 : kAnswerIsNo;
-  checked_ = report;
+  answer_.checked = report;
   if (Status s = command::write_report(in("verdict.json"), report); !s) return s.error();
   return checked;
 }
 
 Status Study::check() {
-  checked_ = nullptr;
-  verdict_ = {};
+  answer_.checked = nullptr;
+  answer_.verdict = {};
   std::remove(in("farthest.csv").c_str());  // of an earlier search
-  if (path_.empty()) return say_that_no_path_was_found();
-  auto checked = check_path(path_);
+  if (answer_.path.empty()) return say_that_no_path_was_found();
+  auto checked = check_path(answer_.path);
   if (!checked) return checked.error();
   const auto is_clear = [](const json& report) {
     return command::is_yes(command::verdict_kind(report.value("kind", "")));
@@ -442,7 +507,7 @@ Status Study::check() {
   std::string hand_note;
   // Another path may lead around what the part meets. Where it is only too near, the answer is how
   // near.
-  const auto kind = command::verdict_kind(checked_.value("kind", ""));
+  const auto kind = command::verdict_kind(answer_.checked.value("kind", ""));
   const bool is_blocked =
       kind == command::VerdictKind::kDoesNotComeOut || kind == command::VerdictKind::kCollides;
   if (!options_.pull.empty() && !is_held_ && is_blocked) {
@@ -458,21 +523,22 @@ Status Study::check() {
           hand.value("kind", "") + " (hand.json)";
     }
     if (!checked) return checked.error();
-  } else if (!options_.pull.empty() && is_held_ && is_clear(checked_)) {
+  } else if (!options_.pull.empty() && is_held_ && is_clear(answer_.checked)) {
     hand_note = "a simulated hand, which feels only voxels of " +
                 command::length_text(*command::parse_length(voxel_size_)) +
                 ", did not pull the part out (run.json); the answer does not depend on it";
   }
-  verdict_ = {};
-  verdict_.kind = command::verdict_kind(checked_.value("kind", ""));
-  verdict_.required_m = checked_.value("required_clearance_m", 0.0);
-  if (checked_["direction"].is_string()) verdict_.motion = checked_["direction"];
-  if (checked_["finding"].is_string()) verdict_.finding = checked_["finding"];
-  verdict_.blocked_by = checked_.value("blocked_by", std::vector<std::string>());
-  sentence_ = checked_.value("sentence", "");
-  text_ = checked->output;
-  if (!hand_note.empty()) text_ += "  " + hand_note + "\n";
-  return command::write_text(in("verdict.txt"), text_);
+  answer_.verdict = {};
+  answer_.verdict.kind = command::verdict_kind(answer_.checked.value("kind", ""));
+  answer_.verdict.required_m = answer_.checked.value("required_clearance_m", 0.0);
+  if (answer_.checked["direction"].is_string())
+    answer_.verdict.motion = answer_.checked["direction"];
+  if (answer_.checked["finding"].is_string()) answer_.verdict.finding = answer_.checked["finding"];
+  answer_.verdict.blocked_by = answer_.checked.value("blocked_by", std::vector<std::string>());
+  answer_.sentence = answer_.checked.value("sentence", "");
+  answer_.text = checked->output;
+  if (!hand_note.empty()) answer_.text += "  " + hand_note + "\n";
+  return command::write_text(in("verdict.txt"), answer_.text);
 }
 
 // In the words of voxplan: what it tried, and what was in the way. The files of an earlier verdict
@@ -480,19 +546,19 @@ Status Study::check() {
 Status Study::say_that_no_path_was_found() {
   const json plan = read_json(in("plan.json"));
   const json found = plan.is_object() ? plan : json::object();
-  verdict_.kind = command::VerdictKind::kNoPathFound;
-  verdict_.required_m = found.value("required_clearance_m", 0.0);
+  answer_.verdict.kind = command::VerdictKind::kNoPathFound;
+  answer_.verdict.required_m = found.value("required_clearance_m", 0.0);
   if (found.contains("finding") && found["finding"].is_string()) {
-    verdict_.finding = found["finding"];
-    verdict_.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
+    answer_.verdict.finding = found["finding"];
+    answer_.verdict.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
   } else {  // refused before the search
-    verdict_.finding =
+    answer_.verdict.finding =
         found.value("error", json::object()).value("what", "the search did not begin");
     const auto required_m = command::parse_length(options_.clearance);
-    verdict_.required_m = required_m ? *required_m : 0;
+    answer_.verdict.required_m = required_m ? *required_m : 0;
   }
   if (Status s = write_farthest(found); !s) return s;
-  return write_verdict(command::junit_text(subject(), verdict_, 0), kAnswerIsNo);
+  return write_verdict(command::junit_text(subject(), answer_.verdict, 0), kAnswerIsNo);
 }
 
 // The path by which the search moved the part farthest, for voxview.
@@ -507,15 +573,15 @@ Status Study::write_farthest(const json& plan) {
     rows += "\n";
   }
   if (rows.empty()) return {};
-  verdict_.notes.push_back("voxview --trace " + in("farthest.csv") +
-                           " shows how far the search moved the part");
+  answer_.verdict.notes.push_back("voxview --trace " + in("farthest.csv") +
+                                  " shows how far the search moved the part");
   return command::write_text(in("farthest.csv"), std::string(kPathHeader) + rows);
 }
 
 // Where no path was checked.
 Status Study::write_verdict(const std::string& junit, const json& exit_status) {
-  sentence_ = command::sentence(verdict_);
-  text_ = command::terminal_text(verdict_);
+  answer_.sentence = command::sentence(answer_.verdict);
+  answer_.text = command::terminal_text(answer_.verdict);
   for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png", "motion.glb"})
     std::remove(in(name).c_str());
   // It begins as the report of voxcheck, which replaces nothing else.
@@ -524,10 +590,10 @@ Status Study::write_verdict(const std::string& junit, const json& exit_status) {
                                  {"tool_version", command::kVersion},
                                  {"commit", command::commit()},
                                  {"exit_status", exit_status}};
-  verdict.update(command::verdict_json(verdict_));
+  verdict.update(command::verdict_json(answer_.verdict));
   if (Status s = command::write_report(in("verdict.json"), verdict); !s) return s;
   if (Status s = command::write_text(in("verdict.xml"), junit); !s) return s;
-  return command::write_text(in("verdict.txt"), text_);
+  return command::write_text(in("verdict.txt"), answer_.text);
 }
 
 command::Verdict Study::unfinished(const std::string& why) const {
@@ -544,7 +610,7 @@ Status Study::begin_step(const Step& step) {
   const command::Verdict verdict =
       unfinished("the step " + step.program + " is running, or was stopped");
   if (!is_checked_) {
-    verdict_ = verdict;
+    answer_.verdict = verdict;
     const Error error{ErrorCode::kInternal, "", "", verdict.finding, ""};
     if (Status s = write_verdict(command::junit_text(subject(), error), nullptr); !s) return s;
   }
@@ -562,8 +628,9 @@ Status Study::draw() {
   const auto drawn = steps_.run(picture, [&] { return begin_step(picture); });
   if (!drawn) return drawn.error();
   if (command::stop_signal() != 0) return stopped_error(picture.program);
-  draws_ = drawn->status == 0;
-  if (!draws_) command::warn("voxview cannot draw: the page has no pictures", options_.quiet);
+  answer_.draws = drawn->status == 0;
+  if (!answer_.draws)
+    command::warn("voxview cannot draw: the page has no pictures", options_.quiet);
   return {};
 }
 
@@ -592,7 +659,8 @@ Step Study::installed_step() const {
   if (!options_.seat.empty()) {
     step.arguments.insert(step.arguments.end(), {"--seat", options_.seat});
   }
-  add_check_meshes(step);
+  constexpr double kOfPlay = 0.25;  // the answer does not depend on it
+  add_check_meshes(step, kOfPlay);
   return step;
 }
 
@@ -680,6 +748,60 @@ Step Study::question() const {
   return question;
 }
 
+// Moves the files of the answer aside, before smaller voxels are tried.
+Status Study::keep_answer() {
+  drop_kept();
+  const std::filesystem::path folder = in(kKeptFolder);
+  std::error_code failure;
+  std::filesystem::create_directory(folder, failure);
+  for (const char* name : kAnswerFiles) {
+    const std::string file = in(name);
+    if (failure || !std::filesystem::exists(file) || is_own_path(file)) continue;
+    std::filesystem::rename(file, folder / name, failure);
+  }
+  if (failure)
+    return Error{ErrorCode::kWriteFailed, folder.string(), "--output", failure.message(), ""};
+  kept_ = {voxel_size_, answer_, steps_};
+  return {};
+}
+
+// Goes back to the answer that was kept.
+Status Study::restore_answer() {
+  const std::filesystem::path folder = in(kKeptFolder);
+  std::error_code failure;
+  for (const char* name : kAnswerFiles) {
+    const std::string file = in(name);
+    if (is_own_path(file)) continue;
+    std::filesystem::remove(file, failure);
+    if (std::filesystem::exists(folder / name)) {
+      std::filesystem::rename(folder / name, file, failure);
+    }
+    if (failure) return Error{ErrorCode::kWriteFailed, file, "--output", failure.message(), ""};
+  }
+  voxel_size_ = kept_->voxel_size;
+  answer_ = kept_->answer;
+  steps_ = kept_->steps;
+  drop_kept();
+  std::erase_if(tried_, [&](const json& size) {
+    return size_option(size["voxel_size_m"].get<double>()) == voxel_size_;
+  });
+  return {};
+}
+
+// Removes the files that were moved aside, also those of a study that was killed.
+void Study::drop_kept() {
+  kept_.reset();
+  const std::filesystem::path folder = in(kKeptFolder);
+  std::error_code failure;
+  for (const char* name : kAnswerFiles) std::filesystem::remove(folder / name, failure);
+  std::filesystem::remove(folder, failure);  // where it is empty
+}
+
+// A path whose check is open says more than a search that found none.
+bool Study::is_kept_better() const {
+  return kept_ && !kept_->answer.path.empty() && answer_.path.empty();
+}
+
 // Takes the size that an earlier study of the same inputs chose: its files are still there.
 Status Study::choose_voxel_size() {
   const std::vector<std::string> inputs = question().inputs;
@@ -697,30 +819,58 @@ Status Study::choose_voxel_size() {
   if (Status s = look(); !s) return s;
   const json installed = read_json(in("installed.json"));
   double size_m = choice_.first_m;
-  // The last with an answer, if only an open one; at first that with which the play was measured.
-  const double look_m = look_->voxel_size_m;
-  std::string answered_size = look_m > size_m * (1 + 1e-9) ? size_option(look_m) : "";
+  // Files with which the play was measured. They answer where no smaller voxels do.
+  const bool has_look = look_->voxel_size_m > size_m * (1 + 1e-9);
   while (true) {
     voxel_size_ = size_option(size_m);
+    const std::string size_text = "voxels of " + command::length_text(size_m);
     const double next_m = smaller_size_m(size_m);
     const bool is_last = next_m < choice_.last_m * (1 - 1e-9);
+    finer_follows_ = !is_last;
     const Status answered = answer();
     if (!answered && (is_last || !is_refused_search(answered.error()))) {
-      if (answered_size.empty() || command::stop_signal() != 0) return answered;
-      no_finer_ = "voxels of " + command::length_text(size_m) +
+      if ((!kept_ && !has_look) || command::stop_signal() != 0) return answered;
+      no_finer_ = size_text +
                   " gave no answer: " + (failure_.empty() ? to_line(answered.error()) : failure_);
-      voxel_size_ = answered_size;
-      if (Status s = answer(); !s) return s;
+      break;
+    }
+    if (kept_ && is_out_of_time()) {
+      no_finer_ = "--time (" + options_.time + ") ended before " + size_text + " gave an answer";
       break;
     }
     const std::string open =
         answered ? open_answer() : "the proven clearance of the installed part is too small";
-    if (open.empty() || is_last) break;
-    if (answered) answered_size = voxel_size_;
+    const bool is_over = !open.empty() && !is_last && !has_time_for(next_m);
+    if (open.empty() || is_last || is_over) {
+      if (answered && is_kept_better()) {
+        no_finer_ = "with " + size_text + " " + open;
+        break;
+      }
+      if (!is_over) return keep_size(key, inputs, installed);
+      no_finer_ = "voxels of " + command::length_text(next_m) +
+                  " were not tried, because too little of --time (" + options_.time + ") was left";
+      if (!answered) break;
+      return keep_size(key, inputs, installed);
+    }
+    if (answered && !is_kept_better()) {
+      if (Status s = keep_answer(); !s) return s;
+    }
     steps_.say("trying smaller voxels, because " + open + "\n");
     tried_.push_back({{"voxel_size_m", size_m}, {"open", open}});
     size_m = next_m;
   }
+  if (kept_) {
+    if (Status s = restore_answer(); !s) return s;
+  } else {
+    voxel_size_ = size_option(look_->voxel_size_m);
+    if (Status s = answer(); !s) return s;
+  }
+  return keep_size(key, inputs, installed);
+}
+
+// Remembers the size for the next study of the same inputs.
+Status Study::keep_size(const std::string& key, const std::vector<std::string>& inputs,
+                        const json& installed) {
   return steps_.keep(key, inputs,
                      {{"voxel_size", voxel_size_},
                       {"is_deep", is_deep_},
@@ -746,14 +896,15 @@ Status Study::answer() {
 // Why smaller voxels may give another answer; empty where they cannot.
 std::string Study::open_answer() const {
   using command::VerdictKind;
-  const json violations =
-      checked_.is_object() ? checked_.value("violations", json::array()) : json::array();
-  switch (verdict_.kind) {
+  const json violations = answer_.checked.is_object()
+                              ? answer_.checked.value("violations", json::array())
+                              : json::array();
+  switch (answer_.verdict.kind) {
     case VerdictKind::kNoPathFound:
       return "no path was found";
     case VerdictKind::kTooCloseToCall: {
       // STEP surfaces get finer triangles; of other meshes only rounding is left.
-      const json exact = checked_.value("exact", json::object());
+      const json exact = answer_.checked.value("exact", json::object());
       const bool helps = exact.value("deviations_and_rounding_m", 0.0) > 1e-6;
       return helps ? "the verdict was 'too close to call'" : "";
     }
@@ -780,12 +931,33 @@ std::string Study::open_answer() const {
   }
 }
 
+// Whether the bakes of smaller voxels leave half of the time for the search and the check.
+bool Study::has_time_for(double voxel_size_m) const {
+  if (!allowed_s_) return true;
+  const double forecast_s =
+      std::max(cost_at(*look_, voxel_size_m).thread_s,
+               cost_at({.voxel_size_m = *command::parse_length(voxel_size_), .thread_s = baked_s_},
+                       voxel_size_m)
+                   .thread_s);
+  return forecast_s <= left_s() / 2;
+}
+
+// Whether the time was over before there was an answer.
+bool Study::is_out_of_time() const {
+  const json violations = answer_.checked.is_object()
+                              ? answer_.checked.value("violations", json::array())
+                              : json::array();
+  return answer_.verdict.kind == command::VerdictKind::kUndecided &&
+         std::any_of(violations.begin(), violations.end(),
+                     [](const json& violation) { return violation.value("out_of_time", false); });
+}
+
 // That of the check, where it has one: its voxels are smaller, and so are the triangles of STEP
 // surfaces.
 Play Study::measured_play() const {
-  const bool is_checked = !options_.files_alone && checked_.is_object() &&
-                          !checked_.value("seat_depths", json::array()).empty();
-  return is_checked ? play_of(checked_) : play_;
+  const bool is_checked = !options_.files_alone && answer_.checked.is_object() &&
+                          !answer_.checked.value("seat_depths", json::array()).empty();
+  return is_checked ? play_of(answer_.checked) : play_;
 }
 
 nlohmann::ordered_json Study::play_json() const {
@@ -811,11 +983,11 @@ void Study::note_voxel_size() {
     line += "refined from " + command::length_text(tried_.front()["voxel_size_m"]) + ": " +
             tried_.back()["open"].get<std::string>();
   }
-  text_ += "  " + play_text(measured_play()) + "\n  " + line + "\n";
+  answer_.text += "  " + play_text(measured_play()) + "\n  " + line + "\n";
   if (open_answer().empty() || !no_finer_.empty()) return;
   const std::string smallest = command::length_text(choice_.last_m) + ": " + choice_.why_last;
-  text_ +=
-      verdict_.kind == command::VerdictKind::kDoesNotComeOut
+  answer_.text +=
+      answer_.verdict.kind == command::VerdictKind::kDoesNotComeOut
           ? "  smaller voxels might change the answer; none are smaller than " + smallest + "\n"
           : "  the answer is still open at the smallest size, " + smallest + "\n";
 }
@@ -864,26 +1036,26 @@ Status Study::write_page() {
   Page page;
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
-  page.verdict = verdict_;
-  page.text = text_;
-  page.report = checked_;
+  page.verdict = answer_.verdict;
+  page.text = answer_.text;
+  page.report = answer_.checked;
   page.scene = read_json(in("scene.json"));
   page.shell = read_json(in("part.json"));
   page.files = {in("scene.vox"), in("part.pshell"), in("verdict.json")};
-  if (!path_.empty()) {
+  if (!answer_.path.empty()) {
     auto svg = curve_svg(in("curve.csv"), page.report);
     if (!svg) return svg.error();
     page.curve_svg = std::move(*svg);
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
-    page.files.insert(page.files.end(), {path_, in("curve.csv")});
+    page.files.insert(page.files.end(), {answer_.path, in("curve.csv")});
     page.curve = in("curve.csv");
     if (!options_.files_alone) page.motion = in("motion.glb");
-    if (draws_) page.pictures.push_back({in("worst.png"), "The worst moment"});
+    if (answer_.draws) page.pictures.push_back({in("worst.png"), "The worst moment"});
   }
-  if (path_.empty() && std::filesystem::exists(in("farthest.csv"))) {
+  if (answer_.path.empty() && std::filesystem::exists(in("farthest.csv"))) {
     page.files.push_back(in("farthest.csv"));
   }
-  if (draws_) {
+  if (answer_.draws) {
     page.pictures.push_back({in("installed.png"), "Where the part is installed"});
   }
   for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
@@ -891,7 +1063,7 @@ Status Study::write_page() {
   if (!html) return html.error();
   if (Status written = command::write_text(in("report.html"), *html); !written) return written;
   if (!options_.quiet) {
-    std::fputs(text_.c_str(), stdout);
+    std::fputs(answer_.text.c_str(), stdout);
     std::printf("%s\n", escaped(in("report.html")).c_str());
   }
   return {};
@@ -901,13 +1073,13 @@ Status Study::report(int status) const {
   if (options_.json.empty()) return {};
   nlohmann::ordered_json report;
   if (status != 0) report["exit_status"] = status;
-  report.update(command::verdict_json(verdict_));
-  report["sentence"] = sentence_;
-  report["words"] = text_;
+  report.update(command::verdict_json(answer_.verdict));
+  report["sentence"] = answer_.sentence;
+  report["words"] = answer_.text;
   report["page"] = in("report.html");
-  report["path"] = path_.empty() ? json() : json(path_);
-  if (!path_.empty()) report["blocked_by"] = checked_["blocked_by"];
-  report["check"] = checked_;
+  report["path"] = answer_.path.empty() ? json() : json(answer_.path);
+  if (!answer_.path.empty()) report["blocked_by"] = answer_.checked["blocked_by"];
+  report["check"] = answer_.checked;
   const auto voxel_m = command::parse_length(voxel_size_);
   report["voxel_size_m"] = voxel_m ? json(*voxel_m) : json();
   if (options_.is_auto() && choice_.first_m > 0) {
@@ -927,14 +1099,14 @@ Status Study::report(int status) const {
 
 // The way on where the answer is open.
 std::string Study::advice() const {
-  if (path_.empty()) {
+  if (answer_.path.empty()) {
     return "the same search would find no path again; try a longer --time, a smaller --clearance "
            "or "
            "--voxel-size, or give your own path with --path or --pull";
   }
-  if (verdict_.kind != command::VerdictKind::kUndecided) return "";
+  if (answer_.verdict.kind != command::VerdictKind::kUndecided) return "";
   const auto any = [&](const char* key) {
-    const json violations = checked_.value("violations", json::array());
+    const json violations = answer_.checked.value("violations", json::array());
     return std::any_of(violations.begin(), violations.end(),
                        [&](const json& violation) { return violation.value(key, false); });
   };
@@ -946,25 +1118,25 @@ std::string Study::advice() const {
 }
 
 Status Study::judge() const {
-  if (command::is_yes(verdict_.kind)) return {};
+  if (command::is_yes(answer_.verdict.kind)) return {};
   std::string mend = advice();
-  if (!path_.empty()) mend += (mend.empty() ? "" : "; ") + ("see " + in("report.html"));
+  if (!answer_.path.empty()) mend += (mend.empty() ? "" : "; ") + ("see " + in("report.html"));
   return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
-               sentence_.substr(0, sentence_.size() - 1), mend};
+               answer_.sentence.substr(0, answer_.sentence.size() - 1), mend};
 }
 
 // The answer is not known: the page says why, in the words of the command that failed.
 void Study::say_that_it_failed(const Error& error) {
   // Nothing is said of an input that is not there, unless the folder says something else.
   if (steps_.lines().empty() && !std::filesystem::exists(in("report.html"))) return;
-  path_.clear();
-  checked_ = nullptr;
-  verdict_ = unfinished(failure_.empty() ? to_line(error) : failure_);
-  const Error told{error.code, "", "", verdict_.finding, ""};
+  answer_.path.clear();
+  answer_.checked = nullptr;
+  answer_.verdict = unfinished(failure_.empty() ? to_line(error) : failure_);
+  const Error told{error.code, "", "", answer_.verdict.finding, ""};
   const int stopped = command::stop_signal();
   const int status = stopped != 0 ? 128 + stopped : exit_status(error.code);
   Status written = write_verdict(command::junit_text(subject(), told), status);
-  if (written) written = write_bare_page(verdict_);
+  if (written) written = write_bare_page(answer_.verdict);
   if (written) written = report(status);
   if (written) return;
   // No answer is better than one that is not true.
@@ -996,7 +1168,7 @@ Status Study::make_all() {
   if (Status s = options_.is_auto() ? choose_voxel_size() : answer(); !s) return s;
   if (options_.is_auto()) {
     note_voxel_size();
-    if (Status s = command::write_text(in("verdict.txt"), text_); !s) return s;
+    if (Status s = command::write_text(in("verdict.txt"), answer_.text); !s) return s;
   }
   if (Status s = report(); !s) return s;
   if (Status s = write_page(); !s) return s;
