@@ -40,11 +40,18 @@ enum class ErrorCode : int {
   kDeviceFailed = 501,
   kDeviceRefused = 502,  // present but unsafe or not as declared
   kAnswerIsNo = 600,     // checked as asked, and the answer is no
+  kNeedsForce = 700,  // the same, and the answer is yes, but the installed part overlaps something
 };
 
 // The exit status of a command that ends with this error: 1 internal or I/O, 2 usage, 3 mesh or
-// scene, 4 baked file, 5 device, 6 the answer is no.
+// scene, 4 baked file, 5 device, 6 the answer is no, 7 the answer is yes with an overlap.
 constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100; }
+
+// Whether a command that ends with this status, or with this error, has answered its question.
+constexpr bool is_answer(int exit_status) {
+  return exit_status == 0 || exit_status == 6 || exit_status == 7;
+}
+constexpr bool is_answer(ErrorCode code) { return is_answer(exit_status(code)); }
 
 // Its members are no inline functions: hundreds of places make one, and hold its code then.
 struct Error {

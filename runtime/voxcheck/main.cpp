@@ -225,7 +225,10 @@ int run(int argc, char** argv) {
       "Checks that a part keeps its clearance from a scene along a path, and proves it for the "
       "whole path",
       "voxcheck"};
-  app.footer("Exit status 0: clear; 6: not clear.");
+  app.footer(
+      "Exit status 0: clear; 6: not clear; 7: clear, but the installed part overlaps a neighbor, "
+      "so\n"
+      "only force moves it.");
   command::set_version(app, std::string("vectors ") + query::kernel_target());
   OptionParser parser(app);
   command::arrange_help(

@@ -446,17 +446,13 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.path_m = checked.length.whole_m();
   verdict.scene_names = object_names(checked.scene);
   verdict.slides = slides_of(checked);
-  if (checked.exact != nullptr) {
-    for (const ExactSeat& seat : checked.exact->seat) {
-      if (!seat.overlaps()) continue;
-      verdict.overlapped.push_back(object_name(checked.scene, seat.object));
-      verdict.overlap_m = std::max(verdict.overlap_m, seat.installed_m);
-    }
-  }
   verdict.nearest = smallest_of(checked);
   verdict.beyond = beyond_of(checked);
   verdict.kind = yes_of(checked);
-  if (r.clear()) return verdict;
+  if (r.clear()) {
+    if (checked.exact != nullptr) add_overlaps(checked.scene, *checked.exact, verdict);
+    return verdict;
+  }
   const Violation& worst = worst_of(checked);
   verdict.kind = kind_of(checked, worst);
   if (verdict.kind == VerdictKind::kCollides) {
@@ -481,6 +477,18 @@ command::Verdict verdict_of(const CheckedPath& checked) {
     if (&v != &worst) verdict.more.push_back(violation_text(checked, v));
   }
   return verdict;
+}
+
+void add_overlaps(const Voxmap& scene, const ExactAnswer& exact, command::Verdict& verdict) {
+  for (const ExactSeat& seat : exact.seat) {
+    if (!seat.overlaps()) continue;
+    verdict.overlapped.push_back(object_name(scene, seat.object));
+    verdict.overlap_m = std::max(verdict.overlap_m, seat.installed_m);
+  }
+  if (!verdict.overlapped.empty()) {
+    verdict.kind = command::with_overlap(verdict.kind);
+    verdict.advice = command::kOverlapAdvice;
+  }
 }
 
 std::vector<std::string> bounds_texts(const CheckedPath& checked) {

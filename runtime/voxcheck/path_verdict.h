@@ -51,6 +51,9 @@ std::string place_text(const glm::dvec3& point_m);
 // The verdict, without advice and notes.
 command::Verdict verdict_of(const CheckedPath& checked);
 
+// Adds the objects that the installed part overlaps for certain to a verdict that is yes.
+void add_overlaps(const Voxmap& scene, const ExactAnswer& exact, command::Verdict& verdict);
+
 // A violation as one line: from where to where, what, and where it is worst.
 std::string violation_text(const CheckedPath& checked, const clearance::Violation& violation);
 

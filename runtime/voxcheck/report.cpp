@@ -211,7 +211,8 @@ bool ends_in_scene_box(const CheckedPath& checked) {
 }
 
 // Where the path ends before the part is outside of all.
-std::string end_text(const CheckedPath& checked, command::VerdictKind kind) {
+std::string end_text(const CheckedPath& checked, command::VerdictKind answer) {
+  const command::VerdictKind kind = command::without_overlap(answer);
   if (kind == command::VerdictKind::kStaysInstalled) {
     return "the path ends in the seat: whether the part comes out was not checked";
   }
@@ -224,7 +225,7 @@ std::string advice_of(const Report& report, const command::Verdict& verdict) {
   if (verdict.kind == command::VerdictKind::kNeverNear) {
     return "check the units of the path, and whether path, part and scene belong together";
   }
-  if (command::is_yes(verdict.kind)) return "";
+  if (command::passes(verdict.kind)) return verdict.advice;
   const Violation& worst = worst_of(report.checked);
   if (worst.out_of_time) return "give a longer --time, or check a part of the path";
   if (worst.unsettled_seat) {

@@ -316,9 +316,17 @@ END
 # A report of a study has the status of the study.
 python3 -c 'import json; assert json.load(open("leaky/verdict.json"))["exit_status"] == 6 and json.load(open("walled/verdict.json"))["exit_status"] == 0' ||
   fail "the status in a report of a study"
-study 0 'press.json#thick' --pull 0,0,100mm --no-pictures -o press
+study 7 'press.json#thick' --pull 0,0,100mm --no-pictures -o press --json press_report.json
 grep -q '^Comes out, straight along +z, if force overcomes its overlap with plate (at least 0\.3 mm when installed): slides along plate for the first 41 mm, otherwise stays 1[0-9.]* mm away or more (measured to plate, ' press/verdict.txt &&
   grep -q '^  where the part is installed, it overlaps plate by at least 0\.3 mm; the force that this takes is not computed$' press/verdict.txt || fail "overlap as modelled: $(cat press/verdict.txt)"
+grep -q '; if the overlap is intended, accept exit status 7; see press/report\.html$' err.txt || fail "an overlap says nothing to a pipeline: $(cat err.txt)"
+says_no press/verdict.xml press/straight.csv
+python3 - <<'END' || fail "all reports of an overlap: $(cat press/verdict.json)"
+import json
+report, verdict = json.load(open("press_report.json")), json.load(open("press/verdict.json"))
+assert [(r["kind"], r["verdict"], r["exit_status"]) for r in (report, verdict)] == 2 * [("comes out with overlap", "not clear", 7)], verdict
+assert f'class="verdict force"><strong>{verdict["heading"]}</strong>' in open("press/report.html").read(), "the page"
+END
 if [ -x "$bin/voxplan" ]; then
   study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
   grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to near, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
@@ -377,8 +385,8 @@ study 6 'sunk.json#sunk' --pull 0,0,100mm --no-pictures -o sunk --files-alone
 grep -q '^  voxels of 1 mm, the smallest that gave an answer; voxels of 0\.2 mm gave no answer: voxrun ended with status 2: ' sunk/verdict.txt ||
   fail "an answer is lost: $(cat out.txt err.txt)"
 # Deeper distances are stored where the part overlaps a neighbor by more than half of a voxel: no step is refused then.
-study 0 'pressed.json#pressed' --pull 0,0,40mm --no-pictures -o pressed
-[ ! -s err.txt ] && grep -q '^Comes out, .*, if force overcomes its overlap with table (at least 0\.3 mm when installed): leaves table ' pressed/verdict.txt &&
+study 7 'pressed.json#pressed' --pull 0,0,40mm --no-pictures -o pressed
+[ "$(wc -l <err.txt)" = 1 ] && grep -q '^Comes out, .*, if force overcomes its overlap with table (at least 0\.3 mm when installed): leaves table ' pressed/verdict.txt &&
   grep -q '^  voxels of 0\.2 mm, chosen: ' pressed/verdict.txt || fail "0.3 mm of overlap: $(cat pressed/verdict.txt err.txt)"
 # Nor was a clearance given: then it is 1 mm, as of voxcheck.
 python3 -c 'import json; assert json.load(open("sunk/verdict.json"))["required_clearance_m"] == 0.001' ||

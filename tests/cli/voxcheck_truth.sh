@@ -280,12 +280,15 @@ assert max(out_m) - min(out_m) < 5e-5, out_m
 assert all(2.6e-3 <= report["min_clearance"]["exact_m"] < 2.65e-3 for report in reports)
 END
   # A press fit, deeper than a part may be pushed in: so deep it is installed, and it may come out.
-  check 0 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
+  check 7 corner1.vox cube1.pshell pressed.csv --clearance 0.8mm --seat 0,0,-0.4mm --exact corner.json \
     --part cube.obj --part-units mm --json pressed.json --report junit:pressed.xml --report gitlab:pressed.quality --report github
   for report in pressed.xml pressed.quality out.txt; do
     grep -qF 'where the part is installed, it overlaps Floor by at least 0.4 mm' $report || fail "$report does not say so: $(cat $report)"
   done
   says '^  where the part is installed, it overlaps Floor by at least 0\.4 mm; the force that this takes is not computed$'
+  says '^Comes out, .*, if force overcomes its overlap with Floor \(at least 0\.4 mm when installed\): '
+  grep -q 'failures="1"' pressed.xml && grep -q '"severity": "major"' pressed.quality && grep -q '^::error ' out.txt && grep -q '"exit_status": 7' pressed.json ||
+    fail "a yes that needs force: $(cat pressed.xml pressed.quality out.txt)"
   says '^  in its seat, the part never goes deeper than installed$'
   python3 - <<'END' || fail "the press fit: $(cat pressed.json)"
 import json

@@ -48,7 +48,7 @@ for command in "$@"; do
     esac
     printf '   %s\n' "$example"
     bash -euc "$example" >said.txt 2>&1 </dev/null || status=$?
-    case $example in voxrun* | voxcheck* | voxplan* | forcelayer*) [ $status != 6 ] || status=0 ;; esac  # no is an answer
+    case $example in voxrun* | voxcheck* | voxplan* | forcelayer*) [[ $status != [67] ]] || status=0 ;; esac  # no is an answer
     [ $status = 0 ] || { printf 'FAILED with status %s: %s\n' $status "$example" >&2; cat said.txt >&2; exit 1; }
     count=$((count + 1))
   done < <(awk '!seen[$0]++' <<<"$examples")

@@ -137,7 +137,9 @@ int main(int argc, char** argv) {
   made->footer(
       "The same command continues an earlier study. It skips finished steps whose inputs did not "
       "change.\n"
-      "Exit status 0: clear; 6: not clear, or the part does not come out.");
+      "Exit status 0: clear; 6: not clear, or the part does not come out; 7: clear, but the "
+      "installed\n"
+      "part overlaps a neighbor, so only force moves it.");
   command::arrange_help(
       *made,
       {{"Question",
@@ -165,7 +167,7 @@ int main(int argc, char** argv) {
     command::share_warnings();  // several steps read the same meshes
     const Status ended = study::make_study(*options);
     const int stopped = command::stop_signal();
-    if (stopped == 0 || ended || ended.error().code == ErrorCode::kAnswerIsNo) return ended;
+    if (stopped == 0 || ended || is_answer(ended.error().code)) return ended;
     std::fprintf(
         stderr,
         "forcelayer: %s contains the finished steps; the same command continues from there\n",

@@ -221,14 +221,16 @@ constexpr const char* kStyle =
     "vertical-align:top}figure{margin:1rem 0}img,svg{max-width:100%;height:auto}"
     ".verdict{padding:.8rem 1rem;border-left:.5rem solid;white-space:pre-wrap}"
     ".yes{border-color:#009e73;background:#e6f5f0}.no{border-color:#d55e00;background:#fbeee6}"
-    ".open{border-color:#767676;background:#f2f2f2}"
+    ".open{border-color:#767676;background:#f2f2f2}.force{border-color:#e69f00;background:#fdf6e5}"
     "pre{background:#f4f4f4;padding:.8rem;white-space:pre-wrap;overflow-wrap:anywhere}"
     "code{font-size:.85rem}";
 
-// The color of a verdict: yes, no, or open, where a longer search or more exact files may decide.
+// The color of a verdict: yes, yes by force, no, or open, where a longer search or more exact files
+// may decide.
 const char* class_of(command::VerdictKind kind) {
   using command::VerdictKind;
   if (command::is_yes(kind)) return "yes";
+  if (command::passes(kind)) return "force";
   return kind == VerdictKind::kUndecided || kind == VerdictKind::kTooCloseToCall ||
                  kind == VerdictKind::kNoPathFound
              ? "open"
@@ -250,9 +252,8 @@ Result<std::string> html_of(const Page& page) {
   const auto files = files_table(page.files);
   if (!files) return files.error();
   const std::string title = page.part + " of " + page.assembly;
-  const std::string heading = command::heading(page.verdict);
-  const bool is_first = page.text.starts_with(heading);
-  const std::string text = is_first ? page.text.substr(heading.size()) : "\n" + page.text;
+  const bool is_first = page.text.starts_with(page.heading);
+  const std::string text = is_first ? page.text.substr(page.heading.size()) : "\n" + page.text;
   std::string found;
   if (page.report.is_object()) {
     found = facts_table(page) + violations_table(page.report["violations"]) +
@@ -266,8 +267,8 @@ Result<std::string> html_of(const Page& page) {
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          html(title) + "</title>\n<style>" + kStyle + view_style() + "</style></head><body>\n<h1>" +
-         html(title) + "</h1>\n<p class=\"verdict " + class_of(page.verdict.kind) + "\"><strong>" +
-         html(heading) + "</strong>" + html_lines(text) + "</p>\n" + found + *drawn +
+         html(title) + "</h1>\n<p class=\"verdict " + class_of(page.kind) + "\"><strong>" +
+         html(page.heading) + "</strong>" + html_lines(text) + "</p>\n" + found + *drawn +
          commands_of(page) + *files + "<p>Made by forcelayer " + command::kVersion +
          (*command::commit() == '\0' ? "" : std::string(", commit ") + command::commit()) +
          ".</p>\n</body></html>\n";

@@ -18,8 +18,9 @@ struct Picture {
 
 struct Page {
   std::string part, assembly;
-  command::Verdict verdict;
-  std::string text;             // its sentence and the lines that follow it
+  command::VerdictKind kind = command::VerdictKind::kUndecided;
+  std::string heading;          // the first words of the sentence
+  std::string text;             // the sentence and the lines that follow it
   nlohmann::json report;        // of voxcheck; null where no path was found
   nlohmann::json scene, shell;  // reports of voxelize and pointshell
   std::string curve_svg;

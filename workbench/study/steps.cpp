@@ -165,8 +165,7 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   if (step.shows) say(end->output);
   lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
-  const bool answered = end->status == 0 || end->status == exit_status(ErrorCode::kAnswerIsNo);
-  if (!answered) return StepEnd{end->status, end->output};
+  if (!is_answer(end->status)) return StepEnd{end->status, end->output};
   const auto outputs = digests_of(step.outputs);
   if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
   kept_[line] = {{"command", shown},

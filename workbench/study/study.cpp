@@ -61,6 +61,7 @@ struct Answer {
   std::string path;  // that is checked; empty where the search found none
   json checked;      // report of voxcheck; null where there is no path
   command::Verdict verdict;
+  std::string heading;   // the first words of the sentence
   std::string sentence;  // the first one
   std::string text;      // that and the lines that follow it
   bool draws = false;
@@ -221,7 +222,7 @@ Result<StepEnd> Study::run(const Step& step, bool or_no) {
   const auto end = steps_.run(step, [&] { return begin_step(step); });
   if (!end) return end;
   if (end->status != 0 && command::stop_signal() != 0) return stopped_error(step.program);
-  if (end->status == 0 || (or_no && end->status == kAnswerIsNo)) return end;
+  if (end->status == 0 || (or_no && is_answer(end->status))) return end;
   const std::string line = error_line(step, begun);
   failure_ = step.program + " " + end_text(end->status) + (line.empty() ? "" : ": " + line);
   ErrorCode code = ErrorCode::kInternal;
@@ -445,7 +446,7 @@ Status Study::find_path() {
   if (!options_.searches()) return pull();
   const auto planned = run(plan_step(), true);
   if (!planned) return planned.error();
-  if (planned->status != 0) answer_.path.clear();
+  if (planned->status == kAnswerIsNo) answer_.path.clear();
   return {};
 }
 
@@ -487,8 +488,8 @@ Result<StepEnd> Study::check_path(const std::string& path) {
   std::ifstream file(in("check.json"));
   auto report = nlohmann::ordered_json::parse(file, nullptr, false);
   if (!report.is_object()) report = nlohmann::ordered_json::object();
-  const bool is_yes = command::is_yes(command::verdict_kind(report.value("kind", "")));
-  report["exit_status"] = is_yes ? 0 : kAnswerIsNo;
+  const auto kind = command::verdict_kind(report.value("kind", ""));
+  report["exit_status"] = command::is_yes(kind) ? 0 : exit_status(command::error_code(kind));
   answer_.checked = report;
   if (Status s = command::write_report(in("verdict.json"), report); !s) return s.error();
   return checked;
@@ -502,7 +503,7 @@ Status Study::check() {
   auto checked = check_path(answer_.path);
   if (!checked) return checked.error();
   const auto is_clear = [](const json& report) {
-    return command::is_yes(command::verdict_kind(report.value("kind", "")));
+    return command::passes(command::verdict_kind(report.value("kind", "")));
   };
   std::string hand_note;
   // Another path may lead around what the part meets. Where it is only too near, the answer is how
@@ -535,6 +536,7 @@ Status Study::check() {
     answer_.verdict.motion = answer_.checked["direction"];
   if (answer_.checked["finding"].is_string()) answer_.verdict.finding = answer_.checked["finding"];
   answer_.verdict.blocked_by = answer_.checked.value("blocked_by", std::vector<std::string>());
+  answer_.heading = answer_.checked.value("heading", "");
   answer_.sentence = answer_.checked.value("sentence", "");
   answer_.text = checked->output;
   if (!hand_note.empty()) answer_.text += "  " + hand_note + "\n";
@@ -580,6 +582,7 @@ Status Study::write_farthest(const json& plan) {
 
 // Where no path was checked.
 Status Study::write_verdict(const std::string& junit, const json& exit_status) {
+  answer_.heading = command::heading(answer_.verdict);
   answer_.sentence = command::sentence(answer_.verdict);
   answer_.text = command::terminal_text(answer_.verdict);
   for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png", "motion.glb"})
@@ -1024,7 +1027,8 @@ Status Study::write_bare_page(const command::Verdict& verdict) const {
   Page page;
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
-  page.verdict = verdict;
+  page.kind = verdict.kind;
+  page.heading = command::heading(verdict);
   page.text = command::terminal_text(verdict);
   for (const auto& line : steps_.lines()) page.commands.push_back(line.command);
   const auto html = html_of(page);
@@ -1036,7 +1040,8 @@ Status Study::write_page() {
   Page page;
   page.part = options_.node;
   page.assembly = std::filesystem::path(options_.assembly).filename().string();
-  page.verdict = answer_.verdict;
+  page.kind = answer_.verdict.kind;
+  page.heading = answer_.heading;
   page.text = answer_.text;
   page.report = answer_.checked;
   page.scene = read_json(in("scene.json"));
@@ -1074,6 +1079,7 @@ Status Study::report(int status) const {
   nlohmann::ordered_json report;
   if (status != 0) report["exit_status"] = status;
   report.update(command::verdict_json(answer_.verdict));
+  report["heading"] = answer_.heading;
   report["sentence"] = answer_.sentence;
   report["words"] = answer_.text;
   report["page"] = in("report.html");
@@ -1104,6 +1110,7 @@ std::string Study::advice() const {
            "or "
            "--voxel-size, or give your own path with --path or --pull";
   }
+  if (command::passes(answer_.verdict.kind)) return command::kOverlapAdvice;
   if (answer_.verdict.kind != command::VerdictKind::kUndecided) return "";
   const auto any = [&](const char* key) {
     const json violations = answer_.checked.value("violations", json::array());
@@ -1121,7 +1128,7 @@ Status Study::judge() const {
   if (command::is_yes(answer_.verdict.kind)) return {};
   std::string mend = advice();
   if (!answer_.path.empty()) mend += (mend.empty() ? "" : "; ") + ("see " + in("report.html"));
-  return Error{ErrorCode::kAnswerIsNo, options_.assembly, options_.node,
+  return Error{command::error_code(answer_.verdict.kind), options_.assembly, options_.node,
                answer_.sentence.substr(0, answer_.sentence.size() - 1), mend};
 }
 
@@ -1146,7 +1153,7 @@ void Study::say_that_it_failed(const Error& error) {
 Status Study::make() {
   is_known_ = !options_.plan && steps_.is_known(question());
   const Status made = make_all();
-  if (!made && !options_.plan && made.error().code != ErrorCode::kAnswerIsNo) {
+  if (!made && !options_.plan && !is_answer(made.error().code)) {
     say_that_it_failed(made.error());
   }
   return made;

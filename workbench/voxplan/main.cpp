@@ -97,7 +97,10 @@ int run(int argc, char** argv) {
       "Searches for a path that takes a part out of its installed position, or to a pose. The "
       "clearance is proven for the whole path",
       "voxplan"};
-  app.footer("Exit status 0: a path was found; 6: no path was found within --time.");
+  app.footer(
+      "Exit status 0: a path was found; 6: no path was found within --time; 7: a path was found, "
+      "but\n"
+      "the installed part overlaps a neighbor, so only force moves it.");
   command::set_version(app, "OMPL " FORCELAYER_OMPL_VERSION);
   OptionParser parser(app);
   command::arrange_help(

@@ -23,8 +23,8 @@ constexpr double kSpeedMps = 0.1;        // of the part along the path
 constexpr double kFarthestVoxels = 1e6;  // distance of a goal; every voxel of a path is proven
 
 // The verdict of voxcheck --exact on a path.
-Result<clearance::CheckResult> settled(const Problem& problem, const std::vector<PathRow>& rows,
-                                       const Options& options, const exact::Meshes& meshes) {
+Result<voxcheck::ExactCheckResult> settled(const Problem& problem, const std::vector<PathRow>& rows,
+                                           const Options& options, const exact::Meshes& meshes) {
   voxcheck::Options asked;
   static_cast<voxcheck::MeshOptions&>(asked) = options;
   asked.scene = options.scene;
@@ -34,11 +34,9 @@ Result<clearance::CheckResult> settled(const Problem& problem, const std::vector
   asked.quiet = true;
   const clearance::CheckRequest request{problem.clearance_m, options.threads, problem.allowed,
                                         options.world_from_seat};
-  auto checked = voxcheck::check_with_meshes(
+  return voxcheck::check_with_meshes(
       problem.scene, problem.part, clearance::CenterPath(rows, problem.part), request, asked,
       [&](const auto& question) { return exact::check_exactly(meshes, rows, question); });
-  if (!checked) return checked.error();
-  return std::move(checked->checked);
 }
 
 // An error if the part cannot be at an end of its path: in its seat, or clear of everything.
@@ -46,7 +44,11 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                  const Options& options, const exact::Meshes* meshes) {
   const std::vector<PathRow> rows = rows_of(problem, {}, {pose}, 1);
   auto checked = proven(problem, rows, rule, 1);
-  if (checked && checked->seat_too_deep) checked = settled(problem, rows, options, *meshes);
+  if (checked && checked->seat_too_deep) {
+    auto exact = settled(problem, rows, options, *meshes);
+    if (!exact) return exact.error();
+    checked = std::move(exact->checked);
+  }
   if (!checked) return checked.error();
   if (const auto warning =
           part_in_scene_warning(problem.scene, problem.part, pose, checked->seat_points)) {
@@ -151,10 +153,16 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
     // If the smoothest variant is not proven clear as a whole, another may be.
     for (const PlannedPath& path : *smooth) {
       made.rows = rows_of(problem, path.in_seat, path.beyond, kSpeedMps);
-      auto checked = meshes != nullptr ? settled(problem, made.rows, options, *meshes)
-                                       : proven(problem, made.rows, Rule::kInSeat, options.threads);
-      if (!checked) return checked.error();
-      made.checked = std::move(*checked);
+      if (meshes != nullptr) {
+        auto checked = settled(problem, made.rows, options, *meshes);
+        if (!checked) return checked.error();
+        made.checked = std::move(checked->checked);
+        made.exact = std::move(checked->exact);
+      } else {
+        auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
+        if (!checked) return checked.error();
+        made.checked = std::move(*checked);
+      }
       if (made.checked.clear()) return std::optional<Pose>();
     }
     return std::optional<Pose>(worst_pose(problem, made.rows, made.checked));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "formats/path/path_file.h"
@@ -18,6 +19,7 @@ struct Plan {
   SearchResult search;
   std::vector<PathRow> rows;       // of the path that was found, else of SearchResult::farthest
   clearance::CheckResult checked;  // the proof of the path that was found
+  std::optional<voxcheck::ExactAnswer> exact;  // the same by the meshes, where they are given
   double seconds = 0;
 };
 

@@ -32,6 +32,9 @@ voxcheck::CheckedPath checked_of(const Report& report) {
 command::Verdict found_verdict(const Report& report) {
   const clearance::CheckResult& checked = report.plan.checked;
   command::Verdict verdict = voxcheck::verdict_of(checked_of(report));
+  if (report.plan.exact) {
+    voxcheck::add_overlaps(report.problem.scene, *report.plan.exact, verdict);
+  }
   verdict.notes = voxcheck::bounds_texts(checked_of(report));
   verdict.notes.insert(verdict.notes.begin(), text("found in %.3g s", report.plan.search.seconds));
   if (!checked.seated.empty()) {

@@ -90,7 +90,7 @@ bool is_off_or_onto(const Verdict& v, const VerdictSlide& slide) {
 std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   const bool begins = slide.from_m <= 0, ends = slide.to_m >= v.path_m;
   const std::string length = short_mm(slide.to_m - slide.from_m) + " mm";
-  if (!is_yes(v.kind)) {
+  if (!passes(v.kind)) {
     const std::string away =
         v.required_m > 0 ? length_text(v.required_m) + " away from its seat" : "free of its seat";
     if (begins && ends) return "never gets " + away;
@@ -124,7 +124,7 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
 
 // A slide that ends after the reason for a no has begun is left out.
 std::string slides_text(const Verdict& v) {
-  const bool is_somewhere = !is_yes(v.kind) && v.nearest.known != Known::kNot;
+  const bool is_somewhere = !passes(v.kind) && v.nearest.known != Known::kNot;
   const double reason_m = v.begin ? v.begin->along_m : is_somewhere ? v.nearest.along_m : INFINITY;
   std::string line;
   for (const VerdictSlide& slide : v.slides) {
@@ -137,7 +137,7 @@ std::string slides_text(const Verdict& v) {
 // A distance that stands in a sentence: the proven one, where the answer is yes and less is proven
 // than was measured.
 double shown_m(const Verdict& v, const VerdictDistance& distance) {
-  const bool is_less = is_yes(v.kind) && distance.known == Known::kMeasured &&
+  const bool is_less = passes(v.kind) && distance.known == Known::kMeasured &&
                        is_less_proven(distance.distance_m, distance.proven_m);
   return is_less ? distance.proven_m : distance.distance_m;
 }
@@ -196,7 +196,7 @@ std::string finding_text(const Verdict& v) {
 std::string answer_text(const Verdict& v) {
   if (!v.finding.empty()) return finding_text(v);
   if (v.nearest.known == Known::kNot) return length_text(v.required_m) + " required";
-  if (is_yes(v.kind)) return stays_text(v);
+  if (passes(v.kind)) return stays_text(v);
   return v.kind == VerdictKind::kNeverNear ? distance_text(v, "it stays ", " away or more")
                                            : distance_text(v, "comes as near as ", "");
 }
@@ -213,16 +213,29 @@ std::string reason_text(const Verdict& v) {
 }
 
 std::string head_of(const Verdict& v) {
-  if (v.kind == VerdictKind::kKeepsClearance && v.required_m == 0)
+  const VerdictKind kind = without_overlap(v.kind);
+  if (kind == VerdictKind::kKeepsClearance && v.required_m == 0)
     return "passes without a collision";
-  if (v.kind == VerdictKind::kStaysInstalled) return "is still in its seat";
-  return to_text(v.kind);
+  if (kind == VerdictKind::kStaysInstalled) return "is still in its seat";
+  return to_text(kind);
+}
+
+// ", if force overcomes its overlap with A and B (at least 0.15 mm when installed)": without it
+// the answer is no. A part that stays installed needs no force: it may stand still.
+std::string overlap_text(const Verdict& v) {
+  if (without_overlap(v.kind) == v.kind) return "";
+  const bool stays = v.kind == VerdictKind::kStaysWithOverlap;
+  return (stays ? ", and overlaps " : ", if force overcomes its overlap with ") +
+         listed(v, v.overlapped) + " (at least " + length_text(v.overlap_m) + " when installed)";
 }
 
 // The first words of a sentence.
 constexpr const char* kWords[] = {"comes out",
                                   "keeps the clearance",
                                   "stays in contact",
+                                  "comes out with overlap",
+                                  "keeps the clearance with overlap",
+                                  "stays in contact with overlap",
                                   "does not keep the clearance",
                                   "collides",
                                   "does not come out",
@@ -239,6 +252,32 @@ static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
 bool is_yes(VerdictKind kind) {
   return kind == VerdictKind::kComesOut || kind == VerdictKind::kKeepsClearance ||
          kind == VerdictKind::kStaysInstalled;
+}
+
+bool passes(VerdictKind kind) { return is_yes(without_overlap(kind)); }
+
+VerdictKind with_overlap(VerdictKind kind) {
+  switch (kind) {
+    case VerdictKind::kComesOut:
+      return VerdictKind::kComesOutWithOverlap;
+    case VerdictKind::kKeepsClearance:
+      return VerdictKind::kKeepsClearanceWithOverlap;
+    case VerdictKind::kStaysInstalled:
+      return VerdictKind::kStaysWithOverlap;
+    default:
+      return kind;
+  }
+}
+
+VerdictKind without_overlap(VerdictKind kind) {
+  for (const VerdictKind yes : kAllVerdictKinds) {
+    if (is_yes(yes) && with_overlap(yes) == kind) return yes;
+  }
+  return kind;
+}
+
+ErrorCode error_code(VerdictKind kind) {
+  return passes(kind) ? ErrorCode::kNeedsForce : ErrorCode::kAnswerIsNo;
 }
 
 std::string short_name(const std::string& name, std::span<const std::string> scene_names) {
@@ -307,25 +346,18 @@ bool is_less_proven(double measured_m, double proven_m) {
 }
 
 std::string heading(const Verdict& v) {
-  std::string line = capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion);
-  // One that stays installed needs none: it may stand still.
-  const bool moves_out = is_yes(v.kind) && v.kind != VerdictKind::kStaysInstalled;
-  if (moves_out && !v.overlapped.empty()) {
-    line += ", if force overcomes its overlap with " + listed(v, v.overlapped) + " (at least " +
-            length_text(v.overlap_m) + " when installed)";
-  }
-  return line;
+  return capital(head_of(v)) + (v.motion.empty() ? "" : ", " + v.motion) + overlap_text(v);
 }
 
 std::string explanation(const Verdict& v) {
   std::string line = slides_text(v);
-  if (!line.empty()) line += is_yes(v.kind) ? ", otherwise " : ", but ";
+  if (!line.empty()) line += passes(v.kind) ? ", otherwise " : ", but ";
   return line + reason_text(v);
 }
 
 std::string sentence(const Verdict& v) { return heading(v) + ": " + explanation(v) + "."; }
 
-std::string gist(const Verdict& v) { return head_of(v) + ": " + reason_text(v); }
+std::string gist(const Verdict& v) { return head_of(v) + overlap_text(v) + ": " + reason_text(v); }
 
 std::string terminal_text(const Verdict& v) {
   std::string lines = sentence(v) + "\n";
@@ -339,6 +371,7 @@ nlohmann::ordered_json verdict_json(const Verdict& v) {
   nlohmann::ordered_json json;
   json["verdict"] = verdict_word(v);
   json["kind"] = to_text(v.kind);
+  json["heading"] = heading(v);
   json["sentence"] = sentence(v);
   json["required_clearance_m"] = v.required_m;
   const auto or_null = [](const std::string& words) {
@@ -352,7 +385,7 @@ nlohmann::ordered_json verdict_json(const Verdict& v) {
 
 Status exit_of(const Verdict& v, const std::string& file) {
   if (is_yes(v.kind)) return {};
-  return Error{ErrorCode::kAnswerIsNo, file, "", gist(v), v.advice};
+  return Error{error_code(v.kind), file, "", gist(v), v.advice};
 }
 
 }  // namespace forcelayer::command

@@ -19,6 +19,10 @@ enum class VerdictKind {
   kComesOut,        // it leaves the place where it is installed, and keeps the clearance from then
   kKeepsClearance,  // along the whole path
   kStaysInstalled,  // it collides with nothing, and touches its seat all along the path
+  // The same of a part that overlaps something as installed: only force moves it.
+  kComesOutWithOverlap,
+  kKeepsClearanceWithOverlap,
+  kStaysWithOverlap,
   // The answer is no, or not known.
   kTooNear,         // a distance is less than what is required
   kCollides,        // the surfaces meet, or one lies inside the other
@@ -31,14 +35,31 @@ enum class VerdictKind {
   kPenetrates,  // a moved part was inside another one in at least one frame
 };
 
-inline constexpr VerdictKind kAllVerdictKinds[] = {
-    VerdictKind::kComesOut,       VerdictKind::kKeepsClearance, VerdictKind::kStaysInstalled,
-    VerdictKind::kTooNear,        VerdictKind::kCollides,       VerdictKind::kDoesNotComeOut,
-    VerdictKind::kTooCloseToCall, VerdictKind::kUndecided,      VerdictKind::kNeverNear,
-    VerdictKind::kNoPathFound,    VerdictKind::kHeld,           VerdictKind::kPenetrates};
+inline constexpr VerdictKind kAllVerdictKinds[] = {VerdictKind::kComesOut,
+                                                   VerdictKind::kKeepsClearance,
+                                                   VerdictKind::kStaysInstalled,
+                                                   VerdictKind::kComesOutWithOverlap,
+                                                   VerdictKind::kKeepsClearanceWithOverlap,
+                                                   VerdictKind::kStaysWithOverlap,
+                                                   VerdictKind::kTooNear,
+                                                   VerdictKind::kCollides,
+                                                   VerdictKind::kDoesNotComeOut,
+                                                   VerdictKind::kTooCloseToCall,
+                                                   VerdictKind::kUndecided,
+                                                   VerdictKind::kNeverNear,
+                                                   VerdictKind::kNoPathFound,
+                                                   VerdictKind::kHeld,
+                                                   VerdictKind::kPenetrates};
 
-// Whether the answer is yes; each other answer ends with status 6.
+// Whether the answer is yes, and no overlap as installed needs force.
 bool is_yes(VerdictKind kind);
+// Whether the answer is yes, with or without such an overlap.
+bool passes(VerdictKind kind);
+// A yes with such an overlap, and without; each other kind as it is.
+VerdictKind with_overlap(VerdictKind kind);
+VerdictKind without_overlap(VerdictKind kind);
+// The error with which a command ends whose answer is not yes: kNeedsForce or kAnswerIsNo.
+ErrorCode error_code(VerdictKind kind);
 
 // "comes out", "too close to call" ...: the key `kind` of --json, and the first words of a
 // sentence.
@@ -140,14 +161,17 @@ std::string gist(const Verdict& verdict);
 // The sentence and, indented, the notes: each a line.
 std::string terminal_text(const Verdict& verdict);
 
-// The keys of a report that hold the verdict: `verdict`, `kind`, `sentence`,
+// The keys of a report that hold the verdict: `verdict`, `kind`, `heading`, `sentence`,
 // `required_clearance_m`, `direction`, `finding`, `blocked_by`.
 nlohmann::ordered_json verdict_json(const Verdict& verdict);
 
 // "clear" or "not clear": the key `verdict`.
 const char* verdict_word(const Verdict& verdict);
 
-// An error where the answer is not yes. `file` is what the verdict is about. Errors: kAnswerIsNo.
+// What to do about kNeedsForce.
+inline constexpr char kOverlapAdvice[] = "if the overlap is intended, accept exit status 7";
+
+// An error where the answer is not yes. `file` is what the verdict is about. Errors: error_code().
 Status exit_of(const Verdict& verdict, const std::string& file);
 
 }  // namespace forcelayer::command
