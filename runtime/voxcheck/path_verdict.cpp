@@ -316,6 +316,17 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
   return slides;
 }
 
+// What a yes leaves open in the seat, where cracks let it: the depth there is known less exactly
+// than distances are. Empty: nothing.
+std::string crack_text(const CheckedPath& checked) {
+  if (checked.exact == nullptr || checked.result.seated.empty()) return "";
+  double hidden_m = 0;
+  for (const ExactSeat& seat : checked.exact->seat) hidden_m = std::max(hidden_m, seat.margin_m);
+  if (hidden_m <= checked.exact->margin_m + kRoundingM) return "";
+  return "in the seat, up to " + command::upper_length_text(hidden_m, INFINITY) +
+         " more overlap than installed cannot be ruled out, because a mesh has cracks";
+}
+
 VerdictKind yes_of(const CheckedPath& checked) {
   const CheckResult& r = checked.result;
   const bool ends =
@@ -450,6 +461,7 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.beyond = beyond_of(checked);
   verdict.kind = yes_of(checked);
   if (r.clear()) {
+    verdict.unchecked = crack_text(checked);
     if (checked.exact != nullptr) add_overlaps(checked.scene, *checked.exact, verdict);
     return verdict;
   }

@@ -117,7 +117,7 @@ struct Verdict {
   VerdictDistance beyond;   // the least distance from all objects that no slide names
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
   std::string finding;    // what is wrong, or not decided, where a distance does not say it
-  std::string unchecked;  // why there may be more that is wrong; empty: there is not
+  std::string unchecked;  // why there may be more that is wrong, or what a yes cannot rule out
   std::vector<std::string> blocked_by;        // objects, the most important first
   std::vector<std::string> scene_names = {};  // of all objects: sentences shorten names by them
   std::string advice;                         // what to do next
