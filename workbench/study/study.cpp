@@ -524,10 +524,6 @@ Status Study::check() {
           hand.value("kind", "") + " (hand.json)";
     }
     if (!checked) return checked.error();
-  } else if (!options_.pull.empty() && is_held_ && is_clear(answer_.checked)) {
-    hand_note = "a simulated hand, which feels only voxels of " +
-                command::length_text(*command::parse_length(voxel_size_)) +
-                ", did not pull the part out (run.json); the answer does not depend on it";
   }
   answer_.verdict = {};
   answer_.verdict.kind = command::verdict_kind(answer_.checked.value("kind", ""));
