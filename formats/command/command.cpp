@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "formats/command/help.h"
+#include "formats/command/program.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report.h"
 #include "formats/file/temporary_files.h"
@@ -27,14 +28,14 @@ namespace forcelayer::command {
 namespace {
 
 int fail(const char* name, const Error& error) {
-  wipe_progress_line();
-  const bool color = wants_color(STDERR_FILENO);
-  std::fprintf(stderr, "%s%s:%s %s\n", color ? "\x1b[1;31m" : "", name, color ? "\x1b[0m" : "",
-               to_line(error).c_str());
+  const bool leaves = leaves_errors();
+  if (!leaves) print_error(name, error);
+  bool is_written = false;
   try {
-    report_failure(error);
-  } catch (...) {  // too little memory for it: the line has been said
+    is_written = report_failure(error);
+  } catch (...) {  // too little memory for it
   }
+  if (leaves && !is_written) print_error(name, error);
   return exit_status(error.code);
 }
 
@@ -58,6 +59,13 @@ long now_ms() {
 }
 
 }  // namespace
+
+void print_error(const char* name, const Error& error) {
+  wipe_progress_line();
+  const bool color = wants_color(STDERR_FILENO);
+  std::fprintf(stderr, "%s%s:%s %s\n", color ? "\x1b[1;31m" : "", name, color ? "\x1b[0m" : "",
+               to_line(error).c_str());
+}
 
 bool is_first_stop(int number) {
   constexpr long kAgainMs = 300;  // a person needs longer to send a second signal

@@ -21,6 +21,9 @@ void end_where_memory_lacks(const char* name);
 // output that takes no more is kWriteFailed.
 int run_command(const char* name, const std::function<Status()>& body) noexcept;
 
+// The line of an error on stderr: "COMMAND: ERROR".
+void print_error(const char* name, const Error& error);
+
 // Writes `report` to `path` atomically, indented, with a final newline; behind the common head
 // where it is the report of --json (report.h).
 Status write_report(const std::string& path, const nlohmann::ordered_json& report);

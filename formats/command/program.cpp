@@ -7,12 +7,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <regex>
 #include <sstream>
 
 #include "formats/command/command.h"
@@ -97,6 +99,10 @@ std::string all_of(int descriptor) {
 constexpr const char* kVariable = "FORCELAYER_WARNINGS";
 constexpr const char* kFile = "forcelayer-warnings";
 
+// The options of a program that takes the errors of those that it starts.
+constexpr const char* kOptionsVariable = "FORCELAYER_OPTIONS";
+bool takes_errors = false;
+
 // -1 where the variable names no such file.
 int shared_file() {
   const char* const number = std::getenv(kVariable);
@@ -161,6 +167,44 @@ bool is_new_warning(const std::string& text) {
   // Where it cannot be noted, it is printed again.
   [[maybe_unused]] const ssize_t noted = ::write(file, line.data(), line.size());
   return true;
+}
+
+void take_errors(const std::vector<std::string>& options) {
+  takes_errors = true;
+  std::string words;
+  for (const std::string& option : options) words += option + " ";
+  ::setenv(kOptionsVariable, words.c_str(), 1);
+}
+
+bool leaves_errors() { return !takes_errors && std::getenv(kOptionsVariable) != nullptr; }
+
+std::string with_known_options(const std::string& text) {
+  const char* const words = std::getenv(kOptionsVariable);
+  if (words == nullptr) return text;
+  const std::string known = std::string(" ") + words;
+  static const std::regex kOption("--[a-z][a-z-]*");
+  const auto is_known = [&](const std::string& part) {
+    return std::all_of(std::sregex_iterator(part.begin(), part.end(), kOption), {},
+                       [&](const std::smatch& option) {
+                         return known.find(" " + option.str() + " ") != std::string::npos;
+                       });
+  };
+  std::string kept;
+  static const std::regex kBetween("; |, or ");
+  std::string separator;
+  for (std::size_t from = 0; from <= text.size();) {
+    std::smatch next;
+    const bool is_last = !std::regex_search(text.begin() + static_cast<std::ptrdiff_t>(from),
+                                            text.end(), next, kBetween);
+    const std::size_t length =
+        is_last ? text.size() - from : static_cast<std::size_t>(next.position());
+    const std::string part = text.substr(from, length);
+    if (is_known(part)) kept += (kept.empty() ? "" : separator) + part;
+    if (is_last) break;
+    separator = next.str();
+    from += length + separator.size();
+  }
+  return kept;
 }
 
 Result<ProgramEnd> run_program(const std::string& name, const std::vector<std::string>& arguments,

@@ -32,6 +32,18 @@ void share_warnings();
 // Whether none of them has printed this warning: from now on, one has. True where none are shared.
 bool is_new_warning(const std::string& text);
 
+// From here on the programs that this one starts leave an error that they have written into their
+// report of --json to this one, and do not print it. Their warnings name only these `options`
+// ("--seat"), which are the ones that this program's user can give.
+void take_errors(const std::vector<std::string>& options);
+
+// Whether the program that started this one takes its errors.
+bool leaves_errors();
+
+// The text without the parts that name an option which that program, or this one if it takes
+// errors, does not have. Parts are divided by "; " and ", or ".
+std::string with_known_options(const std::string& text);
+
 // Runs the program to its end; it is sent SIGTERM if this one ends before. `input` is its standard
 // input; without one it reads this one's. Its standard error is this one's.
 // Errors: kFileNotFound, with `package` as the mend, where it is not installed; kInternal where the

@@ -97,10 +97,12 @@ Status write_report(const std::string& path, const Json& report) {
   return written;
 }
 
-void note_warning(const std::string& text) { begun.warnings.push_back(text); }
+void note_warning(const std::string& text) {
+  begun.warnings.push_back(with_known_options(text));
+}
 
 void print_warning(const std::string& text) {
-  const std::string line = escaped(text);
+  const std::string line = escaped(with_known_options(text));
   if (!is_new_warning(line)) return;
   wipe_progress_line();
   std::fprintf(stderr, "%s: warning: %s\n", program_invocation_short_name, line.c_str());
@@ -115,14 +117,14 @@ const std::vector<std::string>& noted_warnings() { return begun.warnings; }
 
 void also_tell_failures(void (*tell)(const Error&)) { tell_too = tell; }
 
-void report_failure(const Error& error) {
+bool report_failure(const Error& error) {
   if (tell_too != nullptr) tell_too(error);
   if (begun.path.empty() && !expected.empty() && may_replace(expected, "{\n  \"schema_version\"")) {
     begun.path = expected;
   }
-  if (begun.path.empty()) return;
+  if (begun.path.empty()) return false;
   const bool stream = begun.path.starts_with("/dev/");  // what is written there cannot be replaced
-  if (stream && !begun.written.is_null()) return;
+  if (stream && !begun.written.is_null()) return false;
   Json report = begun.written.is_null() ? head() : begun.written;
   report["exit_status"] = exit_status(error.code);
   Json& told = report["error"];
@@ -132,8 +134,7 @@ void report_failure(const Error& error) {
   told["what"] = error.what;
   told["mend"] = error.mend;
   told["line"] = to_line(error);
-  const Status written = write_json(begun.path, report);
-  static_cast<void>(written);  // the command has failed already, and says so
+  return write_json(begun.path, report).ok();  // the command has failed already
 }
 
 }  // namespace forcelayer::command

@@ -39,8 +39,8 @@ void print_warning(const std::string& text);
 void warn(const std::string& text, bool quiet);
 
 // Writes the error and its exit status into the report that was begun, beside what stands in it
-// already; nothing where none was. run_command() calls it.
-void report_failure(const Error& error);
+// already; false where none was. run_command() calls it.
+bool report_failure(const Error& error);
 
 // Has report_failure() call `tell` first.
 void also_tell_failures(void (*tell)(const Error&));

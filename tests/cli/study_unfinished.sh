@@ -34,6 +34,13 @@ assert wrong == ([0, 0] if is_yes else [0, 1] if "not finished" in text else [1,
 END
 }
 
+# no_foreign_options: what a reader sees names no option that a study does not have. Commands that were run do.
+no_foreign_options() {
+  "$bin/forcelayer" study --help | grep -oE -- '--[a-z][a-z-]+' | sort -u >own.txt
+  grep -v '^\(\$\|unchanged:\) ' out.txt | cat - err.txt | grep -oE -- '--[a-z][a-z-]+' | sort -u | comm -13 own.txt - >foreign.txt
+  [ ! -s foreign.txt ] || fail "a study names $(cat foreign.txt): $(cat out.txt err.txt)"
+}
+
 pin=('gearbox.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm)
 study 0 "${pin[@]}" -o pin
 says pin "comes out" '^Comes out, '
@@ -77,10 +84,38 @@ json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for na
           open("sunk.json", "w"))
 END
 study 2 'sunk.json#sunk' --voxel-size 2mm --pull 0,0,100mm --clearance 1mm -o sunk
-says sunk undecided 'not finished: voxrun ended with status 2: .*the part starts more than' 2
+says sunk undecided 'not finished: voxcheck ended with status 2: .*the part starts more than [0-9.]* mm inside table; check --units; leave out the objects that enclose or overlap the part' 2
+no_foreign_options
 if [ -x "$bin/voxplan" ]; then
   study 2 'sunk.json#sunk' --voxel-size 2mm --time 1s --clearance 1mm -o sunk
   says sunk undecided 'not finished: voxplan ended with status 2: .*the part starts more than' 2
+  no_foreign_options
+fi
+
+# A part in a closed cavity, which voxels fill: the meshes say that it does not come out, and what holds it.
+cp "$FORCELAYER_SOURCE_DIR/tests/support/boxes.py" .
+python3 - <<'END'
+import json
+from boxes import boxes
+boxes("cube.obj", ((-5, -5, -5), (5, 5, 5)))
+boxes("case.obj", ((-30, -30, -30), (30, 30, 30)))
+boxes("hollow.obj", ((-20, -20, -20), (20, 20, 20)))
+outer, inner = (open(name + ".obj").read().splitlines() for name in ("case", "hollow"))
+turned = [" ".join(["f", *line.split()[:0:-1]]) if line.startswith("f ") else line for line in inner]
+open("case.obj", "w").write("\n".join(outer + turned) + "\n")
+json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("case", "cube")]}, open("cased.json", "w"))
+END
+for size in 2mm auto; do
+  study 6 'cased.json#cube' --voxel-size $size --pull 0,0,100mm -o cased
+  says cased "does not come out" '^Does not come out, straight along [+]z: meets case, ' 6
+  no_foreign_options
+done
+study 2 'cased.json#cube' --voxel-size 2mm --pull 0,0,100mm --files-alone -o cased
+says cased undecided 'ended with status 2: .*inside case; check --units; leave out the objects that enclose or overlap the part (--without), or use' 2
+no_foreign_options
+if [ -x "$bin/voxplan" ]; then
+  study 6 'cased.json#cube' --voxel-size 2mm --time 2s -o cased
+  no_foreign_options
 fi
 
 # A search that finds nothing, and after it, in the same folder, a path that is clear.

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <string>
 
 namespace forcelayer {
 namespace {
@@ -50,6 +52,24 @@ TEST(RunProgram, NamesThePackageOfOneThatIsMissing) {
                                         "forcelayer-x");
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().code, ErrorCode::kFileNotFound);
+}
+
+// A study has options of its own: of advice, the parts that name others are left out.
+TEST(Program, LeavesOutAdviceAboutOptionsThatItsUserDoesNotHave) {
+  const std::string text =
+      "the part touches A; check --start and --units; use --voxel-size 1m or more, or --roi, or "
+      "bake anew (--seat)";
+  ASSERT_EQ(::unsetenv("FORCELAYER_OPTIONS"), 0);
+  EXPECT_EQ(command::with_known_options(text), text);
+  EXPECT_FALSE(command::leaves_errors());
+  command::take_errors({"--units", "--voxel-size", "--seat"});
+  EXPECT_EQ(command::with_known_options(text),
+            "the part touches A; use --voxel-size 1m or more, or bake anew (--seat)");
+  EXPECT_EQ(command::with_known_options("check --start; or --seat-depth"),
+            "");  // no option by its beginning
+  EXPECT_EQ(command::with_known_options(""), "");
+  EXPECT_FALSE(command::leaves_errors());  // it is the one that takes them
+  ::unsetenv("FORCELAYER_OPTIONS");
 }
 
 }  // namespace

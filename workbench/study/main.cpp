@@ -165,6 +165,7 @@ int main(int argc, char** argv) {
     if (Status s = check_folder(*options); !s) return s;
     command::stop_programs_on_signals();
     command::share_warnings();  // several steps read the same meshes
+    command::take_errors(options->names);
     const Status ended = study::make_study(*options);
     const int stopped = command::stop_signal();
     if (stopped == 0 || ended || is_answer(ended.error().code)) return ended;

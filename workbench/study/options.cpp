@@ -112,6 +112,9 @@ OptionParser::OptionParser(CLI::App& study) {
       "only measure the play of the installed part, and list voxel sizes with their cost");
   study.add_option("--json", options_.json, "write a report to this file");
   study.add_flag("--quiet", options_.quiet, "print nothing but errors");
+  for (const CLI::Option* const option : study.get_options()) {
+    for (const std::string& name : option->get_lnames()) options_.names.push_back("--" + name);
+  }
 }
 
 Result<Options> OptionParser::finish() const {

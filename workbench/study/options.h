@@ -27,6 +27,7 @@ struct Options {
   bool is_auto() const { return voxel_size == "auto"; }
   std::string json;
   bool quiet = false;
+  std::vector<std::string> names;  // of all options: "--seat"
 };
 
 // Declares the options to CLI11. finish() reads what was parsed.

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "formats/command/command.h"
 #include "formats/command/program.h"
@@ -80,6 +81,17 @@ Step with_time_left(const Step& step) {
   Step limited = step;
   if (step.left_s) limited.arguments.back() = command::text("%.4gs", *step.left_s);
   return limited;
+}
+
+// The lines without advice to use options that a study does not have.
+std::string in_words_of_study(const std::string& output) {
+  std::string kept;
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string words = command::with_known_options(line);
+    if (!words.empty() || line.empty()) kept += words + "\n";
+  }
+  return kept;
 }
 
 // Other programs may answer otherwise.
@@ -162,7 +174,7 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   const auto end = command::run_program(step.program, limited.arguments, "",
                                         command::ProgramOutput::kTaken, step.package);
   if (!end) return end.error();
-  if (step.shows) say(end->output);
+  if (step.shows) say(in_words_of_study(end->output));
   lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
   if (!is_answer(end->status)) return StepEnd{end->status, end->output};

@@ -161,8 +161,9 @@ class Study {
   Status make_all();
   void say_that_it_failed(const Error& error);
 
-  // A step that must not fail; `or_no`: the answer no is not a failure.
-  Result<StepEnd> run(const Step& step, bool or_no = false);
+  // Runs a step that must end so; any other end is a failure, which is printed.
+  enum class MayEnd { kDone, kAnswered, kRefused };
+  Result<StepEnd> run(const Step& step, MayEnd may_end = MayEnd::kDone);
 
   const Options& options_;
   Steps steps_;
@@ -185,16 +186,31 @@ class Study {
   std::string failure_;      // why a step failed, in its own words
 };
 
-// The error that a command wrote into its report since `begun`; empty: none.
-std::string error_line(const Step& step, std::filesystem::file_time_type begun) {
+// The error that a command wrote into its report since `begun`, in words about options of a study.
+std::optional<Error> written_error(const Step& step, std::filesystem::file_time_type begun) {
   const auto option = std::find(step.arguments.begin(), step.arguments.end(), "--json");
-  if (option == step.arguments.end() || option + 1 == step.arguments.end()) return "";
+  if (option == step.arguments.end() || option + 1 == step.arguments.end()) return {};
   std::error_code failure;
   const auto written = std::filesystem::last_write_time(*(option + 1), failure);
-  if (failure || written < begun) return "";
+  if (failure || written < begun) return {};
   const json report = read_json(*(option + 1));
-  const json error = report.is_object() ? report.value("error", json::object()) : json::object();
-  return error.is_object() ? error.value("line", "") : "";
+  if (!report.is_object() || !report.contains("error") || !report["error"].is_object()) return {};
+  const json& told = report["error"];
+  Error error{static_cast<ErrorCode>(told.value("code", 0)), told.value("file", ""),
+              told.value("where", ""), told.value("what", ""), told.value("mend", "")};
+  const bool had_mend = !error.mend.empty();
+  error.mend = command::with_known_options(error.mend);
+  if (!had_mend || !error.mend.empty()) return error;
+  if (error.what.find("lies inside the part") != std::string::npos) {
+    error.mend = "leave this object out (--without)";
+  } else if (error.where == "start" || error.where == "--seat") {
+    // Voxels fill a closed cavity, and the distances that they store end at some depth.
+    error.what = error.what.substr(0, error.what.find("; the stored distances"));
+    error.mend =
+        "check --units; leave out the objects that enclose or overlap the part (--without), or use "
+        "a smaller --voxel-size if it can leave through an opening narrower than a voxel";
+  }
+  return error;
 }
 
 std::string end_text(int status) {
@@ -215,16 +231,19 @@ bool is_refused_search(const Error& error) {
   return error.code == ErrorCode::kUsage && error.where == "voxplan";
 }
 
-Result<StepEnd> Study::run(const Step& step, bool or_no) {
+Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   failure_.clear();
   if (command::stop_signal() != 0) return stopped_error(step.program);
   const auto begun = std::filesystem::file_time_type::clock::now();
   const auto end = steps_.run(step, [&] { return begin_step(step); });
   if (!end) return end;
   if (end->status != 0 && command::stop_signal() != 0) return stopped_error(step.program);
-  if (end->status == 0 || (or_no && is_answer(end->status))) return end;
-  const std::string line = error_line(step, begun);
-  failure_ = step.program + " " + end_text(end->status) + (line.empty() ? "" : ": " + line);
+  const bool is_refused = end->status == exit_status(ErrorCode::kUsage);
+  if (end->status == 0 || (may_end == MayEnd::kRefused && is_refused)) return end;
+  const std::optional<Error> error = written_error(step, begun);
+  if (error) command::print_error(step.program.c_str(), *error);
+  if (may_end != MayEnd::kDone && is_answer(end->status)) return end;
+  failure_ = step.program + " " + end_text(end->status) + (error ? ": " + to_line(*error) : "");
   ErrorCode code = ErrorCode::kInternal;
   for (const ErrorCode other :
        {ErrorCode::kUsage, ErrorCode::kMeshUnreadable, ErrorCode::kNotThisFormat,
@@ -444,7 +463,7 @@ Status Study::find_path() {
   if (!answer_.path.empty()) return {};
   answer_.path = in("path.csv");
   if (!options_.searches()) return pull();
-  const auto planned = run(plan_step(), true);
+  const auto planned = run(plan_step(), MayEnd::kAnswered);
   if (!planned) return planned.error();
   if (planned->status == kAnswerIsNo) answer_.path.clear();
   return {};
@@ -453,10 +472,12 @@ Status Study::find_path() {
 // Whether the straight path is free is asked of the meshes, and which objects block it: a simulated
 // hand feels one of them, and what it feels depends on the voxels.
 Status Study::pull() {
-  if (const auto pulled = run(pull_step(), true); !pulled) return pulled.error();
+  // Where the voxels refuse to move the part, the meshes may still have an answer.
+  const auto pulled = run(pull_step(), options_.files_alone ? MayEnd::kAnswered : MayEnd::kRefused);
+  if (!pulled) return pulled.error();
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
-  is_held_ = ended.is_object() && ended.value("held", false);
+  is_held_ = !is_answer(pulled->status) || (ended.is_object() && ended.value("held", false));
   answer_.path = in("straight.csv");
   return write_path("straight.csv", {0, 1});
 }
@@ -502,9 +523,6 @@ Status Study::check() {
   if (answer_.path.empty()) return say_that_no_path_was_found();
   auto checked = check_path(answer_.path);
   if (!checked) return checked.error();
-  const auto is_clear = [](const json& report) {
-    return command::passes(command::verdict_kind(report.value("kind", "")));
-  };
   std::string hand_note;
   // Another path may lead around what the part meets. Where it is only too near, the answer is how
   // near.
@@ -515,7 +533,7 @@ Status Study::check() {
     // The hand went to the end of its pull. Where its own path is clear, that is the answer.
     if (const auto hand = run(hand_step()); !hand) return hand.error();
     const json hand = read_json(in("hand.json"));
-    if (is_clear(hand)) {
+    if (command::passes(command::verdict_kind(hand.value("kind", "")))) {
       checked = check_path(in("path.csv"));
     } else {
       hand_note =
@@ -702,9 +720,8 @@ Status Study::look() {
   }
   if (Status s = bake(); !s) return s;
   if (Status s = write_path("installed.csv", {0}); !s) return s;
-  auto installed = run(installed_step());
-  const bool may_be_deep = options_.is_auto();
-  if (!installed && may_be_deep && installed.error().code == ErrorCode::kUsage) {
+  auto installed = run(installed_step(), options_.is_auto() ? MayEnd::kRefused : MayEnd::kDone);
+  if (installed && installed->status != 0) {
     is_deep_ = true;
     if (Status s = bake(); !s) return s;
     installed = run(installed_step());
