@@ -323,7 +323,7 @@ std::string crack_text(const CheckedPath& checked) {
   double hidden_m = 0;
   for (const ExactSeat& seat : checked.exact->seat) hidden_m = std::max(hidden_m, seat.margin_m);
   if (hidden_m <= checked.exact->margin_m + kRoundingM) return "";
-  return "in the seat, up to " + command::upper_length_text(hidden_m, INFINITY) +
+  return "in the seat, up to " + command::at_most_text(hidden_m) +
          " more overlap than installed cannot be ruled out, because a mesh has cracks";
 }
 
@@ -354,11 +354,7 @@ std::string bounds_text(const CheckedMoment& moment, const ExactMoment* exact, d
     const bool is_less = command::is_less_proven(exact->exact_m, proven_m);
     return is_less ? measured + ", " + length_text(proven_m) + " proven" : measured;
   }
-  std::string line = "at least " + length_text(proven_m);
-  if (std::isfinite(moment.max_m)) {
-    line += " and at most " + command::upper_length_text(moment.max_m, INFINITY);
-  }
-  return line;
+  return command::bounds_text(proven_m, moment.max_m);
 }
 
 }  // namespace

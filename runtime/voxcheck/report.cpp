@@ -162,9 +162,10 @@ std::string seat_depth_text(const Report& report) {
             : ". The deepest position found is " + found + " deeper than installed, in " + object;
     if (!report.options.seat_depth_m) {
       return "in its seat, the part goes no deeper than installed. This is proven to within " +
-             length_text(allowed_m) + ", the deviations and cracks of the two meshes" + depth;
+             command::at_most_text(allowed_m) + ", the deviations and cracks of the two meshes" +
+             depth;
     }
-    return "in its seat, the part goes at most " + length_text(allowed_m) +
+    return "in its seat, the part goes at most " + command::at_most_text(allowed_m) +
            " deeper than installed; --seat-depth and the meshes' deviations allow this" + depth;
   }
   return "in its seat, the part goes at least " + found + " deeper into " + object +

@@ -358,6 +358,17 @@ TEST(Verdict, UnequalLengthsHaveUnequalTexts) {
     EXPECT_LT(mm_of(upper_length_text(a_m, than_m)), 1e3 * than_m);
     EXPECT_GE(mm_of(upper_length_text(a_m, than_m)), 1e3 * a_m * (1 - 1e-9));
   }
+  // A bound is never stated tighter than it is, and a decimal number stays as it is.
+  for (int repeat = 0; repeat < 2000; ++repeat) {
+    const double a_m = std::exp2(std::uniform_real_distribution(-25., 6.)(random));
+    EXPECT_GE(mm_of(at_most_text(a_m)), 1e3 * a_m * (1 - 1e-12)) << at_most_text(a_m);
+    EXPECT_LE(mm_of(length_text(a_m)), 1e3 * a_m * (1 + 1e-12)) << length_text(a_m);
+    EXPECT_EQ(bounds_text(a_m / 2, a_m),
+              "at least " + length_text(a_m / 2) + " and at most " + at_most_text(a_m));
+  }
+  EXPECT_EQ(bounds_text(0.0003, 0.0004571), "at least 0.3 mm and at most 0.458 mm");
+  EXPECT_EQ(bounds_text(0.0003, INFINITY), "at least 0.3 mm");
+  EXPECT_EQ(at_most_text(0.000458), "0.458 mm");
   EXPECT_EQ(length_texts(7.5e-6, 7.6e-6),
             (std::pair<std::string, std::string>("0.0075 mm", "0.0076 mm")));
   EXPECT_EQ(length_text(0.0127), "12.7 mm");

@@ -55,7 +55,9 @@ std::string html_lines(const std::string& plain) {
 // Measured where the meshes were asked, else the bounds.
 std::string clearance(const Json& moment) {
   if (moment.contains("exact_m")) return mm(moment["exact_m"]) + " measured";
-  return "at least " + mm(moment["clearance_m"]) + ", at most " + mm(moment["at_most_m"]);
+  const Json& at_most_m = moment["at_most_m"];
+  return command::bounds_text(moment["clearance_m"],
+                              at_most_m.is_number() ? at_most_m.get<double>() : INFINITY);
 }
 
 std::string facts_table(const Page& page) {
@@ -84,7 +86,7 @@ std::string facts_table(const Page& page) {
                  "at least " + mm(is_deeper ? deepest_m : installed_m) + "; as installed: " +
                      (s["gap_m"] > 0 ? mm(s["gap_m"].get<double>() + kDecimalM) + " away"
                                      : mm(installed_m)) +
-                     "; allowed: " + mm(s["allowed_m"]));
+                     "; allowed: at most " + command::at_most_text(s["allowed_m"]));
   }
   for (const Json& s : v["seated"]) {
     table += row("in its seat", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +

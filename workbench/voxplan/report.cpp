@@ -56,10 +56,10 @@ command::Verdict not_found_verdict(const Report& report) {
   command::Verdict verdict;
   verdict.kind = command::VerdictKind::kNoPathFound;
   verdict.required_m = report.options.clearance_m;
-  verdict.finding =
-      text("in %.3g s the search moved the part ", result.seconds) +
-      (result.out_m < 1e-6 ? "less than 0.001 mm" : text("at most %.3g mm", 1e3 * result.out_m)) +
-      " from its start";
+  verdict.finding = text("in %.3g s the search moved the part ", result.seconds) +
+                    (result.out_m < 1e-6 ? "less than 0.001 mm"
+                                         : "at most " + command::at_most_text(result.out_m)) +
+                    " from its start";
   if (result.refused > 0) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));

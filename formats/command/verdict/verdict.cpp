@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -329,6 +330,15 @@ std::string upper_length_text(double length_m, double than_m) {
     if ((mm < 1e3 * than_m) == (length_m < than_m)) return cut_mm(mm / 1e3, decimals) + " mm";
   }
   return all_digits(length_m);
+}
+
+std::string at_most_text(double length_m) {
+  return upper_length_text(length_m, std::numeric_limits<double>::infinity());
+}
+
+std::string bounds_text(double at_least_m, double at_most_m) {
+  const std::string line = "at least " + length_text(at_least_m);
+  return std::isfinite(at_most_m) ? line + " and at most " + at_most_text(at_most_m) : line;
 }
 
 std::pair<std::string, std::string> length_texts(double a_m, double b_m) {

@@ -141,6 +141,11 @@ std::pair<std::string, std::string> length_texts(double a_m, double b_m);
 // The same, rounded up; of a length that is less than another one, the text is too.
 std::string upper_length_text(double length_m, double than_m);
 
+// An upper bound, rounded up; and the two bounds of a length that is not known, each rounded to its
+// safe side: "at least 0.3 mm and at most 0.458 mm". No word of an upper bound that is not finite.
+std::string at_most_text(double length_m);
+std::string bounds_text(double at_least_m, double at_most_m);
+
 // Whether less is proven of a distance than was measured, by more than it is searched for: of
 // triangles that stand for a curved surface.
 bool is_less_proven(double measured_m, double proven_m);
