@@ -47,12 +47,6 @@ enum class ErrorCode : int {
 // scene, 4 baked file, 5 device, 6 the answer is no, 7 the answer is yes with an overlap.
 constexpr int exit_status(ErrorCode code) { return static_cast<int>(code) / 100; }
 
-// Whether a command that ends with this status, or with this error, has answered its question.
-constexpr bool is_answer(int exit_status) {
-  return exit_status == 0 || exit_status == 6 || exit_status == 7;
-}
-constexpr bool is_answer(ErrorCode code) { return is_answer(exit_status(code)); }
-
 // Its members are no inline functions: hundreds of places make one, and hold its code then.
 struct Error {
   Error();

@@ -21,7 +21,7 @@ constexpr std::string_view kJunit =
 constexpr std::string_view kJunitOfStudy =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"forcelayer study\"";
 
-bool is_verdict(const Error& error) { return is_answer(error.code); }
+bool is_verdict(const Error& error) { return command::is_answer(error.code); }
 
 std::vector<FailureFile> told;  // of this process
 

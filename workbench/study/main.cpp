@@ -11,6 +11,7 @@
 #include "formats/command/help.h"
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
+#include "formats/command/verdict/verdict.h"
 #include "workbench/pairs/options.h"
 #include "workbench/study/options.h"
 #include "workbench/study/study.h"
@@ -168,7 +169,7 @@ int main(int argc, char** argv) {
     command::take_errors(options->names);
     const Status ended = study::make_study(*options);
     const int stopped = command::stop_signal();
-    if (stopped == 0 || ended || is_answer(ended.error().code)) return ended;
+    if (stopped == 0 || ended || command::is_answer(ended.error().code)) return ended;
     std::fprintf(
         stderr,
         "forcelayer: %s contains the finished steps; the same command continues from there\n",

@@ -13,6 +13,7 @@
 #include "formats/command/command.h"
 #include "formats/command/program.h"
 #include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
 #include "formats/command/version.h"
 #include "formats/digest/file_digest.h"
 #include "formats/file/named_file.h"
@@ -177,7 +178,7 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   if (step.shows) say(in_words_of_study(end->output));
   lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
-  if (!is_answer(end->status)) return StepEnd{end->status, end->output};
+  if (!command::is_answer(end->status)) return StepEnd{end->status, end->output};
   const auto outputs = digests_of(step.outputs);
   if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
   kept_[line] = {{"command", shown},

@@ -242,7 +242,7 @@ Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   if (end->status == 0 || (may_end == MayEnd::kRefused && is_refused)) return end;
   const std::optional<Error> error = written_error(step, begun);
   if (error) command::print_error(step.program.c_str(), *error);
-  if (may_end != MayEnd::kDone && is_answer(end->status)) return end;
+  if (may_end != MayEnd::kDone && command::is_answer(end->status)) return end;
   failure_ = step.program + " " + end_text(end->status) + (error ? ": " + to_line(*error) : "");
   ErrorCode code = ErrorCode::kInternal;
   for (const ErrorCode other :
@@ -477,7 +477,8 @@ Status Study::pull() {
   if (!pulled) return pulled.error();
   const json run = read_json(in("run.json"));
   const json ended = run.is_object() ? run.value("pull", json()) : json();
-  is_held_ = !is_answer(pulled->status) || (ended.is_object() && ended.value("held", false));
+  is_held_ =
+      !command::is_answer(pulled->status) || (ended.is_object() && ended.value("held", false));
   answer_.path = in("straight.csv");
   return write_path("straight.csv", {0, 1});
 }
@@ -1166,7 +1167,7 @@ void Study::say_that_it_failed(const Error& error) {
 Status Study::make() {
   is_known_ = !options_.plan && steps_.is_known(question());
   const Status made = make_all();
-  if (!made && !options_.plan && !is_answer(made.error().code)) {
+  if (!made && !options_.plan && !command::is_answer(made.error().code)) {
     say_that_it_failed(made.error());
   }
   return made;

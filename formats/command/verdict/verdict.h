@@ -173,6 +173,12 @@ nlohmann::ordered_json verdict_json(const Verdict& verdict);
 // "clear" or "not clear": the key `verdict`.
 const char* verdict_word(const Verdict& verdict);
 
+// Whether a command that ends with this status, or with this error, has answered its question.
+constexpr bool is_answer(int exit_status) {
+  return exit_status == 0 || exit_status == 6 || exit_status == 7;
+}
+constexpr bool is_answer(ErrorCode code) { return is_answer(exit_status(code)); }
+
 // What to do about kNeedsForce.
 inline constexpr char kOverlapAdvice[] = "if the overlap is intended, accept exit status 7";
 
