@@ -248,6 +248,8 @@ grep -q 'goes [0-9.]* mm deep into Bolt' given/report.html && grep -q '<td>[0-9.
 study 6 'bore.json#pin' --voxel-size 3mm --path up.csv --clearance 1mm -o given --files-alone
 grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>in contact, overlap not known</td>' given/report.html ||
   fail "the page does not say that the seat is not settled"
+grep -q '^  leave out --files-alone: meshes can give an answer$' given/verdict.txt && grep -q 'leave out --files-alone: meshes can give an answer' given/report.html ||
+  fail "the reports do not say what decides: $(cat given/verdict.txt)"
 python3 - <<'END' || fail "the page gives other bounds than the terminal: $(cat given/verdict.txt)"
 import html, re
 bounds = re.findall("at least [0-9.]+ mm and at most [0-9.]+ mm", open("given/verdict.txt").read())

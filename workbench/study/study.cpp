@@ -41,6 +41,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kPathHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+constexpr const char* kMeshesHelp = "leave out --files-alone: meshes can give an answer";
 constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
 
 json read_json(const std::string& path) {
@@ -555,6 +556,8 @@ Status Study::check() {
   answer_.sentence = answer_.checked.value("sentence", "");
   answer_.text = checked->output;
   if (!hand_note.empty()) answer_.text += "  " + hand_note + "\n";
+  const bool meshes_help = options_.files_alone && kind == command::VerdictKind::kUndecided;
+  if (meshes_help) answer_.text += std::string("  ") + kMeshesHelp + "\n";
   return command::write_text(in("verdict.txt"), answer_.text);
 }
 
@@ -1132,7 +1135,7 @@ std::string Study::advice() const {
                        [&](const json& violation) { return violation.value(key, false); });
   };
   if (any("out_of_time")) return "give a longer --time";
-  if (options_.files_alone) return "leave out --files-alone: meshes can give an answer";
+  if (options_.files_alone) return kMeshesHelp;
   if (any("seat_not_settled"))
     return "close all open edges of one of the two meshes, and repeat the study";
   return "";
