@@ -176,6 +176,7 @@ if [ -x "$bin/voxplan" ]; then
   grep -q 'class="verdict open"><strong>No path found' lost/report.html && grep -q '"kind": "no path found"' lost/verdict.json &&
     grep -q '"verdict": "not clear"' lost/verdict.json && grep -q '^No path found: in .* (1 mm of clearance required); blocked by .*\.$' lost/verdict.txt || fail "the page of a search that found none"
   says_no lost/verdict.xml Cover
+  ! grep -q 'blocked by .*/' lost/verdict.txt || fail "a sentence has whole names: $(cat lost/verdict.txt)"
   # It leaves the path by which the search moved the part farthest, which voxview plays.
   grep -q '^  voxview --trace lost/farthest.csv shows how far the search moved the part$' lost/verdict.txt &&
     grep -q '<td>farthest.csv</td>' lost/report.html || fail "no trace of a search: $(cat lost/verdict.txt)"

@@ -556,8 +556,8 @@ Status Study::check() {
   answer_.sentence = answer_.checked.value("sentence", "");
   answer_.text = checked->output;
   if (!hand_note.empty()) answer_.text += "  " + hand_note + "\n";
-  const bool meshes_help = options_.files_alone && kind == command::VerdictKind::kUndecided;
-  if (meshes_help) answer_.text += std::string("  ") + kMeshesHelp + "\n";
+  const bool is_open = answer_.verdict.kind == command::VerdictKind::kUndecided;
+  if (options_.files_alone && is_open) answer_.text += std::string("  ") + kMeshesHelp + "\n";
   return command::write_text(in("verdict.txt"), answer_.text);
 }
 
@@ -567,6 +567,10 @@ Status Study::say_that_no_path_was_found() {
   const json plan = read_json(in("plan.json"));
   const json found = plan.is_object() ? plan : json::object();
   answer_.verdict.kind = command::VerdictKind::kNoPathFound;
+  const json scene = read_json(in("scene.json"));
+  for (const json& part : scene.value("parts", json::array())) {
+    answer_.verdict.scene_names.push_back(part.value("name", ""));
+  }
   answer_.verdict.required_m = found.value("required_clearance_m", 0.0);
   if (found.contains("finding") && found["finding"].is_string()) {
     answer_.verdict.finding = found["finding"];
