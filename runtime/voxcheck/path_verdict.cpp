@@ -487,6 +487,24 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   return verdict;
 }
 
+ToldMoment told_moment(const CheckedPath& checked, const command::Verdict& verdict) {
+  ToldMoment told{checked.result.smallest};
+  if (checked.exact == nullptr) return told;
+  if (&command::told_distance(verdict) == &verdict.beyond) {
+    const ExactMoment& beyond = checked.exact->beyond;
+    const auto& p = beyond.part_m;
+    told.moment.clearance_m = checked.exact->beyond_clearance_m;
+    told.moment.max_m = beyond.exact_m + checked.exact->margin_m;
+    told.moment.time_s = beyond.time_s;
+    told.moment.object = beyond.object;
+    told.moment.point_m = {p[0], p[1], p[2]};
+    told.exact = &beyond;
+  } else if (checked.exact->smallest.exact_m < kNothingM) {
+    told.exact = &checked.exact->smallest;
+  }
+  return told;
+}
+
 void add_overlaps(const Voxmap& scene, const ExactAnswer& exact, command::Verdict& verdict) {
   for (const ExactSeat& seat : exact.seat) {
     if (!seat.overlaps()) continue;

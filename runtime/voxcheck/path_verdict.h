@@ -48,6 +48,14 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part);
 // "at x 94.64, y 39.86, z 51.52 mm"
 std::string place_text(const glm::dvec3& point_m);
 
+// The moment of which the sentence of a verdict speaks, where the path is clear; and its
+// measurement, null without --exact.
+struct ToldMoment {
+  clearance::CheckedMoment moment;
+  const ExactMoment* exact = nullptr;
+};
+ToldMoment told_moment(const CheckedPath& checked, const command::Verdict& verdict);
+
 // The verdict, without advice and notes.
 command::Verdict verdict_of(const CheckedPath& checked);
 

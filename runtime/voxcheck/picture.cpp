@@ -19,13 +19,13 @@ std::string pose_text(const Pose& pose) {
 
 // The moment that is drawn, and what the meshes say of it.
 struct Shown {
-  const CheckedMoment& moment;
+  CheckedMoment moment;
   const ExactMoment* exact = nullptr;
   const clearance::Violation* deep = nullptr;  // how deep it goes into something is known
   bool object_inside = false;                  // the object lies inside the part
 };
 
-Shown shown_of(const Report& report) {
+Shown shown_of(const Report& report, const command::Verdict& verdict) {
   // A seat that is not settled has no worst moment.
   const clearance::CheckResult& result = report.checked.result;
   if (!result.clear() && !worst_of(report.checked).unsettled_seat) {
@@ -34,8 +34,8 @@ Shown shown_of(const Report& report) {
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
             worst.depth_m > 0 ? &worst : nullptr, worst.object_inside};
   }
-  const bool known = report.exact && report.exact->smallest.exact_m < kNothingM;
-  return {result.smallest, known ? &report.exact->smallest : nullptr};
+  const ToldMoment told = told_moment(report.checked, verdict);
+  return {told.moment, told.exact};
 }
 
 // The line between the two nearest points; without the meshes a dot at the part's.
@@ -89,7 +89,7 @@ std::vector<std::string> inputs_of(const Options& options) {
 Status draw_picture(const Report& report, const command::Verdict& verdict) {
   const clearance::CenterPath& path = report.checked.path;
   const Options& options = report.options;
-  const Shown shown = shown_of(report);
+  const Shown shown = shown_of(report, verdict);
   const auto& c = report.checked.part.header().center_m;
   const Pose world_from_part = path.world_from_center(path.at(shown.moment.time_s)) *
                                inverse(Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}});

@@ -310,6 +310,16 @@ Json smallest_json(const Report& report) {
   return json;
 }
 
+// The moment of which the sentence speaks.
+Json told_json(const Report& report, const command::Verdict& verdict) {
+  if (!report.checked.result.clear()) return smallest_json(report);
+  const ToldMoment told = told_moment(report.checked, verdict);
+  Json json = moment_json(report.checked, told.moment, told.moment.clearance_m);
+  json["at_least"] = report.checked.result.at_least && told.exact == nullptr;
+  if (told.exact != nullptr) add_exact(json, *told.exact);
+  return json;
+}
+
 command::Subject subject_of(const Options& options) {
   return {"voxcheck", options.part, options.path};
 }
@@ -320,6 +330,7 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
   json["schema_version"] = 1;
   json.update(command::verdict_json(verdict));
   json["min_clearance"] = smallest_json(report);
+  json["told_moment"] = told_json(report, verdict);
   if (report.exact) {
     json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
                      {"moments_measured", report.exact->moments}};

@@ -85,6 +85,26 @@ assert re.match("Comes out, straight along [+]z: passes .* with a gap of ", verd
 assert f" for the first {round(1e3 * seated['to_m'], 1):g} mm" in verdict["sentence"], verdict["sentence"]
 END
 
+# The picture shows the moment of which the first sentence speaks, and so does the report.
+mkdir drawn
+cp "$bin/voxcheck" "$bin/voxcheck-exact" drawn
+printf '#!/bin/bash\nprintf "%%s\\n" "$@" >drawn/words.txt\n' >drawn/voxview
+chmod +x drawn/voxview
+for clearance in 1mm 0.05mm; do
+  drawn/voxcheck pin/scene.vox pin/part.pshell pin/straight.csv --clearance $clearance --seat 0,0,0m --exact gearbox.glb --part 'gearbox.glb#Pin' --without Pin \
+    --json told.json --report picture:told.png >out.txt 2>err.txt || fail "a picture at $clearance: $(cat out.txt err.txt)"
+  python3 - <<'END' || fail "the moment of the picture, $clearance: $(cat out.txt) $(cat drawn/words.txt)"
+import json, re
+report, words = json.load(open("told.json")), open("drawn/words.txt").read().splitlines()
+told = report["told_moment"]
+[(name, after_mm)] = re.findall(r"\(measured to ([^,;]*), after ([0-9.]+) of 60 mm", report["sentence"])
+option = lambda key: words[words.index(key) + 1]
+assert told["object"].endswith(re.sub(r"\[1\]$", "", name)) and option("--measure-object") == told["object"], (name, told)
+z_mm = 1e3 * float(option("--part-pose").split(",")[2].rstrip("m"))
+assert abs(z_mm - float(after_mm)) < 0.06 and abs(1e3 * told["along_path_m"] - z_mm) < 1e-6, (z_mm, after_mm, told)
+END
+done
+
 # An invalid number is refused before anything is baked.
 for words in "--time nan" "--time 1e300s" "--pull 0,0,nanmm" "--seat 0,0,0m,nan,0,0,0" "--clearance -1mm" \
   "--seat-depth infmm" "--missing-faces nan" "--missing-faces 1000001"; do

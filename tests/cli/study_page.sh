@@ -40,7 +40,7 @@ for part in pin cover; do
   said=$(now) python3 - $part <<'END' || fail "the worst moment of $part: '$(now)'"
 import json, os, sys
 verdict, said = json.load(open(sys.argv[1] + "/verdict.json")), os.environ["said"]
-worst = verdict["min_clearance"]
+worst = verdict["told_moment"]
 for violation in verdict["violations"]:
     if (violation["t_s"], violation["object"]) == (worst["t_s"], worst["object"]):
         worst = violation
@@ -80,7 +80,7 @@ assert os.environ["linked"] == after + "|" + hidden and hidden == "Gearbox/Housi
 [row] = [row for row in csv.DictReader(open("pin/curve.csv")) if float(row["from_m"]) < 0.058 < float(row["to_m"])]
 [value] = re.fullmatch(r"after 58\.0 of 60\.0 mm: at least ([0-9.]+) mm \(proven\)", after).groups()
 assert 0 <= 1e3 * float(row["clearance_m"]) - float(value) <= 1e-3, (row, value)
-least = json.load(open("pin/verdict.json"))["min_clearance"]
+least = json.load(open("pin/verdict.json"))["told_moment"]
 assert worst.startswith(f"after {1e3 * least['along_path_m']:.1f} of 60.0 mm: {least['object']}, "), worst
 END
 grep -q '<g id="here">' page.html || fail "no mark on the curve"

@@ -192,8 +192,10 @@ TEST(Verdict, SaysWhatWasFoundInOneSentence) {
   v.beyond.proven_m = 0.0219;
   EXPECT_NE(sentence(v).find(" 21.9 mm or more away from all other objects (proven; nearest to "),
             std::string::npos);
+  EXPECT_EQ(&told_distance(v), &v.beyond);
   v.nearest.along_m = 0.055;  // it comes near to it once more
   EXPECT_EQ(sentence(v).find("all other objects"), std::string::npos);
+  EXPECT_EQ(&told_distance(v), &v.nearest);
   v.nearest = {Known::kMeasured, 0.001523, "Post", 0.0516, 0.001523};
   EXPECT_EQ(sentence(v).find("all other objects"), std::string::npos);
   v.beyond = {};

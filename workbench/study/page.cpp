@@ -167,7 +167,7 @@ View view_of(const Page& page) {
   };
   const Json& v = page.report;
   if (v["violations"].empty()) {
-    add("Worst moment", clearance(v["min_clearance"]), v["min_clearance"]);
+    add("Worst moment", clearance(v["told_moment"]), v["told_moment"]);
   }
   Json violations = v["violations"];
   const Json& named = v["min_clearance"];  // the one of the verdict's sentence

@@ -174,8 +174,7 @@ bool is_nearest_beside_slide(const Verdict& v) {
 
 // The distance from the objects that the part has no contact with says more then.
 std::string stays_text(const Verdict& v) {
-  const bool is_known = v.beyond.known != Known::kNot && v.required_m > 0;
-  if (!is_known || !is_nearest_beside_slide(v)) return distance_text(v, "stays ", " away or more");
+  if (&told_distance(v) == &v.nearest) return distance_text(v, "stays ", " away or more");
   return "keeps the required " + length_text(v.required_m) + ", and stays " +
          length_text(shown_m(v, v.beyond)) + " or more away from all other objects (" +
          source_text(v, v.beyond) + ")";
@@ -353,6 +352,11 @@ std::pair<std::string, std::string> length_texts(double a_m, double b_m) {
 
 bool is_less_proven(double measured_m, double proven_m) {
   return proven_m < measured_m * (1 - kSearchedFraction) - kSearchedM;
+}
+
+const VerdictDistance& told_distance(const Verdict& v) {
+  const bool is_known = v.beyond.known != Known::kNot && v.required_m > 0;
+  return is_known && passes(v.kind) && is_nearest_beside_slide(v) ? v.beyond : v.nearest;
 }
 
 std::string heading(const Verdict& v) {

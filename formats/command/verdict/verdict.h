@@ -150,6 +150,9 @@ std::string bounds_text(double at_least_m, double at_most_m);
 // triangles that stand for a curved surface.
 bool is_less_proven(double measured_m, double proven_m);
 
+// The distance of which the sentence speaks: `nearest`, or `beyond` where that says more.
+const VerdictDistance& told_distance(const Verdict& verdict);
+
 // The words of the answer and the direction, and the force without which the answer is no; without
 // an end: the heading of a page or picture.
 std::string heading(const Verdict& verdict);
