@@ -26,7 +26,7 @@ assert text.startswith(verdict["sentence"]) and verdict["kind"] == kind, verdict
 assert re.search(pattern, verdict["sentence"]), verdict["sentence"]
 is_yes = kind == "comes out"
 assert verdict["verdict"] == ("clear" if is_yes else "not clear")
-assert box[0] == ("yes" if is_yes else "open" if kind in ("undecided", "no path found") else "no"), box[0]
+assert box[0] == ("yes" if is_yes else "open" if kind in ("undecided", "no path found", "refused") else "no"), box[0]
 assert not status or verdict["exit_status"] == int(status[0]), verdict["exit_status"]
 suite = next(tree.parse(f"{folder}/verdict.xml").getroot().iter("testsuite"))
 wrong = [int(suite.get(key)) for key in ("failures", "errors")]
@@ -47,8 +47,8 @@ says pin "comes out" '^Comes out, '
 
 # After a study that comes out, each one that fails in the same folder says so, in the words of its command.
 study 3 'gearbox.glb#Pim' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o pin --json pim.json
-says pin undecided "^Undecided: the study is not finished: pointshell ended with status 3: .*#Pim: no node has this name.* \(1 mm of clearance required\)\.$" 3
-python3 -c 'import json; r = json.load(open("pim.json")); assert r["exit_status"] == 3 and r["kind"] == "undecided" and r["error"]["code"] // 100 == 3, r' ||
+says pin refused "^Refused: the study is not finished: pointshell ended with status 3: .*#Pim: no node has this name.* \(1 mm of clearance required\)\.$" 3
+python3 -c 'import json; r = json.load(open("pim.json")); assert r["exit_status"] == 3 and r["kind"] == "refused" and r["error"]["code"] // 100 == 3, r' ||
   fail "the report of a study that failed"
 [ ! -e pin/curve.csv ] || fail "the curve of another answer stays"
 study 0 "${pin[@]}" -o pin
@@ -73,7 +73,7 @@ says pin "comes out" '^Comes out, '
 # A mesh that is broken, and a part that lies deeper in its neighbor than is stored.
 head -c 3000 "$data/gearbox.glb" >broken.glb
 study 3 'broken.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o broken
-says broken undecided 'not finished: pointshell ended with status 3: broken.glb: ' 3
+says broken refused 'not finished: pointshell ended with status 3: broken.glb: ' 3
 python3 - <<'END'
 import json
 from bore import block
@@ -84,11 +84,11 @@ json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for na
           open("sunk.json", "w"))
 END
 study 2 'sunk.json#sunk' --voxel-size 2mm --pull 0,0,100mm --clearance 1mm -o sunk
-says sunk undecided 'not finished: voxcheck ended with status 2: .*the part starts more than [0-9.]* mm inside table; check --units; leave out the objects that enclose or overlap the part' 2
+says sunk refused 'not finished: voxcheck ended with status 2: .*the part starts more than [0-9.]* mm inside table; check --units; leave out the objects that enclose or overlap the part' 2
 no_foreign_options
 if [ -x "$bin/voxplan" ]; then
   study 2 'sunk.json#sunk' --voxel-size 2mm --time 1s --clearance 1mm -o sunk
-  says sunk undecided 'not finished: voxplan ended with status 2: .*the part starts more than' 2
+  says sunk refused 'not finished: voxplan ended with status 2: .*the part starts more than' 2
   no_foreign_options
 fi
 
@@ -111,7 +111,7 @@ for size in 2mm auto; do
   no_foreign_options
 done
 study 2 'cased.json#cube' --voxel-size 2mm --pull 0,0,100mm --files-alone -o cased
-says cased undecided 'ended with status 2: .*inside case; check --units; leave out the objects that enclose or overlap the part (--without), or use' 2
+says cased refused 'ended with status 2: .*inside case; check --units; leave out the objects that enclose or overlap the part \(--without\), or use' 2
 no_foreign_options
 if [ -x "$bin/voxplan" ]; then
   study 6 'cased.json#cube' --voxel-size 2mm --time 2s -o cased

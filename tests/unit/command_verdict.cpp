@@ -27,7 +27,7 @@ std::size_t count(const std::string& text, const std::string& words) {
 bool begins_with_a_no(const std::string& line) {
   for (const char* words :
        {"Does not keep the clearance", "Collides", "Does not come out", "Too close to call",
-        "Undecided", "Never near the scene", "No path found", "Is held", "Penetrates"}) {
+        "Undecided", "Never near the scene", "No path found", "Is held", "Penetrates", "Refused"}) {
     if (line.starts_with(words)) return true;
   }
   return false;

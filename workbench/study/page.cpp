@@ -234,7 +234,7 @@ const char* class_of(command::VerdictKind kind) {
   if (command::is_yes(kind)) return "yes";
   if (command::passes(kind)) return "force";
   return kind == VerdictKind::kUndecided || kind == VerdictKind::kTooCloseToCall ||
-                 kind == VerdictKind::kNoPathFound
+                 kind == VerdictKind::kNoPathFound || kind == VerdictKind::kRefused
              ? "open"
              : "no";
 }

@@ -1163,6 +1163,9 @@ void Study::say_that_it_failed(const Error& error) {
   const Error told{error.code, "", "", answer_.verdict.finding, ""};
   const int stopped = command::stop_signal();
   const int status = stopped != 0 ? 128 + stopped : exit_status(error.code);
+  const bool is_refused =
+      status >= exit_status(ErrorCode::kUsage) && status <= exit_status(ErrorCode::kNotThisFormat);
+  if (is_refused) answer_.verdict.kind = command::VerdictKind::kRefused;
   Status written = write_verdict(command::junit_text(subject(), told), status);
   if (written) written = write_bare_page(answer_.verdict);
   if (written) written = report(status);

@@ -244,7 +244,8 @@ constexpr const char* kWords[] = {"comes out",
                                   "never near the scene",
                                   "no path found",
                                   "is held",
-                                  "penetrates"};
+                                  "penetrates",
+                                  "refused"};
 static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
 
 }  // namespace

@@ -33,6 +33,7 @@ enum class VerdictKind {
   kNoPathFound,
   kHeld,        // something holds a moved part off its motion
   kPenetrates,  // a moved part was inside another one in at least one frame
+  kRefused,     // a wrong command line or an unusable file: nothing was checked
 };
 
 inline constexpr VerdictKind kAllVerdictKinds[] = {VerdictKind::kComesOut,
@@ -49,7 +50,8 @@ inline constexpr VerdictKind kAllVerdictKinds[] = {VerdictKind::kComesOut,
                                                    VerdictKind::kNeverNear,
                                                    VerdictKind::kNoPathFound,
                                                    VerdictKind::kHeld,
-                                                   VerdictKind::kPenetrates};
+                                                   VerdictKind::kPenetrates,
+                                                   VerdictKind::kRefused};
 
 // Whether the answer is yes, and no overlap as installed needs force.
 bool is_yes(VerdictKind kind);
