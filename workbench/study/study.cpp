@@ -176,7 +176,7 @@ class Study {
   std::vector<json> tried_;  // sizes that left the answer open, and why
   std::chrono::steady_clock::time_point begun_;
   std::optional<double> allowed_s_;  // of --time
-  double baked_s_ = 0;               // how long the last bakes took
+  std::optional<SizeCost> baked_;    // of the last bakes that ran, by the clock
   bool finer_follows_ = false;       // smaller voxels may be tried after these
   std::string no_finer_;  // why a smaller size gave no answer at all; empty: none was tried
   Answer answer_;
@@ -199,12 +199,13 @@ std::optional<Error> written_error(const Step& step, std::filesystem::file_time_
   const json& told = report["error"];
   Error error{static_cast<ErrorCode>(told.value("code", 0)), told.value("file", ""),
               told.value("where", ""), told.value("what", ""), told.value("mend", "")};
-  const bool had_mend = !error.mend.empty();
-  error.mend = command::with_known_options(error.mend);
-  if (!had_mend || !error.mend.empty()) return error;
+  const std::string known = command::with_known_options(error.mend);
+  if (known == error.mend) return error;
+  const bool is_of_start = error.where == "start" || error.where == "--seat";
+  error.mend = known;
   if (error.what.find("lies inside the part") != std::string::npos) {
     error.mend = "leave this object out (--without)";
-  } else if (error.where == "start" || error.where == "--seat") {
+  } else if (is_of_start && (known.empty() || error.what.starts_with("the part starts "))) {
     // Voxels fill a closed cavity, and the distances that they store end at some depth.
     error.what = error.what.substr(0, error.what.find("; the stored distances"));
     error.mend =
@@ -453,9 +454,13 @@ Step Study::picture_step() const {
 // The part first: a wrong name of it is refused in words about the part.
 Status Study::bake() {
   const auto begun = std::chrono::steady_clock::now();
-  if (const auto part = run(part_step()); !part) return part.error();
-  if (const auto scene = run(scene_step()); !scene) return scene.error();
-  baked_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  const auto part = run(part_step());
+  if (!part) return part.error();
+  const auto scene = run(scene_step());
+  if (!scene) return scene.error();
+  if (part->again || scene->again) return {};
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  baked_ = {.voxel_size_m = *command::parse_length(voxel_size_), .thread_s = took.count()};
   return {};
 }
 
@@ -958,11 +963,9 @@ std::string Study::open_answer() const {
 // Whether the bakes of smaller voxels leave half of the time for the search and the check.
 bool Study::has_time_for(double voxel_size_m) const {
   if (!allowed_s_) return true;
-  const double forecast_s =
-      std::max(cost_at(*look_, voxel_size_m).thread_s,
-               cost_at({.voxel_size_m = *command::parse_length(voxel_size_), .thread_s = baked_s_},
-                       voxel_size_m)
-                   .thread_s);
+  // That of voxelize is for one core, and of any machine: what was measured here tells more.
+  const SizeCost& known = baked_ ? *baked_ : *look_;
+  const double forecast_s = cost_at(known, voxel_size_m).thread_s;
   return forecast_s <= left_s() / 2;
 }
 
