@@ -33,9 +33,16 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-Result<Json> digests_of(const std::vector<std::string>& paths) {
+enum class Missing { kIsError, kIsNoted };  // a search that finds no path writes none
+
+Result<Json> digests_of(const std::vector<std::string>& paths,
+                        Missing missing = Missing::kIsError) {
   Json digests = Json::object();
   for (const std::string& path : paths) {
+    if (missing == Missing::kIsNoted && !std::filesystem::exists(path)) {
+      digests[path] = nullptr;
+      continue;
+    }
     const auto digest = digest::sha256_of_file(path);
     if (!digest) return digest.error();
     digests[path] = *digest;
@@ -159,7 +166,7 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   const bool is_own = kept_.contains(line);  // run before in this study
   const Json& known = is_own ? kept_ : known_;
   if (const auto last = known.find(line); last != known.end() && (*last)["inputs"] == *inputs) {
-    const auto outputs = digests_of(step.outputs);
+    const auto outputs = digests_of(step.outputs, Missing::kIsNoted);
     if (outputs && (*last)["outputs"] == *outputs) {
       const std::string shown = last->value("command", line);
       say("unchanged: " + shown + "\n");
@@ -179,7 +186,8 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
   if (!command::is_answer(end->status)) return StepEnd{end->status, end->output};
-  const auto outputs = digests_of(step.outputs);
+  const auto outputs =
+      digests_of(step.outputs, end->status == 0 ? Missing::kIsError : Missing::kIsNoted);
   if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
   kept_[line] = {{"command", shown},
                  {"status", end->status},
