@@ -316,7 +316,7 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
   return slides;
 }
 
-// What a yes leaves open in the seat, where cracks let it: the depth there is known less exactly
+// The overlap in the seat that a yes cannot rule out, because cracks make the depth less exact
 // than distances are. Empty: nothing.
 std::string crack_text(const CheckedPath& checked) {
   if (checked.exact == nullptr || checked.result.seated.empty()) return "";

@@ -184,7 +184,7 @@ constexpr bool is_answer(int exit_status) {
 }
 constexpr bool is_answer(ErrorCode code) { return is_answer(exit_status(code)); }
 
-// What to do about kNeedsForce.
+// The advice that goes with kNeedsForce.
 inline constexpr char kOverlapAdvice[] = "if the overlap is intended, accept exit status 7";
 
 // An error where the answer is not yes. `file` is what the verdict is about. Errors: error_code().
