@@ -97,9 +97,7 @@ Status write_report(const std::string& path, const Json& report) {
   return written;
 }
 
-void note_warning(const std::string& text) {
-  begun.warnings.push_back(with_known_options(text));
-}
+void note_warning(const std::string& text) { begun.warnings.push_back(with_known_options(text)); }
 
 void print_warning(const std::string& text) {
   const std::string line = escaped(with_known_options(text));
