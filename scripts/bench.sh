@@ -43,7 +43,7 @@ declare -A targets=(
   [stability]=stability_bench [assembly]=assembly_bench [gaps]=stress_tests
   [clearance]="clearance_bench voxelize pointshell voxrun voxcheck" [puzzles]="puzzle_bench voxelize pointshell"
   [loop]="voxelize pointshell voxrun" [cores]="voxelize pointshell voxcheck voxrun query_bench"
-  [disassembly]="voxelize pointshell voxplan voxcheck voxcheck-exact")
+  [disassembly]="forcelayer forcelayer-disassemble")
 
 part_bake() {
   # shellcheck disable=SC2046

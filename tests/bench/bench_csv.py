@@ -68,7 +68,7 @@ FILES = {
     "path": (("scenes", "from_voxels"), {"poses": SAME, "median": 1.02, "p99": 1.02}),
     "path_poses": (("scenes",), same("moments", "too_much", "planted", "found")),
     "path_time": (("clearance_mm", "threads"), {**same("poses", "moments_tested"), **times("cpu_s")}),
-    "disassembly": (("assembly", "round", "part"), {}),  # a search ends by the clock
+    "disassembly": (("assembly", "parts"), {}),
     "cores": (("task", "stage", "threads"), times("wall_s")),
     "puzzles": (("puzzle", "validity"), times("poses_per_s", "steps_per_s")),
     "loop": (("figure",), {}),

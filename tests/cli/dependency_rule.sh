@@ -94,7 +94,8 @@ workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
 workbench/voxplan:       formats formats/command formats/command/verdict formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
 workbench/pairs:         formats formats/command formats/command/spelling formats/command/verdict formats/mesh formats/mesh/sandbox formats/path workbench/exact workbench/exact/surface
-workbench/study:         formats formats/command formats/command/spelling formats/command/verdict formats/digest formats/path workbench/pairs
+workbench/disassembly:   formats formats/command formats/command/verdict formats/digest formats/mesh formats/mesh/sandbox formats/path runtime/clearance runtime/forcelayer workbench/exact workbench/exact/surface workbench/pairs
+workbench/study:         formats formats/command formats/command/spelling formats/command/verdict formats/digest formats/path workbench/disassembly workbench/pairs
 workbench/viewer/plan:   formats formats/command formats/command/spelling formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/stream workbench/viewer/run workbench/viewer/surface
 workbench/viewer/vtk:    formats formats/command runtime/forcelayer workbench/viewer/plan workbench/viewer/run workbench/viewer/surface
 workbench/viewer:        formats formats/command formats/mesh/sandbox workbench/viewer/plan workbench/viewer/run workbench/viewer/vtk

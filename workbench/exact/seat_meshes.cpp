@@ -29,9 +29,10 @@ void add(std::vector<glm::dvec3>& axes, const glm::dvec3& axis) {
   if (!is_known) axes.push_back(axis);
 }
 
-// The normals of the largest flat sides, whichever way they face, and where two of them meet.
-void add_axes(const Surface& surface, const glm::dquat& world_from_surface,
-              std::vector<glm::dvec3>& axes) {
+}  // namespace
+
+void add_straight_axes(const Surface& surface, const glm::dquat& world_from_surface,
+                       std::vector<glm::dvec3>& axes) {
   std::map<std::array<long long, 3>, std::pair<double, glm::dvec3>> sides;
   for (const mesh::Triangle& t : surface.triangles) {
     const glm::dvec3 &a = surface.vertices_m[t[0]], &b = surface.vertices_m[t[1]],
@@ -68,8 +69,6 @@ void add_axes(const Surface& surface, const glm::dquat& world_from_surface,
   }
 }
 
-}  // namespace
-
 double seat_margin_m(const Bodies& part, const Bodies& object, double margin_m) {
   double crack_m = 0;
   for (const Bodies* bodies : {&part, &object}) {
@@ -102,11 +101,11 @@ SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part,
   const double deviations_m =
       kRounding * largest_m(scene, part, installed) + scene.deviation_m + part.deviation_m;
   std::vector<glm::dvec3> axes;
-  add_axes(part, installed.orientation, axes);
+  add_straight_axes(part, installed.orientation, axes);
   for (const std::uint32_t number : objects) {
     const Surface surface = only(scene, {&number, 1});
     if (surface.triangles.empty()) continue;
-    add_axes(surface, {1, 0, 0, 0}, axes);
+    add_straight_axes(surface, {1, 0, 0, 0}, axes);
     auto object = std::make_unique<Object>(number, surface, part, part_, path_, deviations_m);
     const Depth depth = object->walk.at_pose(installed, std::nullopt);
     object->allowed_m = std::max(0.0, depth.found_m) + object->margin_m + depth_m;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
@@ -23,6 +24,12 @@ inline constexpr double kSeatWithin = 1.0 / 8;
 // How much deeper than installed the part may go: by what deviations and rounding (`margin_m`) and
 // cracks leave open.
 double seat_margin_m(const Bodies& part, const Bodies& object, double margin_m);
+
+// Adds the directions in which a part with these triangles may go straight: the normals of its
+// largest flat sides, and where two of them meet. Unit vectors in the world, without sign; those
+// that are there already are not added again.
+void add_straight_axes(const Surface& surface, const glm::dquat& world_from_surface,
+                       std::vector<glm::dvec3>& axes);
 
 class SeatMeshes {
  public:

@@ -34,6 +34,8 @@ class Shape {
   std::size_t triangles() const { return triangles_; }
   // None where no triangle has an area. It is made at the first call.
   const exact::Body* body() const;
+  // It alone; none where body() is none.
+  const exact::Bodies& bodies() const { return body(), bodies_; }
   bool is_solid() const { return body() != nullptr && body()->is_solid(); }
 
   // Triangles that hang together by their corners: a place of their surface, and their box. Found

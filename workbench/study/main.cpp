@@ -1,4 +1,5 @@
-// forcelayer: lists the commands, makes a study of a part with them, and checks pairs of parts.
+// forcelayer: lists the commands, makes a study of a part with them, checks pairs of parts, and
+// takes assemblies apart.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "formats/command/output_file.h"
 #include "formats/command/program.h"
 #include "formats/command/verdict/verdict.h"
+#include "workbench/disassembly/options.h"
 #include "workbench/pairs/options.h"
 #include "workbench/study/options.h"
 #include "workbench/study/study.h"
@@ -46,7 +48,7 @@ std::string command_lines() {
          "  forcelayer study runs them on an assembly and writes a page with the verdict\n" +
          "  forcelayer pairs finds overlaps and small distances between the parts of an "
          "assembly\n" +
-         "Each command has --help.";
+         "  forcelayer disassemble takes an assembly apart\n" + "Each command has --help.";
 }
 
 forcelayer::Status list_commands(std::string json, bool quiet) {
@@ -65,21 +67,24 @@ forcelayer::Status list_commands(std::string json, bool quiet) {
   return command::write_report(json, report);
 }
 
-// Has forcelayer-pairs do the work, with the arguments behind the word pairs and this standard
-// input.
-int run_pairs(const forcelayer::pairs::OptionParser& parser, int argc, char** argv) {
+// Has another program do the work of a subcommand, with the arguments behind its name and this
+// standard input.
+template <typename OptionParser>
+int run_other(const char* subcommand, const char* program, const OptionParser& parser, int argc,
+              char** argv) {
   using namespace forcelayer;
   int status = 0;
   const int failed = command::run_command("forcelayer", [&]() -> Status {
     const auto options = parser.finish();
     if (!options) return options.error();
-    if (std::string_view(argv[1]) != "pairs") {
-      return Error{ErrorCode::kUsage, "", argv[1], "stands before the word pairs",
-                   "write options behind it: forcelayer pairs ASSEMBLY [OPTIONS]"};
+    if (std::string_view(argv[1]) != subcommand) {
+      return Error{
+          ErrorCode::kUsage, "", argv[1], std::string("stands before the word ") + subcommand,
+          std::string("write options behind it: forcelayer ") + subcommand + " ASSEMBLY [OPTIONS]"};
     }
     const std::vector<std::string> arguments(argv + 2, argv + argc);
     command::stop_programs_on_signals();
-    const auto end = command::run_program(pairs::kProgram, arguments, std::nullopt,
+    const auto end = command::run_program(program, arguments, std::nullopt,
                                           command::ProgramOutput::kShown, "forcelayer-tools");
     if (!end) return end.error();
     status = end->status;
@@ -117,7 +122,8 @@ int main(int argc, char** argv) {
   using namespace forcelayer;
   CLI::App app{
       "Lists the commands. 'forcelayer study' runs them to check a part of an assembly. "
-      "'forcelayer pairs' checks all pairs of its parts",
+      "'forcelayer pairs' checks all pairs of its parts, and 'forcelayer disassemble' takes it "
+      "apart",
       "forcelayer"};
   CLI::App* const made = app.add_subcommand(
       "study", "bake scene and part; find, run or check a path; write a page with the verdict");
@@ -125,6 +131,9 @@ int main(int argc, char** argv) {
   CLI::App* const paired = app.add_subcommand(
       "pairs", "find overlaps and small distances between the parts of an assembly");
   const pairs::OptionParser pairs_parser(*paired);
+  CLI::App* const taken_apart = app.add_subcommand(
+      "disassemble", "take an assembly apart: in which order, and along which paths");
+  const disassembly::OptionParser disassembly_parser(*taken_apart);
   app.require_subcommand(0, 1);
   std::string json;
   bool quiet = false;
@@ -155,7 +164,10 @@ int main(int argc, char** argv) {
   int status = 0;
   if (!command::parse_subcommands(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();
-  if (*paired) return run_pairs(pairs_parser, argc, argv);
+  if (*paired) return run_other("pairs", pairs::kProgram, pairs_parser, argc, argv);
+  if (*taken_apart) {
+    return run_other("disassemble", disassembly::kProgram, disassembly_parser, argc, argv);
+  }
   return command::run_command("forcelayer", [&]() -> Status {
     if (!*made) return list_commands(json, quiet);
     auto options = parser.finish();

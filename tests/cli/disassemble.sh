@@ -1,0 +1,97 @@
+#!/usr/bin/env bash
+# forcelayer disassemble, as a user meets it: order, paths, a target, a second run, and wrong input.
+source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
+cp "$data/gearbox.glb" .
+
+disassemble() {  # STATUS ARGUMENTS...: output in out.txt and err.txt
+  local wanted=$1 status=0
+  shift
+  "$bin/forcelayer" disassemble "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" = "$wanted" ] || fail "status $status, not $wanted: disassemble $*: $(cat out.txt err.txt)"
+}
+line() { sed -n "$1p" out.txt | grep -qxF "$2" || fail "line $1 is not '$2': $(sed -n "$1p" out.txt)"; }
+refuses() {  # STATUS LINE ARGUMENTS...
+  local status=$1 line=$2
+  shift 2
+  disassemble "$status" "$@"
+  grep -qxF "forcelayer: $line" err.txt || fail "no error '$line': $(cat err.txt)"
+}
+report() { python3 -c "import json; report = json.load(open('$1')); assert ($2), report" || fail "$1: $2"; }
+
+# The gearbox comes apart, and voxcheck confirms a path.
+disassemble 0 gearbox.glb -o apart --json apart.json
+line 1 '1. Bolt[1]: 34 mm along +z (nearest: Housing, 0.099 mm)'
+line 9 'All 9 parts come apart.'
+report apart.json 'report["tool"] == "forcelayer" and report["exit_status"] == 0'
+report apart/sequence.json 'len(report["steps"]) == 8 and report["left"] == [] and report["finished"]'
+report apart/sequence.json 'report["base"] == "Gearbox/Housing" and report["target"] is None and report["seconds"] > 0'
+report apart/sequence.json 'report["steps"][4]["parts"] == ["Gearbox/Pin"] and report["steps"][4]["path"] == "paths/005_Pin.csv"'
+report apart/sequence.json 'all(step["settled_by"].startswith("meshes") for step in report["steps"])'
+report apart/sequence.json 'all(0 <= step["clearance_m"] <= step["distance_m"] for step in report["steps"] if step["nearest"])'
+[ "$(ls apart/paths | wc -l)" = 8 ] || fail "the paths: $(ls apart/paths)"
+"$bin/voxelize" gearbox.glb --without Pin --voxel-size 1mm -o rest.vox --quiet
+"$bin/pointshell" gearbox.glb#Pin --voxel-size 1mm -o pin.pshell --quiet
+"$bin/voxcheck" rest.vox pin.pshell apart/paths/005_Pin.csv --seat 0,0,0m --clearance 1mm --exact gearbox.glb --without Pin \
+  --part gearbox.glb#Pin --quiet || fail "voxcheck says no to a path"
+
+# Only what must leave for a target: the bolts for the cover, nothing for a bolt.
+disassemble 0 gearbox.glb --target Cover -o cover
+tail -1 out.txt | grep -qx 'Cover comes out after 4 other parts.' || fail "the last line: $(tail -1 out.txt)"
+report cover/sequence.json '[s["parts"][0].split("/")[-1][:4] for s in report["steps"]] == ["Bolt"] * 4 + ["Cove"]'
+disassemble 0 gearbox.glb --target 'Bolt[2]' -o bolt
+line 2 'Bolt[2] comes out, and nothing needs to leave first.'
+# A node with several parts comes out as one.
+disassemble 0 gearbox.glb --target Lid -o lid
+report lid/sequence.json 'len(report["steps"]) == 1 and len(report["steps"][0]["parts"]) == 5'
+
+# A second run keeps what it knows, another clearance or a changed file does not.
+cp apart/sequence.json before.json
+disassemble 0 gearbox.glb -o apart
+python3 - <<'PYTHON' || fail "a second run has other steps"
+import json
+before, after = (json.load(open(name))["steps"] for name in ("before.json", "apart/sequence.json"))
+assert before == after
+PYTHON
+disassemble 0 gearbox.glb -o apart --clearance 0.5mm
+report apart/sequence.json 'report["required_clearance_m"] == 0.0005 and len(report["steps"]) == 8'
+python3 - <<'PYTHON' || fail "a path that was changed is taken"
+import json, pathlib
+path = pathlib.Path("apart/paths/001_Bolt_1_.csv")
+path.write_text(path.read_text().replace("0.03", "0.01"))
+PYTHON
+disassemble 0 gearbox.glb -o apart --clearance 0.5mm
+grep -q 0.03 apart/paths/001_Bolt_1_.csv || fail "a path that was changed stays"
+
+# A part in a closed cage: left, with what blocks it; and no time at all.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
+import json
+from boxes import boxes
+walls = [((0, 0, 0), (50, 50, 5)), ((0, 0, 45), (50, 50, 50)), ((0, 0, 5), (5, 50, 45)), ((45, 0, 5), (50, 50, 45)),
+         ((5, 0, 5), (45, 5, 45)), ((5, 45, 5), (45, 50, 45))]
+boxes("cage.obj", *walls)
+boxes("captive.obj", ((20, 20, 20), (30, 30, 30)))
+boxes("lid.obj", ((0, 0, 50), (50, 50, 55)))
+json.dump({"parts": [{"name": part, "mesh": part + ".obj", "units": "mm"} for part in ("cage", "captive", "lid")]}, open("cage.json", "w"))
+PYTHON
+disassemble 6 cage.json -o cage
+grep -qF 'left: captive: no path was found' out.txt && grep -qF 'blocked by cage' out.txt || fail "the cage: $(cat out.txt)"
+grep -qxF 'forcelayer: cage.json: 2 of 3 parts come apart; 1 is left' err.txt || fail "the error: $(cat err.txt)"
+report cage/sequence.json '[(l["part"], l["blocked_by"]) for l in report["left"]] == [("captive", ["cage"])] and report["base"] == "cage"'
+disassemble 6 cage.json --target captive -o captive
+disassemble 6 gearbox.glb --time 0s -o none
+report none/sequence.json 'report["out_of_time"] and not report["finished"] and len(report["left"]) == 8'
+
+# Wrong input.
+refuses 2 "--target: 'Covers': no node has this name; the nearest names are: Gearbox/Lid/Cover, Gearbox/Clip, Gearbox/Lid/Bolt, Gearbox/Clip/Half, Gearbox/Housing" gearbox.glb --target Covers -o wrong
+disassemble 2 gearbox.glb
+disassemble 2 gearbox.glb -o wrong --clearance 1
+disassemble 2 gearbox.glb -o wrong --clearance=-1mm
+disassemble 2 gearbox.glb -o wrong --target Gearbox
+disassemble 1 nothing.glb -o wrong
+[ ! -e wrong ] || fail "a folder after wrong input"
+echo '{"parts": [{"name": "a", "mesh": "cage.obj", "units": "mm"}]}' >one.json
+refuses 3 "one.json: has only one part, so there is nothing to take apart; give an assembly; voxelize --list prints its parts" one.json -o wrong
+mkdir taken && echo "a novel" >taken/sequence.json
+disassemble 2 gearbox.glb -o taken
+grep -qx 'a novel' taken/sequence.json || fail "a file of another kind was replaced"
+finish

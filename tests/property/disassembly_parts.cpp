@@ -1,0 +1,341 @@
+// Small assemblies of boxes and rings that are taken apart: against intervals of whole numbers, and
+// where the truth is known by construction. Paths are checked again by FCL.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "runtime/clearance/center_path.h"
+#include "tests/support/pair_assembly.h"
+#include "tests/support/places.h"
+#include "tests/support/random_numbers.h"
+#include "tests/support/sanitized.h"
+#include "workbench/disassembly/disassembly.h"
+#include "workbench/disassembly/straight_motions.h"
+#ifdef FORCELAYER_TEST_FCL
+#include "tests/stress/exact_distance.h"
+#endif
+
+namespace forcelayer::disassembly {
+namespace {
+
+using test::box_mesh;
+using test::integer;
+using test::moved;
+
+constexpr double kUnitM = 0.01;  // a step of the lattice
+constexpr double kClearanceM = 1e-3;
+
+const Observer kNobody{[](const Parts&) { return std::vector<Step>(); },
+                       [](const Parts&, const std::vector<Step>&) {},
+                       [](const std::string&, double) {}};
+
+// A box of whole numbers.
+struct Block {
+  std::array<int, 3> low, high;
+};
+
+mesh::Mesh mesh_of(const Block& block) {
+  std::array<double, 3> size{}, middle{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    size[axis] = kUnitM * (block.high[axis] - block.low[axis]);
+    middle[axis] = kUnitM * (block.high[axis] + block.low[axis]) / 2;
+  }
+  return moved(box_mesh(size[0], size[1], size[2]), middle[0], middle[1], middle[2]);
+}
+
+pairs::AssemblyParts assembly_of(const std::vector<Block>& blocks) {
+  pairs::AssemblyParts assembly;
+  for (std::size_t n = 0; n < blocks.size(); ++n) {
+    test::add_part(assembly, "block" + std::to_string(n), mesh_of(blocks[n]));
+  }
+  return assembly;
+}
+
+// Blocks that do not overlap; many of them touch.
+std::vector<Block> random_blocks(test::Random& random, std::size_t count) {
+  std::vector<Block> blocks;
+  while (blocks.size() < count) {
+    Block block;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      block.low[axis] = static_cast<int>(integer(random, 0, 5));
+      block.high[axis] = block.low[axis] + static_cast<int>(integer(random, 1, 3));
+    }
+    const bool overlaps = std::any_of(blocks.begin(), blocks.end(), [&](const Block& other) {
+      bool meets = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        meets = meets && block.low[axis] < other.high[axis] && other.low[axis] < block.high[axis];
+      }
+      return meets;
+    });
+    if (!overlaps) blocks.push_back(block);
+  }
+  return blocks;
+}
+
+// Whether a block is in the way of another one that goes far along an axis: it overlaps the swept
+// block, or touches it and did not touch the block as installed.
+bool blocks_way(const Block& part, std::size_t axis, bool up, const Block& object) {
+  Block swept = part;
+  (up ? swept.high : swept.low)[axis] = up ? 100 : -100;
+  bool touches_installed = true, touches = true, overlaps = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    touches_installed =
+        touches_installed && part.low[a] <= object.high[a] && object.low[a] <= part.high[a];
+    touches = touches && swept.low[a] <= object.high[a] && object.low[a] <= swept.high[a];
+    overlaps = overlaps && swept.low[a] < object.high[a] && object.low[a] < swept.high[a];
+  }
+  return overlaps || (touches && !touches_installed);
+}
+
+bool blocks_way(const Block& part, const glm::dvec3& direction, const Block& object) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] != 0) {
+      return blocks_way(part, static_cast<std::size_t>(axis), direction[axis] > 0, object);
+    }
+  }
+  return true;
+}
+
+TEST(DisassemblyParts, StraightMotionsOfBlocksAreThoseOfIntervals) {
+  int free = 0, blocked = 0;
+  for (std::uint64_t seed = 1; seed <= 24; seed += test::seed_step(5)) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    const auto blocks = random_blocks(random, 7);
+    const pairs::AssemblyParts assembly = assembly_of(blocks);
+    const PartShapes shapes(assembly, kClearanceM);
+    StraightMotions motions(shapes);
+    for (std::size_t part = 0; part < blocks.size(); ++part) {
+      for (std::size_t d = 0; d < StraightMotions::kAxisDirections; ++d) {
+        for (std::size_t object = 0; object < blocks.size(); ++object) {
+          if (object == part) continue;
+          const bool is_blocked = blocks_way(blocks[part], motions.direction(d), blocks[object]);
+          EXPECT_EQ(motions.outcome(part, d, object),
+                    is_blocked ? PairOutcome::kBlocked : PairOutcome::kFree)
+              << part << " past " << object << " along direction " << d;
+          (is_blocked ? blocked : free) += 1;
+        }
+      }
+    }
+  }
+  EXPECT_GT(free, 200);
+  EXPECT_GT(blocked, 200);
+}
+
+// Those that come out along axes alone, round by round; ascending.
+Parts brute_out(const std::vector<Block>& blocks) {
+  Parts out;
+  for (bool changes = true; changes && out.size() + 1 < blocks.size();) {
+    changes = false;
+    for (std::size_t part = 0; part < blocks.size(); ++part) {
+      if (contains(out, part) || out.size() + 1 == blocks.size()) continue;
+      bool is_free = false;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const bool up : {false, true}) {
+          bool passes = true;
+          for (std::size_t object = 0; object < blocks.size(); ++object) {
+            if (object == part || contains(out, object)) continue;
+            passes = passes && !blocks_way(blocks[part], axis, up, blocks[object]);
+          }
+          is_free = is_free || passes;
+        }
+      }
+      if (!is_free) continue;
+      out.insert(std::lower_bound(out.begin(), out.end(), part), part);
+      changes = true;
+    }
+  }
+  return out;
+}
+
+// Each step keeps the rules beside what is still there, by intervals, where it is one straight leg
+// along an axis.
+void expect_steps_hold(const std::vector<Block>& blocks, const Outcome& outcome) {
+  Parts present(blocks.size());
+  for (std::size_t n = 0; n < present.size(); ++n) present[n] = n;
+  for (const Step& step : outcome.steps) {
+    if (!step.from.empty()) continue;
+    ASSERT_TRUE(without(step.parts, present).empty());
+    present = without(present, step.parts);
+    if (step.rows.size() != 2) continue;
+    const auto& end = step.rows.back().position_m;
+    const glm::dvec3 way(end[0], end[1], end[2]);
+    for (const std::size_t part : step.parts) {
+      for (const std::size_t object : present) {
+        EXPECT_FALSE(blocks_way(blocks[part], way, blocks[object]))
+            << part << " past " << object << " along " << way.x << " " << way.y << " " << way.z;
+      }
+    }
+  }
+  EXPECT_EQ(present.size(), outcome.left.size() + 1);
+}
+
+TEST(DisassemblyParts, BlocksComeApartAsByIntervals) {
+  for (std::uint64_t seed = 1; seed <= 30; seed += test::seed_step(7)) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    const auto blocks = random_blocks(random, 8);
+    const Outcome outcome = take_apart(assembly_of(blocks), {kClearanceM, {}, {}}, kNobody);
+    expect_steps_hold(blocks, outcome);
+    std::size_t out = 0;
+    for (const Step& step : outcome.steps) out += step.from.empty() ? step.parts.size() : 0;
+    EXPECT_GE(out, brute_out(blocks).size());
+    EXPECT_FALSE(outcome.is_out_of_time);
+  }
+}
+
+// A target leaves behind the fewest parts: a block in a row is below those above it.
+TEST(DisassemblyParts, OnlyWhatIsInTheWayOfATargetLeaves) {
+  // A well of five walls, with three blocks on top of each other, and a block that is elsewhere.
+  std::vector<Block> blocks = {
+      {{0, 0, 0}, {7, 7, 1}}, {{0, 0, 1}, {1, 7, 9}}, {{6, 0, 1}, {7, 7, 9}},
+      {{1, 0, 1}, {6, 1, 9}}, {{1, 6, 1}, {6, 7, 9}}, {{1, 1, 1}, {6, 6, 3}},
+      {{1, 1, 3}, {6, 6, 5}}, {{1, 1, 5}, {6, 6, 7}}, {{20, 0, 0}, {21, 1, 1}}};
+  // The walls hang together.
+  pairs::AssemblyParts assembly;
+  mesh::Mesh well;
+  for (std::size_t n = 0; n < 5; ++n) {
+    const mesh::Mesh wall = mesh_of(blocks[n]);
+    const auto first = static_cast<std::uint32_t>(well.vertices.size());
+    well.vertices.insert(well.vertices.end(), wall.vertices.begin(), wall.vertices.end());
+    for (const mesh::Triangle& t : wall.triangles) {
+      well.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  test::add_part(assembly, "well", well);
+  for (std::size_t n = 5; n < blocks.size(); ++n) {
+    test::add_part(assembly, "block" + std::to_string(n), mesh_of(blocks[n]));
+  }
+  const auto removed = [&](const Parts& target) {
+    Parts parts;
+    for (const Step& step : take_apart(assembly, {kClearanceM, target, {}}, kNobody).steps) {
+      parts.insert(parts.end(), step.parts.begin(), step.parts.end());
+    }
+    return parts;
+  };
+  EXPECT_EQ(removed({3}), (Parts{3}));
+  EXPECT_EQ(removed({2}), (Parts{3, 2}));
+  EXPECT_EQ(removed({1}), (Parts{3, 2, 1}));
+  EXPECT_EQ(removed({4}), (Parts{4}));
+  // Together, in one step.
+  EXPECT_EQ(removed({1, 2}), (Parts{3, 1, 2}));
+}
+
+// Two rings of a chain come apart only by way of each other: they leave together.
+TEST(DisassemblyParts, LinksOfAChainLeaveTogether) {
+  pairs::AssemblyParts assembly;
+  const Block plate{{-6, -6, -5}, {6, 6, -4}};
+  test::add_part(assembly, "plate", mesh_of(plate));
+  const mesh::Mesh ring = test::ring_mesh(12, 0.02, 0.03, 0.006);
+  test::add_part(assembly, "first", moved(ring, 0, 0, 0));
+  const double half = std::sqrt(0.5);
+  test::add_part(assembly, "second",
+                 moved(ring, Pose{{0.025, 0, 0}, glm::dquat(half, half, 0, 0)}));
+  const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}}, kNobody);
+  ASSERT_EQ(outcome.steps.size(), 1u);
+  EXPECT_EQ(outcome.steps[0].parts, (Parts{1, 2}));
+  EXPECT_TRUE(outcome.left.empty());
+  EXPECT_EQ(outcome.base, std::optional<std::size_t>(0));
+}
+
+// A part in a closed cage never comes out, whether it touches the cage or not.
+TEST(DisassemblyParts, ACageNeverOpens) {
+  for (const double size_m : {0.02, 0.04, 0.06}) {
+    SCOPED_TRACE("size " + std::to_string(size_m));
+    pairs::AssemblyParts assembly;
+    mesh::Mesh cage = box_mesh(0.1, 0.1, 0.1);
+    const mesh::Mesh cavity = box_mesh(0.06, 0.06, 0.06);
+    for (const mesh::Vec3d& v : cavity.vertices) cage.vertices.push_back(v);
+    for (const mesh::Triangle& t : cavity.triangles) {
+      cage.triangles.push_back({t[0] + 8, t[2] + 8, t[1] + 8});
+    }
+    test::add_part(assembly, "cage", cage);
+    test::add_part(assembly, "captive", box_mesh(size_m, size_m, size_m));
+    test::add_part(assembly, "free", moved(box_mesh(0.01, 0.01, 0.01), 0.2, 0, 0));
+    const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}}, kNobody);
+    EXPECT_EQ(outcome.base, std::optional<std::size_t>(0));
+    ASSERT_EQ(outcome.left.size(), 1u);
+    EXPECT_EQ(outcome.left[0].part, 1u);
+    EXPECT_EQ(outcome.left[0].blocked_by, (Parts{0}));
+    const Outcome target = take_apart(assembly, {kClearanceM, {1}, {}}, kNobody);
+    ASSERT_EQ(target.left.size(), 1u);
+    EXPECT_TRUE(target.steps.empty());
+  }
+}
+
+// A part that lies in the solid of another one, and meets no surface, comes out of it nowhere.
+TEST(DisassemblyParts, APartInsideASolidDoesNotComeOut) {
+  pairs::AssemblyParts assembly;
+  test::add_part(assembly, "block", box_mesh(0.1, 0.1, 0.1));
+  test::add_part(assembly, "buried", box_mesh(0.02, 0.02, 0.02));
+  EXPECT_EQ(take_apart(assembly, {kClearanceM, {}, {}}, kNobody).left.size(), 1u);
+}
+
+// An overlap as installed stays allowed, and is reported.
+TEST(DisassemblyParts, AnOverlapAsInstalledIsReported) {
+  pairs::AssemblyParts assembly;
+  test::add_part(assembly, "block", box_mesh(0.1, 0.1, 0.1));
+  test::add_part(assembly, "sunk", moved(box_mesh(0.02, 0.02, 0.02), 0, 0, 0.0595));
+  const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}}, kNobody);
+  ASSERT_EQ(outcome.steps.size(), 1u);
+  ASSERT_EQ(outcome.steps[0].overlaps.size(), 1u);
+  EXPECT_EQ(outcome.steps[0].overlaps[0].object, 0u);
+  EXPECT_NEAR(outcome.steps[0].overlaps[0].depth_m, 0.0005, 1e-6);
+}
+
+#ifdef FORCELAYER_TEST_FCL
+// Each path of the gearbox at 500 poses, by FCL: what the part does not touch as installed it never
+// touches, and what it has left stays as far away as is required.
+TEST(DisassemblyParts, PathsOfTheGearboxKeepTheRulesByFcl) {
+  const auto assembly =
+      pairs::read_parts(test::source_path("sample_data/gearbox.glb"), std::nullopt);
+  ASSERT_TRUE(assembly);
+  const Outcome outcome = take_apart(*assembly, {kClearanceM, {}, {}}, kNobody);
+  EXPECT_EQ(outcome.steps.size(), 8u);
+  EXPECT_TRUE(outcome.left.empty());
+  const auto world_mesh = [&](std::size_t part) {
+    const exact::Surface surface = pairs::surface_of(assembly->scene, assembly->parts[part]);
+    mesh::Mesh mesh;
+    for (const glm::dvec3& v : surface.vertices_m) mesh.vertices.push_back({v.x, v.y, v.z});
+    mesh.triangles = surface.triangles;
+    return mesh;
+  };
+  const int poses = test::kSanitized ? 40 : 500;
+  constexpr double kFclM = 1e-6;  // FCL's own error, and the rounding of a file's numbers
+  Parts present(assembly->parts.size());
+  for (std::size_t n = 0; n < present.size(); ++n) present[n] = n;
+  for (const Step& step : outcome.steps) {
+    present = without(present, step.parts);
+    const clearance::CenterPath path(step.rows, glm::dvec3(0), 0);
+    const double end_s = path.time_s({path.poses() - 1, 0});
+    for (const std::size_t part : step.parts) {
+      const mesh::Mesh own = world_mesh(part);
+      for (const std::size_t object : present) {
+        SCOPED_TRACE(assembly->shown_name(part) + " past " + assembly->shown_name(object));
+        const stress::ExactDistance distance(world_mesh(object), own);
+        const double installed_m = distance.at({});
+        bool has_left = installed_m >= kClearanceM;
+        double nearest_m = installed_m;
+        for (int n = 1; n <= poses; ++n) {
+          const Pose pose = path.world_from_center(path.at(end_s * n / poses));
+          const double apart_m = distance.at(pose, 2 * kClearanceM);
+          const double least_m = has_left ? kClearanceM - kFclM : installed_m > kFclM ? 1e-12 : 0;
+          ASSERT_GE(apart_m, least_m) << "pose " << n;
+          has_left = has_left || apart_m >= kClearanceM;
+          nearest_m = std::min(nearest_m, apart_m);
+        }
+        EXPECT_TRUE(has_left);
+        if (contains(step.touched, object)) continue;
+        EXPECT_GE(nearest_m, std::min(step.clearance_m, 2 * kClearanceM) - kFclM);
+      }
+    }
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace forcelayer::disassembly

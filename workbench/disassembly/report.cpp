@@ -1,0 +1,171 @@
+#include "workbench/disassembly/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
+
+namespace forcelayer::disassembly {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListed = 3;
+
+std::string direction_text(const glm::dvec3& direction) {
+  constexpr double kStraight = 1e-6;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 own(0);
+    own[axis] = direction[axis] < 0 ? -1 : 1;
+    if (glm::length(direction - own) < kStraight) {
+      return std::string(direction[axis] < 0 ? "-" : "+") + "xyz"[axis];
+    }
+  }
+  return command::text("(%.3g, %.3g, %.3g)", direction.x, direction.y, direction.z);
+}
+
+// "A", "A and B", "A, B and 3 more"
+std::string listed(const pairs::AssemblyParts& assembly, const Parts& parts) {
+  std::string line;
+  const std::size_t shown = std::min(kListed, parts.size());
+  for (std::size_t n = 0; n < shown; ++n) {
+    const bool is_last = n + 1 == parts.size();
+    line += (n == 0 ? "" : is_last ? " and " : ", ") + assembly.shown_name(parts[n]);
+  }
+  if (parts.size() > shown) line += command::text(" and %zu more", parts.size() - shown);
+  return line;
+}
+
+Json names_of(const pairs::AssemblyParts& assembly, const Parts& parts) {
+  Json names = Json::array();
+  for (const std::size_t part : parts) names.push_back(assembly.parts[part].name.listed);
+  return names;
+}
+
+Json name_of(const pairs::AssemblyParts& assembly, const std::optional<std::size_t>& part) {
+  return part ? Json(assembly.parts[*part].name.listed) : Json(nullptr);
+}
+
+std::string line_of(const pairs::AssemblyParts& assembly, const Step& step) {
+  std::string line = listed(assembly, step.parts) + ": " + motion_text(step);
+  if (step.nearest) {
+    line += " (nearest: " + assembly.shown_name(*step.nearest) + ", " +
+            command::length_text(step.distance_m + command::kDecimalM) + ")";
+  }
+  return line;
+}
+
+std::string sentence(const pairs::AssemblyParts& assembly, const Request& request,
+                     const Outcome& outcome) {
+  const std::size_t left = outcome.left.size(), parts = assembly.parts.size();
+  if (request.target.empty()) {
+    if (left == 0) {
+      return command::text("All %zu parts come apart.", parts);
+    }
+    return command::text("%zu of %zu parts come apart; %zu %s left%s.", parts - left, parts, left,
+                         left == 1 ? "is" : "are",
+                         outcome.is_out_of_time ? ", because --time was over" : "");
+  }
+  const std::string target = listed(assembly, request.target);
+  if (left > 0) {
+    return target +
+           (outcome.is_out_of_time ? ": not found within --time." : ": no path out was found.");
+  }
+  Parts before;
+  for (const Step& step : outcome.steps) {
+    if (step.parts != request.target) {
+      before.insert(before.end(), step.parts.begin(), step.parts.end());
+    }
+  }
+  before = without(before, {});
+  return target + (before.empty() ? " comes out, and nothing needs to leave first."
+                                  : command::text(" comes out after %zu other part%s.",
+                                                  before.size(), before.size() == 1 ? "" : "s"));
+}
+
+}  // namespace
+
+std::string motion_text(const Step& step) {
+  std::string line;
+  for (std::size_t n = 1; n < step.rows.size(); ++n) {
+    const auto &a = step.rows[n - 1].position_m, &b = step.rows[n].position_m;
+    const glm::dvec3 way(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    const double length_m = glm::length(way);
+    line += (line.empty() ? "" : ", then ") + command::length_text(length_m + command::kDecimalM) +
+            " along " + direction_text(way / length_m);
+  }
+  return line;
+}
+
+std::string instruction(const pairs::AssemblyParts& assembly, const Step& step,
+                        std::size_t number) {
+  std::string text = command::text("%zu. ", number) + line_of(assembly, step) + "\n";
+  for (const Overlap& overlap : step.overlaps) {
+    text += "   overlaps " + assembly.shown_name(overlap.object) + " as installed, " +
+            command::length_text(overlap.depth_m) + " deep\n";
+  }
+  return text;
+}
+
+std::string summary(const pairs::AssemblyParts& assembly, const Request& request,
+                    const Outcome& outcome) {
+  std::string text = sentence(assembly, request, outcome) + "\n";
+  for (const Left& left : outcome.left) {
+    text += "  left: " + assembly.shown_name(left.part) + ": " + left.reason;
+    if (!left.blocked_by.empty()) text += "; blocked by " + listed(assembly, left.blocked_by);
+    text += "\n";
+  }
+  return text;
+}
+
+Json step_json(const pairs::AssemblyParts& assembly, const Step& step) {
+  Json json;
+  json["parts"] = names_of(assembly, step.parts);
+  json["instruction"] = line_of(assembly, step);
+  json["clearance_m"] = step.nearest ? Json(step.clearance_m) : Json(nullptr);
+  json["distance_m"] = step.nearest ? Json(step.distance_m) : Json(nullptr);
+  json["nearest"] = name_of(assembly, step.nearest);
+  json["path_length_m"] = step.length_m;
+  json["settled_by"] = step.settled_by;
+  json["touches"] = names_of(assembly, step.touched);
+  Json& overlaps = json["overlaps"] = Json::array();
+  for (const Overlap& overlap : step.overlaps) {
+    overlaps.push_back(
+        {{"object", assembly.parts[overlap.object].name.listed}, {"depth_m", overlap.depth_m}});
+  }
+  json["from"] = names_of(assembly, step.from);
+  return json;
+}
+
+Json outcome_json(const pairs::AssemblyParts& assembly, const Request& request,
+                  const Outcome& outcome) {
+  Json json;
+  json["sentence"] = sentence(assembly, request, outcome);
+  json["required_clearance_m"] = request.required_m;
+  json["target"] = request.target.empty() ? Json(nullptr) : names_of(assembly, request.target);
+  json["steps"] = Json::array();
+  Json& left = json["left"] = Json::array();
+  for (const Left& one : outcome.left) {
+    left.push_back({{"part", assembly.parts[one.part].name.listed},
+                    {"reason", one.reason},
+                    {"blocked_by", names_of(assembly, one.blocked_by)}});
+  }
+  json["base"] = name_of(assembly, outcome.base);
+  json["out_of_time"] = outcome.is_out_of_time;
+  return json;
+}
+
+Status exit_of(const pairs::AssemblyParts& assembly, const Request& request, const Outcome& outcome,
+               const std::string& file) {
+  if (outcome.left.empty()) return {};
+  std::string what = sentence(assembly, request, outcome);
+  what.pop_back();
+  return Error{ErrorCode::kAnswerIsNo, file, "", what,
+               outcome.is_out_of_time ? "the same command continues from there" : ""};
+}
+
+}  // namespace forcelayer::disassembly
