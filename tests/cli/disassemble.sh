@@ -52,6 +52,7 @@ import json
 before, after = (json.load(open(name))["steps"] for name in ("before.json", "apart/sequence.json"))
 assert before == after
 PYTHON
+disassemble 0 gearbox.glb -o apart --time 0s  # nothing is left to be searched
 disassemble 0 gearbox.glb -o apart --clearance 0.5mm
 report apart/sequence.json 'report["required_clearance_m"] == 0.0005 and len(report["steps"]) == 8'
 python3 - <<'PYTHON' || fail "a path that was changed is taken"
@@ -61,6 +62,21 @@ path.write_text(path.read_text().replace("0.03", "0.01"))
 PYTHON
 disassemble 0 gearbox.glb -o apart --clearance 0.5mm
 grep -q 0.03 apart/paths/001_Bolt_1_.csv || fail "a path that was changed stays"
+
+# Ended in the middle: the rounds that are known stay, and the same command goes on from there.
+python3 - <<'PYTHON'
+import json
+report = json.load(open("apart/sequence.json"))
+states = [step["state"] for step in report["steps"]]
+report["steps"] = [step for step in report["steps"] if step["state"] == states[0]]
+report["finished"] = False
+assert 0 < len(report["steps"]) < 8, report
+json.dump(report, open("apart/sequence.json", "w"), indent=2)
+PYTHON
+disassemble 6 gearbox.glb -o apart --clearance 0.5mm --time 0s
+report apart/sequence.json '0 < len(report["steps"]) < 8 and report["out_of_time"]'
+disassemble 0 gearbox.glb -o apart --clearance 0.5mm
+report apart/sequence.json 'len(report["steps"]) == 8 and report["finished"]'
 
 # A part in a closed cage: left, with what blocks it; and no time at all.
 PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'

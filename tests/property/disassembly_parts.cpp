@@ -30,7 +30,7 @@ constexpr double kUnitM = 0.01;  // a step of the lattice
 constexpr double kClearanceM = 1e-3;
 
 const Observer kNobody{[](const Parts&) { return std::vector<Step>(); },
-                       [](const Parts&, const std::vector<Step>&) {},
+                       [](const Parts&, const std::vector<Step>&, bool) {},
                        [](const std::string&, double) {}};
 
 // A box of whole numbers.
@@ -240,6 +240,17 @@ TEST(DisassemblyParts, LinksOfAChainLeaveTogether) {
   EXPECT_EQ(outcome.steps[0].parts, (Parts{1, 2}));
   EXPECT_TRUE(outcome.left.empty());
   EXPECT_EQ(outcome.base, std::optional<std::size_t>(0));
+
+  // One of them as a target: no straight motion of it alone is free, and its step is told once.
+  Observer observer = kNobody;
+  std::size_t told = 0;
+  observer.found = [&](const Parts&, const std::vector<Step>& steps, bool) {
+    told += steps.size();
+  };
+  const Outcome target = take_apart(assembly, {kClearanceM, {1}, {}}, observer);
+  ASSERT_EQ(target.steps.size(), 1u);
+  EXPECT_EQ(target.steps[0].parts, (Parts{1, 2}));
+  EXPECT_EQ(told, 1u);
 }
 
 // A part in a closed cage never comes out, whether it touches the cage or not.

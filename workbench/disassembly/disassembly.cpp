@@ -98,7 +98,7 @@ class Disassembly {
     const Parts left = rounds(all, {});
     outcome_.base = base_of(left);
     if (left.size() > 1) explain(without(left, {*outcome_.base}), left);
-    for (std::size_t n = 0; n < outcome_.steps.size() && !is_over(); ++n) {
+    for (std::size_t n = 0; n < outcome_.steps.size(); ++n) {
       const Parts group = outcome_.steps[n].parts;
       if (group.size() > 1) rounds(group, group);
     }
@@ -106,17 +106,21 @@ class Disassembly {
 
   // Takes parts away until no more come out, and returns those that are left.
   Parts rounds(Parts present, const Parts& from) {
-    while (present.size() > 1 && !is_over()) {
+    // On the way to a target not every step is needed: they are told when that is known.
+    const bool tells = request_.target.empty();
+    while (present.size() > 1) {
       left_count_ = present.size();
-      std::vector<Step> steps = observer_.recall(present);
+      std::vector<Step> steps;
+      if (tells) steps = observer_.recall(present);
       const bool is_known = !steps.empty();
+      if (!is_known && is_over()) break;
       if (steps.empty()) steps = axis_steps(present);
       if (steps.empty()) steps = feature_steps(present);
       if (steps.empty()) steps = two_leg_steps(present);
       if (steps.empty()) steps = group_steps(present);
       if (steps.empty()) break;
       finish(steps, present, from, is_known);
-      observer_.found(present, steps);
+      if (tells) observer_.found(present, steps, is_known);
       for (Step& step : steps) {
         present = without(present, step.parts);
         outcome_.steps.push_back(std::move(step));
@@ -416,7 +420,7 @@ class Disassembly {
       return;
     }
     finish(steps, all, {}, is_known);
-    observer_.found(all, steps);
+    observer_.found(all, steps, is_known);
     outcome_.steps = std::move(steps);
   }
 

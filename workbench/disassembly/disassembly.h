@@ -65,8 +65,9 @@ struct Observer {
   // The steps of an earlier run that led on from these parts, in a whole round; none where none are
   // known.
   std::function<std::vector<Step>(const Parts& present)> recall;
-  // Called with the steps of each round as it is done, beside the parts that were there before.
-  std::function<void(const Parts& present, const std::vector<Step>& steps)> found;
+  // Called with the steps of each round as it is done, and the parts that were there before. Where
+  // `is_known`, recall() had them.
+  std::function<void(const Parts& present, const std::vector<Step>& steps, bool is_known)> found;
   std::function<void(const std::string& stage, double fraction)> progress;
 };
 

@@ -57,14 +57,15 @@ Status disassemble(const Options& options) {
   observer.progress = [&](const std::string& stage, double fraction) {
     line.show(stage, fraction);
   };
-  observer.found = [&](const Parts& present, const std::vector<Step>& steps) {
+  observer.found = [&](const Parts& present, const std::vector<Step>& steps, bool is_known) {
     line.clear();
     for (const Step& step : steps) {
       if (!options.quiet) std::fputs(instruction(*assembly, step, ++number).c_str(), stdout);
     }
     std::fflush(stdout);
     if (written) written = folder->add(present, steps);
-    if (written) written = folder->write(so_far, false, steady_s() - begun_s);
+    // The file keeps later rounds that are known until more is found.
+    if (written && !is_known) written = folder->write(so_far, false, steady_s() - begun_s);
   };
   const Outcome outcome = take_apart(*assembly, request, observer);
   line.clear();

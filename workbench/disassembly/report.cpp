@@ -165,7 +165,9 @@ Status exit_of(const pairs::AssemblyParts& assembly, const Request& request, con
   std::string what = sentence(assembly, request, outcome);
   what.pop_back();
   return Error{ErrorCode::kAnswerIsNo, file, "", what,
-               outcome.is_out_of_time ? "the same command continues from there" : ""};
+               !outcome.is_out_of_time  ? ""
+               : request.target.empty() ? "the same command continues from there"
+                                        : "give a longer --time"};
 }
 
 }  // namespace forcelayer::disassembly

@@ -23,7 +23,9 @@ double rounded_up_m(double length_m) {
 // So many axes are tried of a part's own features, and of each of its neighbors': those of the
 // largest flat sides come first, then the lines in which these meet, such as the axis of a bore.
 constexpr std::size_t kMaxOwnAxes = 12, kMaxAxesOfNeighbor = 4;
-constexpr double kSameDirection = 1e-6;  // rad: directions nearer to each other are one
+// Directions nearer to each other are one, rad: those that facets of a round side give differ by
+// the rounding of the file's numbers, and each of them takes a long proof.
+constexpr double kSameDirection = 1e-4;
 
 }  // namespace
 
