@@ -97,6 +97,22 @@ disassemble 6 cage.json --target captive -o captive
 disassemble 6 gearbox.glb --time 0s -o none
 report none/sequence.json 'report["out_of_time"] and not report["finished"] and len(report["left"]) == 8'
 
+# Parts that overlap as installed: only force separates them.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
+import json
+from boxes import boxes
+boxes("plate.obj", ((0, 0, 0), (50, 50, 5)))
+boxes("block.obj", ((20, 20, 4.5), (30, 30, 20)))
+json.dump({"parts": [{"name": part, "mesh": part + ".obj", "units": "mm"} for part in ("plate", "block")]}, open("pressed.json", "w"))
+PYTHON
+disassemble 7 pressed.json -o pressed
+line 2 '   overlaps plate as installed, 0.5 mm deep'
+line 3 'All 2 parts come apart, if force overcomes the overlaps as installed.'
+grep -qF 'accept exit status 7' err.txt || fail "no advice: $(cat err.txt)"
+disassemble 7 pressed.json --target block -o pressed_target
+tail -1 out.txt | grep -qx 'block comes out, and nothing needs to leave first, if force overcomes the overlaps as installed.' ||
+  fail "the target: $(tail -1 out.txt)"
+
 # Wrong input.
 refuses 2 "--target: 'Covers': no node has this name; the nearest names are: Gearbox/Lid/Cover, Gearbox/Clip, Gearbox/Lid/Bolt, Gearbox/Clip/Half, Gearbox/Housing" gearbox.glb --target Covers -o wrong
 disassemble 2 gearbox.glb

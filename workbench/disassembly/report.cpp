@@ -59,12 +59,19 @@ std::string line_of(const pairs::AssemblyParts& assembly, const Step& step) {
   return line;
 }
 
+bool needs_force(const Outcome& outcome) {
+  return std::any_of(outcome.steps.begin(), outcome.steps.end(),
+                     [](const Step& step) { return !step.overlaps.empty(); });
+}
+
 std::string sentence(const pairs::AssemblyParts& assembly, const Request& request,
                      const Outcome& outcome) {
   const std::size_t left = outcome.left.size(), parts = assembly.parts.size();
+  const char* const force =
+      needs_force(outcome) ? ", if force overcomes the overlaps as installed" : "";
   if (request.target.empty()) {
     if (left == 0) {
-      return command::text("All %zu parts come apart.", parts);
+      return command::text("All %zu parts come apart%s.", parts, force);
     }
     return command::text("%zu of %zu parts come apart; %zu %s left%s.", parts - left, parts, left,
                          left == 1 ? "is" : "are",
@@ -82,9 +89,11 @@ std::string sentence(const pairs::AssemblyParts& assembly, const Request& reques
     }
   }
   before = without(before, {});
-  return target + (before.empty() ? " comes out, and nothing needs to leave first."
-                                  : command::text(" comes out after %zu other part%s.",
-                                                  before.size(), before.size() == 1 ? "" : "s"));
+  const std::string order = before.empty()
+                                ? " comes out, and nothing needs to leave first"
+                                : command::text(" comes out after %zu other part%s", before.size(),
+                                                before.size() == 1 ? "" : "s");
+  return target + order + force + ".";
 }
 
 }  // namespace
@@ -161,9 +170,12 @@ Json outcome_json(const pairs::AssemblyParts& assembly, const Request& request,
 
 Status exit_of(const pairs::AssemblyParts& assembly, const Request& request, const Outcome& outcome,
                const std::string& file) {
-  if (outcome.left.empty()) return {};
+  if (outcome.left.empty() && !needs_force(outcome)) return {};
   std::string what = sentence(assembly, request, outcome);
   what.pop_back();
+  if (outcome.left.empty()) {
+    return Error{ErrorCode::kNeedsForce, file, "", what, command::kOverlapAdvice};
+  }
   return Error{ErrorCode::kAnswerIsNo, file, "", what,
                !outcome.is_out_of_time  ? ""
                : request.target.empty() ? "the same command continues from there"

@@ -26,7 +26,8 @@ nlohmann::ordered_json step_json(const pairs::AssemblyParts& assembly, const Ste
 nlohmann::ordered_json outcome_json(const pairs::AssemblyParts& assembly, const Request& request,
                                     const Outcome& outcome);
 
-// An error where something is left. Errors: kAnswerIsNo.
+// An error where something is left, or where installed parts overlap. Errors: kAnswerIsNo,
+// kNeedsForce.
 Status exit_of(const pairs::AssemblyParts& assembly, const Request& request, const Outcome& outcome,
                const std::string& file);
 
