@@ -318,20 +318,8 @@ grep -q '^Comes out, straight along +z: leaves floor within the first 1 mm, othe
 # Where cracks of a mesh limit what is known of the seat, the first sentence says so, with the figure.
 python3 - <<'END'
 import json
-from boxes import boxes
-boxes("block.obj", ((-30, -30, -10), (30, 30, 0)))
-lines = open("block.obj").read().splitlines()
-corners = [line.split()[1:] for line in lines if line.startswith("v ")]
-out, count = [], 0
-for line in lines:
-    if not line.startswith("f "):
-        continue
-    side = [list(map(float, corners[int(n)])) for n in line.split()[1:]]  # counted from the end
-    if all(x == 30 for x, _, _ in side):  # one side stands off by 0.02 mm
-        side = [[30.02, y, z] for _, y, z in side]
-    out += ["v %.9g %.9g %.9g" % tuple(corner) for corner in side] + ["f " + " ".join(str(count + n + 1) for n in range(len(side)))]
-    count += len(side)
-open("cracked.obj", "w").write("\n".join(out) + "\n")
+from boxes import cracked_box
+cracked_box("cracked.obj", (-30, -30, -10), (30, 30, 0), 0.02)
 json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("cracked", "box")]}, open("cracked.json", "w"))
 END
 study 0 'cracked.json#box' --pull 0,0,40mm --voxel-size 0.5mm --no-pictures -o cracked

@@ -349,9 +349,13 @@ class Disassembly {
     for (const std::size_t part : step.parts) {
       for (const std::size_t object : others) {
         const Installed& installed = shapes_.installed(part, object);
-        if (installed.is_seat && installed.gap_m <= shapes_.rule(part, object).margin_m()) {
+        const double deviations_m = shapes_.rule(part, object).margin_m();
+        if (installed.margin_m > deviations_m) {
+          step.hidden_overlap_m = std::max(step.hidden_overlap_m, installed.margin_m);
+        }
+        if (installed.is_seat && installed.gap_m <= deviations_m) {
           touched.insert(object);
-          if (installed.depth_m > shapes_.rule(part, object).margin_m()) {
+          if (installed.depth_m > installed.margin_m) {
             step.overlaps.push_back({object, installed.depth_m});
           }
         } else {

@@ -36,6 +36,9 @@ struct Step {
   double clearance_m = 0;  // a lower bound
   Parts touched;           // objects that the installed part touches
   std::vector<Overlap> overlaps;
+  // How much deeper than installed the part may go into what it touches, because cracks of a mesh
+  // hide it; 0 without cracks.
+  double hidden_overlap_m = 0;
   // Where the parts are taken from: a group that came out together, which is taken apart outside.
   // Empty: the assembly.
   Parts from;

@@ -169,6 +169,7 @@ std::optional<Step> Folder::step_of(const nlohmann::json& known) const try {
     step.clearance_m = known.at("clearance_m");
   }
   step.touched = parts_of(assembly_, known.at("touches"));
+  step.hidden_overlap_m = known.at("hidden_overlap_m");
   for (const nlohmann::json& overlap : known.at("overlaps")) {
     const Parts object = parts_of(assembly_, nlohmann::json::array({overlap.at("object")}));
     if (object.empty()) return std::nullopt;

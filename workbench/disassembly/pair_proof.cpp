@@ -131,7 +131,7 @@ class PairPath {
       Budget budget(kMaxAskedAtMoment);
       const exact::Watch watch([&] { return budget.may_go_on(); });
       try {
-        return seat.at_pose(pose, installed_.allowed_m).found_m > installed_.allowed_m;
+        return seat.at_pose(pose, installed_.allowed_m()).found_m > installed_.allowed_m();
       } catch (const exact::Stopped&) {
         if (!budget.is_spent()) throw;
         return false;
@@ -152,7 +152,7 @@ class PairPath {
       return met.empty() ? PairOutcome::kFree : PairOutcome::kUndecided;
     }
     exact::SeatWalk seat = seat_walk();
-    const auto deeper = seat.deeper_than(begin, left, installed_.allowed_m, kTravelM);
+    const auto deeper = seat.deeper_than(begin, left, installed_.allowed_m(), kTravelM);
     if (deeper.empty()) return PairOutcome::kFree;
     return std::any_of(deeper.begin(), deeper.end(), [](const auto& s) { return s.is_deeper; })
                ? PairOutcome::kBlocked
@@ -204,7 +204,7 @@ Installed measure_installed(const Shape& part, const Shape& object, const PairRu
     }
     installed.is_enclosed = installed.depth_m > 0 && installed.gap_m > rule.rounding_m;
     installed.is_seat = installed.gap_m < counted_m || installed.depth_m > 0;
-    installed.allowed_m = installed.depth_m + margin_m;
+    installed.margin_m = margin_m;
   } catch (const exact::Stopped&) {
     installed.is_seat = true;
     installed.is_known = false;

@@ -26,10 +26,11 @@ struct PairRule {
 
 // Two parts as installed.
 struct Installed {
-  double gap_m = 0;      // between the surfaces; 0 where they meet
-  double depth_m = 0;    // how deep one lies in the other; 0 where it does not
-  double allowed_m = 0;  // of depth, along a path
-  bool is_seat = false;  // nearer than the clearance
+  double gap_m = 0;     // between the surfaces; 0 where they meet
+  double depth_m = 0;   // how deep one lies in the other; 0 where it does not
+  double margin_m = 0;  // deviations, rounding and cracks: what the depth may be wrong by
+  double allowed_m() const { return depth_m + margin_m; }  // of depth, along a path
+  bool is_seat = false;                                    // nearer than the clearance
   // Whether one lies inside the other, and their surfaces do not meet: no path leads out of that.
   bool is_enclosed = false;
   // Whether one of both has an inside, so that a depth can be measured.

@@ -117,6 +117,10 @@ std::string instruction(const pairs::AssemblyParts& assembly, const Step& step,
     text += "   overlaps " + assembly.shown_name(overlap.object) + " as installed, " +
             command::length_text(overlap.depth_m) + " deep\n";
   }
+  if (step.hidden_overlap_m > 0) {
+    text += "   up to " + command::at_most_text(step.hidden_overlap_m) +
+            " more overlap than installed cannot be ruled out, because a mesh has cracks\n";
+  }
   return text;
 }
 
@@ -146,6 +150,7 @@ Json step_json(const pairs::AssemblyParts& assembly, const Step& step) {
     overlaps.push_back(
         {{"object", assembly.parts[overlap.object].name.listed}, {"depth_m", overlap.depth_m}});
   }
+  json["hidden_overlap_m"] = step.hidden_overlap_m;
   json["from"] = names_of(assembly, step.from);
   return json;
 }
