@@ -56,7 +56,8 @@ struct SeatTables {
 struct SeatPress {
   const std::int32_t* object;  // of NearestObjects
   const SeatTables& tables;
-  // By shell point, as in SeatRule. `steepness` is null where the part touches in no corner.
+  // By shell point, as in SeatRule. `in_seat_steepness` is null where the part touches in no
+  // corner.
   const float *in_seat_m, *in_seat_steepness;
   bool in_corners;  // whether the part lies in the corners of its seat
   float corner_m;   // points nearer than this touch in a corner
@@ -78,10 +79,11 @@ struct PointPair {
   std::uint32_t earlier, later;
 };
 
-// Writes the points of the seat in both sets that may have gone through a surface: those nearer
-// than `sheet_m` in `later`, the set of the last query, whose slope there is against their side in
-// `earlier` or less than `clear_slope` along their normal; or all that near, where the shell has
-// points without an inside. `pairs` has room for all points. Returns their number.
+// Both sets have their points in ascending order. Writes the points of the seat in both that may
+// have gone through a surface: those nearer than `sheet_m` in `later`, the set of the last query,
+// whose slope there is against their side in `earlier` or less than `clear_slope` along their
+// normal; or all that near, where the shell has points without an inside. `pairs` has room for all
+// points. Returns their number.
 std::size_t find_turned(const field::FieldProbe& probe, const field::ContactSet& earlier,
                         const field::ContactSet& later, float sheet_m, float clear_slope,
                         PointPair* pairs) noexcept;
@@ -95,7 +97,7 @@ struct TiltedSearch {
 };
 
 // Writes the points of the last query that are tilted, by their places, ascending. Both columns
-// have room for all points and field::ContactSet::kPadding more. Returns the numbers of both.
+// have room for all points. Returns the numbers of both.
 struct TiltedPoints {
   std::size_t steep, gentle;
 };

@@ -61,6 +61,7 @@ void box_on_target(const Columns& rows, std::size_t first, std::size_t blocks,
 }
 
 // Whether no row of a box pushes at `v`: not even by the rounding of its speed and of the box.
+// False where numbers are too large for double precision.
 bool pushes_nothing(const ContactRowBox& box, const coupling::Vector6& v) {
   constexpr double kRounding = 1e-12, kTiny = 1e-290;
   double least = 0, size = std::abs(box.max_onset);
@@ -69,7 +70,7 @@ bool pushes_nothing(const ContactRowBox& box, const coupling::Vector6& v) {
     least += middle - half;
     size += std::abs(middle) + half;
   }
-  return box.max_onset + kRounding * size + kTiny <= least;
+  return box.max_onset + kRounding * size + kTiny < least;
 }
 
 double energy_on_target(const Columns& rows, const ContactRowBox* boxes, std::size_t blocks,
@@ -77,12 +78,13 @@ double energy_on_target(const Columns& rows, const ContactRowBox* boxes, std::si
   VD sum[kVectors];
   for (VD& part : sum) part = hn::Zero(kD);
   const VD zero = hn::Zero(kD), half = hn::Set(kD, 0.5);
+  bool is_idle = false;  // the box of the block
   for (std::size_t b = 0; b < blocks; ++b) {
-    // The rows of such a box add 0.
-    if (b % ContactRows::kBoxBlocks == 0 && pushes_nothing(boxes[b / ContactRows::kBoxBlocks], v)) {
-      const std::size_t end = std::min(blocks, b + ContactRows::kBoxBlocks);
-      for (; b < end; ++b) push[b] = 0;
-      --b;
+    if (b % ContactRows::kBoxBlocks == 0) {
+      is_idle = pushes_nothing(boxes[b / ContactRows::kBoxBlocks], v);
+    }
+    if (is_idle) {  // its rows, which are finite, add 0
+      push[b] = 0;
       continue;
     }
     unsigned bits = 0;

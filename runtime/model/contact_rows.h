@@ -9,7 +9,8 @@
 
 namespace forcelayer::model {
 
-// One unilateral constraint: pushes with the impulse weight * (onset - j.v) while j.v < onset.
+// One unilateral constraint: pushes with the impulse weight * (onset - j.v) while j.v < onset. All
+// of it is finite.
 struct ContactRow {
   coupling::Vector6 j{};  // separation speed per velocity
   double weight = 0;      // N s per m/s
@@ -28,11 +29,12 @@ struct ContactRowSum {
   coupling::Vector6 impulse{};
 };
 
-// A box that holds the j of consecutive rows, and the largest onset of them. Most rows of a part
-// that is near the scene all around push at no velocity that matters: their boxes show it at once.
+// A box that holds the j of consecutive rows, and the largest onset of them. Of a part that is near
+// the scene all around, most rows push at none of the velocities that a solve tries: their boxes
+// show it at once.
 struct ContactRowBox {
   coupling::Vector6 middle{}, half{};
-  double max_onset = 0;  // infinite where a row is not a number
+  double max_onset = 0;  // infinite where a j or an onset is not a number
 };
 
 // Sums run in eight columns and are then added in one order: the same bits for any vector width.

@@ -113,7 +113,7 @@ disassemble 7 pressed.json --target block -o pressed_target
 tail -1 out.txt | grep -qx 'block comes out, and nothing needs to leave first, if force overcomes the overlaps as installed.' ||
   fail "the target: $(tail -1 out.txt)"
 
-# What cracks of a mesh hide is told with the step, by a run and by the next one, which knows the step.
+# The overlap that cracks of a mesh may hide is told with the step, by a run and by the next one, which knows the step.
 PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
 import json
 from boxes import boxes, cracked_box

@@ -191,7 +191,7 @@ using SeatKernel = EveryTarget;
 
 // How often each of the searches found something: a test of nothing shows nothing.
 struct Found {
-  std::size_t pressed = 0, freed = 0, turned = 0, steep = 0, in_corners = 0, far = 0;
+  std::size_t pressed = 0, freed = 0, turned = 0, undirected = 0, in_corners = 0, far = 0;
 };
 
 void try_poses(std::uint64_t seed, Found& found) {
@@ -214,6 +214,12 @@ void try_poses(std::uint64_t seed, Found& found) {
                     coupling::rotation_by(0.03 * random_direction(random))};
     std::swap(earlier, later);
     look.at(pose, later, random);
+    // Some points have no slope, and some of those no side either, as a sheet's.
+    for (std::uint32_t i = 0; i < later.count; ++i) {
+      if (random() % 16 != 0) continue;
+      look.samples.gx[i] = look.samples.gy[i] = look.samples.gz[i] = 0;
+      if (random() % 2 == 0) look.points.nx[i] = look.points.ny[i] = look.points.nz[i] = 0;
+    }
     plain = later;
     const std::int32_t* const object = look.objects.find();
     for (std::uint32_t i = 0; i < later.count; ++i) {
@@ -231,6 +237,11 @@ void try_poses(std::uint64_t seed, Found& found) {
     press_plainly(look, press, plain);
     expect_same(later, plain);
     found.pressed += later.seated;
+    for (std::uint32_t i = 0; i < later.count; ++i) {
+      found.undirected += later.of_seat[i] != 0 && later.depth_m[i] == 0 &&
+                          look.probe.slope(i) == glm::vec3(0) &&
+                          look.probe.normal(i) == glm::vec3(0);
+    }
     found.freed += plain.surface > look.points.surface_count;
     std::uint32_t in_corners = 0;
     for (std::uint32_t i = 0; i < later.count; ++i) {
@@ -243,6 +254,8 @@ void try_poses(std::uint64_t seed, Found& found) {
     found.in_corners += in_corners;
     expect_tilted(look.probe, {1.2f * s, 0.4f * s, 0.01f, 0.04f, 0.2f * s, s * s});
     if (n == 0) continue;
+    // Behind the end of the earlier set stand points that are in the later one.
+    earlier.count -= static_cast<std::uint32_t>(random() % 20 % (earlier.count + 1));
     const auto expected =
         turned_plainly(look.probe, earlier, later, 0.87f * s, 0.9f, part.two_sided);
     const std::size_t count =
@@ -267,6 +280,7 @@ TEST_P(SeatKernel, IsThatOfSinglePoints) {
   EXPECT_GT(found.freed, 10u);
   EXPECT_GT(found.turned, 1000u);
   EXPECT_GT(found.in_corners, 100u);
+  EXPECT_GT(found.undirected, 100u);
   EXPECT_GT(found.far, 20u);
 }
 

@@ -25,6 +25,8 @@
 
 #include "forcelayer/run.h"
 #include "runtime/loop/servo.h"
+#include "tests/support/distance_scene.h"
+#include "tests/support/motion_bench.h"
 #include "tests/support/random_scenes.h"
 #include "tests/support/sanitized.h"  // malloc is a sanitizer's, and system calls are too
 
@@ -228,6 +230,38 @@ TEST(StepMemory, NoStepOfTheDefaultModelAllocatesOrLocks) {
 }
 TEST(StepMemory, NoStepWithHelpersAllocatesOrLocks) {
   expect_no_allocation_or_lock(Model::kDefault, 2, 500);
+}
+
+// A block in a corner of three walls, with its edges in those of the corner.
+TEST(StepMemory, NoStepInASeatAllocatesOrLocks) {
+  const VoxelScene scene = distance_scene(
+      0.005, {-12, -12, -8}, {24, 24, 24},
+      [](const glm::dvec3& p) {
+        return std::min({p.x + 0.015, p.y + 0.012, p.z});
+      },
+      2, DistanceDefinition(2));
+  const Pose at{{0.0003, 0.0003, 0.0101}, {1, 0, 0, 0}};
+  MotionBench bench(scene, box_part({0.015, 0.012, 0.01}, 0.004, 0.005), at);
+  PartStart start;
+  start.world_from_part = at;
+  const auto begun = bench.simulation->begin(start, at);
+  ASSERT_TRUE(begun) << to_line(begun.error());
+  ASSERT_EQ(bench.simulation->seat().size(), 1u);
+  bench.state = *begun;
+  Random random(1);
+  trapped = locks_trapped = 0;
+  int seated = 0;
+  for (int frame = 0; frame < kSteps / 20; ++frame) {
+    Pose hand = at;
+    hand.position_m += 0.004 * random_direction(random);
+    trap_armed = true;
+    const StepResult result = bench.step_to(hand);
+    trap_armed = false;
+    seated += result.report.surface > 0;
+  }
+  EXPECT_EQ(trapped, 0u);
+  EXPECT_EQ(locks_trapped, 0u);
+  EXPECT_GT(seated, kSteps / 40);
 }
 
 // The message of the child below to the test.
