@@ -128,6 +128,69 @@ for run in first second; do
 done
 report cracked/sequence.json '2e-5 < report["steps"][0]["hidden_overlap_m"] < 2e-4 and report["steps"][0]["overlaps"] == []'
 
+# Two rings that are linked come off a tray, but not apart, alone or as a target.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
+import json
+from boxes import boxes
+def frame(name, low, high, axis):  # four bars around a hole along the axis, 10 mm thick
+    a, b = [n for n in range(3) if n != axis]
+    bars = []
+    for side, across in ((a, b), (b, a)):
+        for end in (0, 1):
+            l, h = list(low), list(high)
+            if end: l[side] = high[side] - 10
+            else: h[side] = low[side] + 10
+            if side == b: l[a], h[a] = low[a] + 10, high[a] - 10
+            bars.append((l, h))
+    boxes(name, *bars)
+boxes("tray.obj", ((-60, -60, -20), (120, 60, -10)))
+frame("ring1.obj", (-40, -40, 25), (40, 40, 35), 2)
+frame("ring2.obj", (10, -5, 0), (90, 5, 60), 1)
+json.dump({"parts": [{"name": part, "mesh": part + ".obj", "units": "mm"} for part in ("tray", "ring1", "ring2")]}, open("rings.json", "w"))
+PYTHON
+disassemble 6 rings.json -o rings
+grep -qx '2 of 3 parts come apart; 1 is left\.' out.txt && grep -q '^  left: ring[12]: ' out.txt || fail "linked rings: $(cat out.txt)"
+disassemble 6 rings.json --target ring1 -o ring1
+
+# A run that is stopped by its time keeps no step of which it does not know the overlaps.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
+import json
+from boxes import boxes
+pegs = ["peg%02d" % n for n in range(24)]
+boxes("base.obj", ((0, 0, 0), (300, 100, 20)))
+for n, peg in enumerate(pegs):
+    x, y, z = 10 + 22 * (n % 12), 10 + 40 * (n // 12), 19 if n == 0 else 20
+    boxes(peg + ".obj", ((x, y, z), (x + 10, y + 10, 40)))
+json.dump({"parts": [{"name": part, "mesh": part + ".obj", "units": "mm"} for part in ["base"] + pegs]}, open("pegs.json", "w"))
+PYTHON
+for time in 20ms 50ms 100ms 200ms 400ms; do
+  "$bin/forcelayer" disassemble pegs.json -o pegs --time $time >out.txt 2>err.txt || true
+  report pegs/sequence.json 'all(step["path_length_m"] > 0 for step in report["steps"])'
+done
+disassemble 7 pegs.json -o pegs
+report pegs/sequence.json '[(s["parts"], [o["object"] for o in s["overlaps"]]) for s in report["steps"] if s["overlaps"]] == [(["peg00"], ["base"])]'
+
+# A thin closed wall is not passed, however much the meshes may deviate.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support python3 - <<'PYTHON'
+import json
+from boxes import boxes
+walls = [((0, 0, 0), (50, 50, 5)), ((0, 0, 45), (50, 50, 50)), ((0, 0, 5), (5, 50, 45)), ((45, 0, 5), (45.3, 50, 45)),
+         ((5, 0, 5), (45, 5, 45)), ((5, 45, 5), (45, 50, 45))]
+boxes("chamber.obj", *walls)
+boxes("tab.obj", ((44, 20, 20), (44.3, 30, 30)))
+json.dump({"parts": [{"name": part, "mesh": part + ".obj", "units": "mm", "mesh_deviation": "0.2mm"} for part in ("chamber", "tab")]}, open("chamber.json", "w"))
+PYTHON
+disassemble 6 chamber.json -o chamber
+report chamber/sequence.json 'report["steps"] == [] and [l["part"] for l in report["left"]] == ["tab"]'
+
+# Another target's answer stays, and so do files of others.
+disassemble 2 gearbox.glb -o apart --target Cover
+report apart/sequence.json 'report["finished"] and len(report["steps"]) == 8'
+grep -qF 'holds a disassembly with another --target' err.txt || fail "another target: $(cat err.txt)"
+mkdir -p kept/paths && echo keep >kept/paths/001_Pin.csv
+disassemble 2 gearbox.glb -o kept
+grep -qx keep kept/paths/001_Pin.csv && [ ! -e kept/sequence.json ] || fail "a file of another was replaced"
+
 # Wrong input.
 refuses 2 "--target: 'Covers': no node has this name; the nearest names are: Gearbox/Lid/Cover, Gearbox/Clip, Gearbox/Lid/Bolt, Gearbox/Clip/Half, Gearbox/Housing" gearbox.glb --target Covers -o wrong
 disassemble 2 gearbox.glb

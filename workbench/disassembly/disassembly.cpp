@@ -100,7 +100,9 @@ class Disassembly {
     if (left.size() > 1) explain(without(left, {*outcome_.base}), left);
     for (std::size_t n = 0; n < outcome_.steps.size(); ++n) {
       const Parts group = outcome_.steps[n].parts;
-      if (group.size() > 1) rounds(group, group);
+      if (group.size() == 1) continue;
+      const Parts together = rounds(group, group);
+      if (together.size() > 1) explain(without(together, {base_of(together)}), together);
     }
   }
 
@@ -120,6 +122,7 @@ class Disassembly {
       if (steps.empty()) steps = group_steps(present);
       if (steps.empty()) break;
       finish(steps, present, from, is_known);
+      if (!is_known && is_over()) break;  // the round may lack steps, and what they overlap
       if (tells) observer_.found(present, steps, is_known);
       for (Step& step : steps) {
         present = without(present, step.parts);
@@ -416,7 +419,17 @@ class Disassembly {
     const bool is_base = contains(request_.target, base_of(all));
     if (!is_known) steps = straight_removals(all, is_base);
     if (steps.empty() && !is_over()) {
-      const Parts left = rounds(all, {});
+      Parts left = rounds(all, {});
+      for (std::size_t n = 0; n < outcome_.steps.size(); ++n) {
+        const Parts group = outcome_.steps[n].parts;
+        if (!has_target(outcome_.steps[n]) || without(group, request_.target).empty()) continue;
+        const Parts together = rounds(group, group);
+        // What stays in one piece with another part has not come out.
+        if (!without(together, request_.target).empty()) {
+          left.insert(left.end(), together.begin(), together.end());
+        }
+      }
+      std::sort(left.begin(), left.end());
       steps = needed_steps(std::exchange(outcome_.steps, {}), left);
     }
     if (steps.empty()) {
@@ -424,6 +437,10 @@ class Disassembly {
       return;
     }
     finish(steps, all, {}, is_known);
+    if (!is_known && is_over()) {  // the steps may lack what they overlap
+      explain(request_.target, all);
+      return;
+    }
     observer_.found(all, steps, is_known);
     outcome_.steps = std::move(steps);
   }

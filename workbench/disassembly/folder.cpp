@@ -28,6 +28,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSequence = "sequence.json";
+constexpr char kUnfinished[] = "The disassembly is not finished.";
 
 template <typename Value>
 void append(std::string& bytes, const Value& value) {
@@ -104,7 +105,13 @@ std::string Folder::in(const std::string& name) const {
 Result<Folder> Folder::open(const std::string& folder, const pairs::AssemblyParts& assembly,
                             const Request& request) {
   std::error_code failure;
-  std::filesystem::create_directories(std::filesystem::path(folder) / "paths", failure);
+  const std::filesystem::path paths = std::filesystem::path(folder) / "paths";
+  const bool is_known = std::filesystem::exists(std::filesystem::path(folder) / kSequence);
+  if (!is_known && std::filesystem::exists(paths) && !std::filesystem::is_empty(paths, failure)) {
+    return Error{ErrorCode::kUsage, paths.string(), "--output",
+                 "has files, but no disassembly wrote them", "name another folder"};
+  }
+  std::filesystem::create_directories(paths, failure);
   if (failure) {
     return Error{ErrorCode::kWriteFailed, folder, "--output", failure.message(),
                  "name a folder that can be written to"};
@@ -121,7 +128,27 @@ Result<Folder> Folder::open(const std::string& folder, const pairs::AssemblyPart
   std::string sequence = opened.in(kSequence);
   const command::OutputFile output[] = {{"--output", &sequence, command::FileKind::kReport}};
   if (Status s = command::check_outputs(output); !s) return s.error();
+  if (Status s = opened.check_target(); !s) return s.error();
+  if (Status s = opened.mark_unfinished(); !s) return s.error();
   return opened;
+}
+
+Status Folder::check_target() const {
+  if (!known_.is_object() || !known_.contains("target")) return {};
+  if (nlohmann::json(outcome_json(assembly_, request_, {})["target"]) == known_["target"])
+    return {};
+  return Error{ErrorCode::kUsage, folder_, "--output", "holds a disassembly with another --target",
+               "name another folder"};
+}
+
+// What stands there may be of other parts by now. Its steps stay, for recall().
+Status Folder::mark_unfinished() const {
+  std::ifstream file(in(kSequence), std::ios::binary);
+  auto known = Json::parse(file, nullptr, false);
+  if (!known.is_object()) return {};
+  known["sentence"] = kUnfinished;
+  known["finished"] = false;
+  return command::write_report(in(kSequence), known);
 }
 
 std::string Folder::state_of(const Parts& present) const {
@@ -203,6 +230,7 @@ Status Folder::write(const Outcome& outcome, bool finished, double seconds) {
   written_ = {{"schema_version", command::kReportSchema}};  // by which a later run knows the file
   written_.update(outcome_json(assembly_, request_, outcome));
   written_["steps"] = steps_;
+  if (!finished && !outcome.is_out_of_time) written_["sentence"] = kUnfinished;
   written_["finished"] = finished;
   written_["seconds"] = seconds;
   if (Status s = command::write_report(in(kSequence), written_); !s) return s;

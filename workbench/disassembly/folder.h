@@ -16,7 +16,8 @@ namespace forcelayer::disassembly {
 class Folder {
  public:
   // Makes the folder where it is not there, and locks it for as long as this lives. `assembly` and
-  // `request` outlive this. Errors: kWriteFailed; kUsage where sequence.json is no report.
+  // `request` outlive this. Errors: kWriteFailed; kUsage where sequence.json is no report or has
+  // another target, or where other files are in the way.
   static Result<Folder> open(const std::string& folder, const pairs::AssemblyParts& assembly,
                              const Request& request);
 
@@ -38,6 +39,8 @@ class Folder {
   Folder(std::string folder, Descriptor lock, const pairs::AssemblyParts& assembly,
          const Request& request);
   std::string in(const std::string& name) const;
+  Status check_target() const;
+  Status mark_unfinished() const;
   std::string state_of(const Parts& present) const;
   std::optional<Step> step_of(const nlohmann::json& known) const;
   nlohmann::ordered_json json_of(const Step& step) const;

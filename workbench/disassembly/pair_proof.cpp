@@ -151,6 +151,12 @@ class PairPath {
       const auto met = walk_.nearer_than({begin, left}, rule_.rounding_m, kTravelM, true);
       return met.empty() ? PairOutcome::kFree : PairOutcome::kUndecided;
     }
+    // Surfaces that are apart as installed may not meet: a wall that is thinner than the deviations
+    // would not show as a depth.
+    if (installed_.gap_m > rule_.rounding_m) {
+      const auto met = walk_.nearer_than({begin, left}, rule_.rounding_m, kTravelM, true);
+      if (!met.empty()) return PairOutcome::kUndecided;
+    }
     exact::SeatWalk seat = seat_walk();
     const auto deeper = seat.deeper_than(begin, left, installed_.allowed_m(), kTravelM);
     if (deeper.empty()) return PairOutcome::kFree;

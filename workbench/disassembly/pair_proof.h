@@ -3,7 +3,8 @@
 //
 // - An object that is farther from the installed part than the clearance stays so along the path.
 // - Another one is of the seat. Until the part has once been as far from it as the clearance, the
-//   part goes no deeper into it than it is installed. From then on the clearance counts.
+//   part goes no deeper into it than it is installed, and does not meet what it is apart from
+//   there. From then on the clearance counts.
 //
 // A study has one seat for all objects, which ends where the part has left the last of them. Here
 // each object counts as soon as the part has left it, which is stricter. So each pair of parts is

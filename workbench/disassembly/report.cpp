@@ -88,7 +88,7 @@ std::string sentence(const pairs::AssemblyParts& assembly, const Request& reques
       before.insert(before.end(), step.parts.begin(), step.parts.end());
     }
   }
-  before = without(before, {});
+  before = without(before, request.target);
   const std::string order = before.empty()
                                 ? " comes out, and nothing needs to leave first"
                                 : command::text(" comes out after %zu other part%s", before.size(),
