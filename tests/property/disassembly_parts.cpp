@@ -226,7 +226,7 @@ TEST(DisassemblyParts, OnlyWhatIsInTheWayOfATargetLeaves) {
 }
 
 // Two rings of a chain come apart only by way of each other: they leave together.
-TEST(DisassemblyParts, LinksOfAChainLeaveTogether) {
+TEST(DisassemblyParts, LinksOfAChainLeaveTogetherAndStayLinked) {
   pairs::AssemblyParts assembly;
   const Block plate{{-6, -6, -5}, {6, 6, -4}};
   test::add_part(assembly, "plate", mesh_of(plate));
@@ -238,18 +238,26 @@ TEST(DisassemblyParts, LinksOfAChainLeaveTogether) {
   const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}}, kNobody);
   ASSERT_EQ(outcome.steps.size(), 1u);
   EXPECT_EQ(outcome.steps[0].parts, (Parts{1, 2}));
-  EXPECT_TRUE(outcome.left.empty());
+  ASSERT_EQ(outcome.left.size(), 1u);
+  EXPECT_EQ(outcome.left[0].blocked_by.size(), 1u);
   EXPECT_EQ(outcome.base, std::optional<std::size_t>(0));
 
-  // One of them as a target: no straight motion of it alone is free, and its step is told once.
+  // One of them as a target has not come out while the other hangs on it; both together have, and
+  // their step is told once.
   Observer observer = kNobody;
   std::size_t told = 0;
   observer.found = [&](const Parts&, const std::vector<Step>& steps, bool) {
     told += steps.size();
   };
-  const Outcome target = take_apart(assembly, {kClearanceM, {1}, {}}, observer);
-  ASSERT_EQ(target.steps.size(), 1u);
-  EXPECT_EQ(target.steps[0].parts, (Parts{1, 2}));
+  const Outcome one = take_apart(assembly, {kClearanceM, {1}, {}}, observer);
+  EXPECT_TRUE(one.steps.empty());
+  ASSERT_EQ(one.left.size(), 1u);
+  EXPECT_EQ(one.left[0].part, 1u);
+  EXPECT_EQ(told, 0u);
+  const Outcome both = take_apart(assembly, {kClearanceM, {1, 2}, {}}, observer);
+  ASSERT_EQ(both.steps.size(), 1u);
+  EXPECT_EQ(both.steps[0].parts, (Parts{1, 2}));
+  EXPECT_TRUE(both.left.empty());
   EXPECT_EQ(told, 1u);
 }
 

@@ -73,8 +73,10 @@ std::string sentence(const pairs::AssemblyParts& assembly, const Request& reques
     if (left == 0) {
       return command::text("All %zu parts come apart%s.", parts, force);
     }
-    return command::text("%zu of %zu parts come apart; %zu %s left%s.", parts - left, parts, left,
-                         left == 1 ? "is" : "are",
+    const std::size_t off = parts - 1 - left;  // the base
+    return command::text("%zu of %zu parts %s off ", off, parts - 1, off == 1 ? "comes" : "come") +
+           (outcome.base ? assembly.shown_name(*outcome.base) : "the others") +
+           command::text("; %zu %s left%s.", left, left == 1 ? "is" : "are",
                          outcome.is_out_of_time ? ", because --time was over" : "");
   }
   const std::string target = listed(assembly, request.target);
