@@ -90,7 +90,7 @@ cut_at() { sed -nE 's/.*<output id="cut-at">([^<]*)<.*/\1/p' page.html; }
 page 'pin/report.html#worst&section=x' "${gl[@]}"
 at=$(cut_at) python3 - <<'END' || fail "the section at the worst moment: '$(cut_at)'"
 import json, os
-worst = json.load(open("pin/verdict.json"))["min_clearance"]
+worst = json.load(open("pin/verdict.json"))["told_moment"]
 assert os.environ["at"] == f"x = {1e3 * worst['point_m'][0]:.2f} mm", worst
 END
 page 'pin/report.html#section=y:34.5' "${gl[@]}"
