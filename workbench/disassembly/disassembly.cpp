@@ -424,7 +424,7 @@ class Disassembly {
         const Parts group = outcome_.steps[n].parts;
         if (!has_target(outcome_.steps[n]) || without(group, request_.target).empty()) continue;
         const Parts together = rounds(group, group);
-        // What stays in one piece with another part has not come out.
+        // A part that stays in one piece with another one has not come out.
         if (!without(together, request_.target).empty()) {
           left.insert(left.end(), together.begin(), together.end());
         }

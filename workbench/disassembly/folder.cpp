@@ -141,7 +141,7 @@ Status Folder::check_target() const {
                "name another folder"};
 }
 
-// What stands there may be of other parts by now. Its steps stay, for recall().
+// The file may be of other parts by now. Its steps stay, for recall().
 Status Folder::mark_unfinished() const {
   std::ifstream file(in(kSequence), std::ios::binary);
   auto known = Json::parse(file, nullptr, false);
