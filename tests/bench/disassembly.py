@@ -23,7 +23,7 @@ ASSEMBLIES = {  # by name: file, options
 def rows(bin_folder, name, folder):
     path, options = ASSEMBLIES[name]
     ended = subprocess.run([bin_folder / "forcelayer", "disassemble", path, *options, "-o", folder, "--quiet"])
-    if ended.returncode not in (0, 6):
+    if ended.returncode not in (0, 6, 7):
         sys.exit(f"disassembly.py: {name}: status {ended.returncode}")
     sequence = json.loads((folder / "sequence.json").read_text())
     for number, step in enumerate(sequence["steps"], 1):
