@@ -12,9 +12,9 @@
 #include "formats/command/text.h"
 #include "workbench/disassembly/part_shapes.h"
 #include "workbench/disassembly/straight_motions.h"
-#include "workbench/disassembly/threads.h"
 #include "workbench/exact/watch.h"
 #include "workbench/pairs/near_boxes.h"
+#include "workbench/pairs/threads.h"
 
 namespace forcelayer::disassembly {
 namespace {
@@ -73,7 +73,7 @@ class Disassembly {
 
   template <typename Work>
   void for_each_part(const char* stage, const Parts& parts, const Work& work) {
-    for_each_number(
+    pairs::for_each_number(
         parts.size(),
         [&](std::size_t n) {
           if (is_over()) return;

@@ -1,15 +1,12 @@
 #include "workbench/pairs/check.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <memory>
 #include <mutex>
-#include <system_error>
-#include <thread>
 #include <utility>
 
 #include "workbench/pairs/near_boxes.h"
+#include "workbench/pairs/threads.h"
 
 namespace forcelayer::pairs {
 namespace {
@@ -143,38 +140,19 @@ class Check {
     });
   }
 
-  // Each thread takes the next pair.
   void measure_all(std::span<const Pair> pairs, std::span<std::optional<PairFinding>> found,
                    const std::function<void(double)>& progress) const {
     Shapes shapes(assembly_, pairs);
-    std::atomic<std::size_t> next = 0, done = 0;
-    std::mutex failing;
-    std::exception_ptr failure;
-    const auto work = [&](bool shows) {
-      try {
-        for (std::size_t n; (n = next++) < pairs.size();) {
+    for_each_number(
+        pairs.size(),
+        [&](std::size_t n) {
           found[n] = measure(pairs[n], shapes);
           shapes.release(pairs[n].first);
           shapes.release(pairs[n].second);
-          ++done;
-          if (shows) progress(static_cast<double>(done) / static_cast<double>(pairs.size()));
-        }
-      } catch (...) {
-        const std::lock_guard lock(failing);
-        failure = std::current_exception();
-        next = pairs.size();
-      }
-    };
-    std::vector<std::thread> others;
-    const std::size_t threads =
-        std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), pairs.size());
-    try {
-      for (std::size_t n = 1; n < threads; ++n) others.emplace_back(work, false);
-    } catch (const std::system_error&) {  // the system gives no more: those that there are do all
-    }
-    work(true);
-    for (std::thread& other : others) other.join();
-    if (failure) std::rethrow_exception(failure);
+        },
+        [&](std::size_t done) {
+          progress(static_cast<double>(done) / static_cast<double>(pairs.size()));
+        });
   }
 
   std::optional<PairFinding> measure(const Pair& pair, Shapes& shapes) const {

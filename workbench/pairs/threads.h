@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace forcelayer::disassembly {
+namespace forcelayer::pairs {
 
 // Calls `work` with each number below `count` once, in any order, from several threads at a time,
 // and `progress` in this thread with how many are done. An exception of one call is thrown here,
@@ -45,4 +45,4 @@ void for_each_number(std::size_t count, const Work& work, const Progress& progre
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace forcelayer::disassembly
+}  // namespace forcelayer::pairs
