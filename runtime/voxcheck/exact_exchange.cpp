@@ -7,7 +7,7 @@ namespace forcelayer::voxcheck {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactMoment, time_s, exact_m, object, part_m, scene_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, worst, graze,
                                    pushed_into_seat, depth_m, max_depth_m, contact_s, contact_known,
-                                   inside)
+                                   inside, passes_wall)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactHole, edges_m, place_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
                                    nearest_m, margin_m, soon_m, soon_s, settled, part_hole,

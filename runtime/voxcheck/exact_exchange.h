@@ -74,6 +74,9 @@ struct ExactViolation {
   bool contact_known = false;
   // All of the part was inside of a solid for a while, where its surface met none.
   bool inside = false;
+  // No place was found that is deeper than allowed, but walls that are thinner than twice that may
+  // pass through each other.
+  bool passes_wall = false;
   bool meets() const { return !pushed_into_seat && worst.exact_m == 0; }
 };
 

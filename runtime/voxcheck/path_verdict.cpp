@@ -81,6 +81,10 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            (seat->overlaps() ? "overlap as installed and " : "") + "deviations of the meshes" +
            (seat->has_seat_depth() ? " and --seat-depth" : "");
   };
+  if (exact->passes_wall) {
+    return "may pass through a wall of " + object +
+           " that is thinner than twice the allowed depth, " + length_text(seat->allowed_m);
+  }
   if (exact->graze) {
     return "is " + length_text(v.depth_m) + " to " +
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep in " + object +

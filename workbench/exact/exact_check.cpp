@@ -816,6 +816,7 @@ class ExactCheck {
     violation.to_s = path_.time_s(stretch.to);
     violation.pushed_into_seat = true;
     violation.graze = !stretch.is_deeper;
+    violation.passes_wall = stretch.passes_wall;
     const Depth& worst = stretch.worst;
     violation.depth_m = worst.found_m;
     violation.max_depth_m = worst.at_most_m;

@@ -16,6 +16,9 @@ using part::Vec3;
 
 // A motion that takes more cells, and more for each triangle, is cut in two before its pieces are.
 constexpr std::uint64_t kMaxCells = 4000, kCellsOfTriangle = 4;
+// Depths by which a side is found: the allowed one, and so many that are each less by this factor.
+constexpr int kDepths = 8;
+constexpr double kLessDeep = 1.0 / 4;
 
 Vec3 placed(const Pose& pose, const Vec3& p) {
   return vec3_of(pose.position_m + pose.orientation * dvec3_of(p));
@@ -25,16 +28,31 @@ Piece placed(const Pose& pose, const Piece& piece) {
   return {placed(pose, piece[0]), placed(pose, piece[1]), placed(pose, piece[2])};
 }
 
+bool lies_on(const Body& solid, std::uint32_t number, const Hull& hull, double depth_m,
+             const Bend& bend) {
+  const Piece triangle = part::triangle_piece(solid.tree().part(), number);
+  return std::all_of(hull.points.begin(), hull.points.end(), [&](const Vec3& p) {
+    const Vec3 foot = part::nearest_on_triangle(p, triangle[0], triangle[1], triangle[2]);
+    return part::length(p - foot) + bend.max_m <= depth_m;
+  });
+}
+
+bool is_no_deeper(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
+  return lies_on(solid, solid.tree().nearest(hull.center).point.triangle, hull, depth_m, bend) ||
+         comes_free(solid, hull, depth_m, bend);
+}
+
 class Proof {
  public:
   Proof(const Body& surface, const Body& solid, const Motion& motion, double allowed_m,
-        std::size_t max_open)
+        std::size_t max_open, std::vector<Piece>& met)
       : surface_(surface),
         solid_(solid),
         motion_(motion),
         allowed_m_(allowed_m),
         max_cells_(kMaxCells + kCellsOfTriangle * surface.tree().ordered_triangles().size()),
-        max_open_(max_open) {}
+        max_open_(max_open),
+        met_(met) {}
 
   Parts left_of(const Parts& parts) {
     for (const Piece& piece : parts.pieces) settle(piece);
@@ -82,7 +100,12 @@ class Proof {
       const Piece piece = pieces_.back();
       pieces_.pop_back();
       const Piece from = placed(motion_.from, piece), to = placed(motion_.to, piece);
-      if (is_allowed(Hull(from, to))) continue;
+      const Hull hull(from, to);
+      if (is_outside(hull)) continue;
+      if (is_no_deeper(solid_, hull, allowed_m_, motion_.bend)) {
+        met_.push_back(piece);
+        continue;
+      }
       // Where the motion is the longer, it is cut.
       double travel_m = allowed_m_ / 4;
       for (std::size_t n = 0; n < 3; ++n) {
@@ -98,25 +121,13 @@ class Proof {
     left_.pieces.insert(left_.pieces.end(), pieces_.begin(), pieces_.end());
   }
 
-  bool is_allowed(const Hull& hull) const {
+  // Whether all of it is outside, and away from the surface.
+  bool is_outside(const Hull& hull) const {
     const auto nearest = solid_.tree().nearest(hull.center);
-    const double distance_m = std::sqrt(nearest.distance_squared);
     const double reach_m = hull.reach + motion_.bend.max_m;
-    // All of it is on one side of the surface: outside, or inside by no more than allowed.
-    if (distance_m > reach_m + solid_.crack_near_m(hull.center, reach_m) &&
-        !solid_.holds(hull.center)) {
-      return true;
-    }
-    return lies_on(nearest.point.triangle, hull) ||
-           comes_free(solid_, hull, allowed_m_, motion_.bend);
-  }
-
-  bool lies_on(std::uint32_t number, const Hull& hull) const {
-    const Piece triangle = part::triangle_piece(solid_.tree().part(), number);
-    return std::all_of(hull.points.begin(), hull.points.end(), [&](const Vec3& p) {
-      const Vec3 foot = part::nearest_on_triangle(p, triangle[0], triangle[1], triangle[2]);
-      return part::length(p - foot) + motion_.bend.max_m <= allowed_m_;
-    });
+    return std::sqrt(nearest.distance_squared) >
+               reach_m + solid_.crack_near_m(hull.center, reach_m) &&
+           !solid_.holds(hull.center);
   }
 
   const Body& surface_;
@@ -127,16 +138,35 @@ class Proof {
   std::size_t max_open_;
   std::vector<Piece> pieces_;  // of settle()
   Parts left_;
+  std::vector<Piece>& met_;
 };
 
 }  // namespace
 
 Parts not_proven(const Parts& parts, const Body& surface, const Body& solid, const Motion& motion,
-                 double allowed_m, std::size_t max_open, std::uint64_t& cells) {
-  Proof proof(surface, solid, motion, allowed_m, max_open);
+                 double allowed_m, std::size_t max_open, std::uint64_t& cells,
+                 std::vector<Piece>& met) {
+  Proof proof(surface, solid, motion, allowed_m, max_open, met);
   Parts left = proof.left_of(parts);
   cells += proof.cells();
   return left;
+}
+
+Hull hull_of(const Motion& motion, const Piece& piece) {
+  return {placed(motion.from, piece), placed(motion.to, piece)};
+}
+
+bool keeps_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
+  if (has_one_side(solid, hull, depth_m, bend)) return true;
+  if (stays_outside(solid, hull, bend)) return true;
+  // One that has no side for the least depth has none for any.
+  if (!has_one_side(solid, hull, std::pow(kLessDeep, kDepths) * depth_m, bend)) return false;
+  for (int n = 0; n < kDepths; ++n) {
+    depth_m *= kLessDeep;
+    if (!is_no_deeper(solid, hull, depth_m, bend)) return false;
+    if (has_one_side(solid, hull, depth_m, bend)) return true;
+  }
+  return false;
 }
 
 }  // namespace forcelayer::exact

@@ -15,17 +15,21 @@ constexpr std::size_t kMaxNear = 128;
 // Directions that differ by less are one, and so many are tried.
 constexpr double kSameNormal = 1 - 1e-6;
 constexpr std::size_t kMaxNormals = 8;
+// Normals of one side leave its direction by no more than this, as a cosine: sharper edges are thin
+// walls. It is looked for in steps of this factor at least, for so many normals.
+constexpr double kMinAlong = 0.25, kLess = 0.9;
+constexpr std::size_t kMaxOfSide = 512;
 // Rounding of a length along a direction, as a fraction of the largest coordinate: far above it.
 constexpr double kRounding = 1e-14;
 // Shifts are this much shorter than allowed, for their own rounding.
 constexpr double kShorter = 1 - 1e-6;
 
-double largest_of(const Hull& hull) {
+double rounding_of_m(const Hull& hull) {
   double largest = 0;
   for (std::size_t n = 0; n < hull.count; ++n) {
     largest = std::max(largest, part::max_abs(hull.points[n]));
   }
-  return largest;
+  return kRounding * largest;
 }
 
 Vec3 normal_of(const Piece& triangle) {
@@ -91,6 +95,36 @@ std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double rea
   return directions;
 }
 
+// Whether all places of a motion are outside, once they are shifted.
+bool is_free(const Body& solid, const Hull& hull, const Vec3& shift, const Bend& bend) {
+  // Through a crack a direction leads inside that meets no triangle, but it is narrow.
+  const Vec3 center = hull.center + shift;
+  const double crack_m = solid.crack_near_m(center, hull.reach + bend.max_m);
+  return visit_near(solid, hull, shift, crack_m + rounding_of_m(hull), bend,
+                    [](const Piece&) { return false; }) &&
+         !solid.holds(center);
+}
+
+// The smallest cosine between unit vectors and the direction that is found nearest to all of them:
+// their mean, turned to the farthest one by less and less.
+double along_all(const std::vector<Vec3>& normals) {
+  constexpr int kTurns = 24;
+  Vec3 sum, farthest;
+  for (const Vec3& normal : normals) sum += normal;
+  double best = -1;
+  Vec3 direction = part::normalized(sum);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    double along = 1;
+    for (const Vec3& normal : normals) {
+      const double cosine = part::dot(normal, direction);
+      if (cosine < along) along = cosine, farthest = normal;
+    }
+    best = std::max(best, along);
+    direction = part::normalized(direction + (1.0 / (turn + 2)) * farthest);
+  }
+  return best;
+}
+
 }  // namespace
 
 Hull::Hull(const Piece& piece)
@@ -151,22 +185,43 @@ bool is_farther(const Hull& hull, const Piece& triangle, const Vec3& shift, doub
   return false;
 }
 
+bool stays_outside(const Body& solid, const Hull& hull, const Bend& bend) {
+  return is_free(solid, hull, {}, bend);
+}
+
 bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& bend) {
-  const double rounding_m = kRounding * largest_of(hull);
-  const auto is_free = [&](const Vec3& shift) {
-    // Through a crack a direction leads inside that meets no triangle, but it is narrow.
-    const Vec3 center = hull.center + shift;
-    const double crack_m = solid.crack_near_m(center, hull.reach + bend.max_m);
-    return visit_near(solid, hull, shift, crack_m + rounding_m, bend,
-                      [](const Piece&) { return false; }) &&
-           !solid.holds(center);
-  };
-  if (is_free({})) return true;
+  if (stays_outside(solid, hull, bend)) return true;
   const std::vector<Vec3> directions =
-      directions_out(solid, hull, max_m + solid.crack_m() + rounding_m, bend);
+      directions_out(solid, hull, max_m + solid.crack_m() + rounding_of_m(hull), bend);
   return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
-    return is_free((kShorter * max_m) * direction);
+    return is_free(solid, hull, (kShorter * max_m) * direction, bend);
   });
+}
+
+bool has_one_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
+  // No direction is so near to two normals that are farther from each other.
+  constexpr double kMinBetween = 2 * kMinAlong * kMinAlong - 1;
+  double along = 1;
+  std::vector<Vec3> normals;
+  while (along >= kMinAlong) {
+    const double reach_m = (1 + 1 / along) * depth_m + rounding_of_m(hull);
+    normals.clear();
+    const bool may_have = visit_near(solid, hull, {}, reach_m, bend, [&](const Piece& triangle) {
+      const Vec3 normal = solid.outward() * normal_of(triangle);
+      if (normal == Vec3{}) return true;
+      for (const Vec3& other : normals) {
+        if (normal == other) return true;
+        if (part::dot(normal, other) < kMinBetween) return false;
+      }
+      normals.push_back(normal);
+      return normals.size() < kMaxOfSide;
+    });
+    if (!may_have) return false;
+    const double found = normals.empty() ? 1 : along_all(normals);
+    if (found >= along) return true;
+    along = std::min(found, kLess * along);
+  }
+  return false;
 }
 
 }  // namespace forcelayer::exact

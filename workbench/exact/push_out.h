@@ -57,8 +57,21 @@ bool is_farther_along(const part::Vec3& along, const Hull& hull, const part::Pie
 bool is_farther(const Hull& hull, const part::Piece& triangle, const part::Vec3& shift,
                 double min_m, const Bend& bend = {});
 
+// Whether all places of a motion are proven to stay outside of the solid.
+bool stays_outside(const Body& solid, const Hull& hull, const Bend& bend = {});
+
 // Whether a shift is found that is no longer than `max_m`, and that takes all places of a motion
 // out of the solid. No says nothing.
 bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& bend = {});
+
+// Whether all places of a motion that are no deeper than `depth_m` are on one side of the solid:
+// no wall is so thin there that some of them are as near to one side of it as to the other.
+//
+//   Let p be a place, and v a direction with n.v >= c > 0 for the normals n of all triangles within
+//   (1 + 1 / c) D of p. Then the places outside that are within D of p are connected outside.
+//
+// From a place outside, no way that leaves v by less than asin(c) leads inside there. Two places
+// outside within D of p both reach their middle, moved along v by D / c, by such ways.
+bool has_one_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend = {});
 
 }  // namespace forcelayer::exact

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "pointshell/part/pieces.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
@@ -17,6 +18,9 @@ namespace {
 constexpr double kWithinFraction = 1.0 / 64;
 // So many pieces may a proof leave open: at first, and where it is likely to succeed.
 constexpr std::size_t kFewOpen = 64, kAllOpen = std::numeric_limits<std::size_t>::max();
+// Pieces of motions that are looked at for one that changes its side: at first, and where neither
+// surface is then proven to keep its side.
+constexpr std::uint64_t kFewCellsOfSide = 1 << 11, kMaxCellsOfSide = 1 << 16;
 
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
@@ -38,8 +42,12 @@ SeatWalk::SeatWalk(const clearance::CenterPath& path, const Bodies& part, const 
   }
   for (const auto& own : part) {
     for (const auto& other : object) {
-      if (other->is_solid()) all_.push_back({own.get(), other.get(), true, whole_surface()});
-      if (own->is_solid()) all_.push_back({other.get(), own.get(), false, whole_surface()});
+      const auto add = [&](const Body& surface, const Body& solid, bool is_of_part) {
+        if (!solid.is_solid()) return;
+        all_.push_back({all_.size(), &surface, &solid, is_of_part, whole_surface()});
+      };
+      add(*own, *other, true);
+      add(*other, *own, false);
     }
   }
 }
@@ -97,9 +105,7 @@ const Depth& SeatWalk::at(const Moment& moment, std::optional<double> allowed_m,
 // that of a place of the part in the world is turn^2 |p|, and a way with the acceleration a leaves
 // its chord by a / 8 at most. A place that comes into the part is within its radius then. Both
 // accelerations are across the axis: along it p' = axis (p - c) goes straight.
-SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, const Moment& end,
-                                     double allowed_m, std::size_t max_open) const {
-  if (clearance::CenterPath::between(begin, end).count() > 0) return open;
+Motion SeatWalk::motion_of(bool is_of_part, const Moment& begin, const Moment& end) const {
   const Pose from = path_.world_from_center(begin), to = path_.world_from_center(end);
   const Pose middle = path_.world_from_center(path_.middle(begin, end));
   const glm::dquat turned = glm::conjugate(from.orientation) * to.orientation;
@@ -109,20 +115,92 @@ SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, con
     return Bend{max_m, sine > 0 ? vec3_of(solid_from_part * (axis / sine)) : part::Vec3{}};
   };
   const double shift_m = glm::length(to.position_m - from.position_m);
+  if (is_of_part) {
+    return {from, middle, to, bend_of(turn * turn * radius_m_ / 8, from.orientation),
+            (shift_m + turn * radius_m_) / 2};
+  }
   const double farthest_m = radius_m_ + shift_m;
-  const Motion of_part{from, middle, to, bend_of(turn * turn * radius_m_ / 8, from.orientation),
-                       (shift_m + turn * radius_m_) / 2};
-  const Motion of_object{inverse(from), inverse(middle), inverse(to),
-                         bend_of((turn * turn * farthest_m + 2 * turn * shift_m) / 8, {1, 0, 0, 0}),
-                         (shift_m + turn * farthest_m) / 2};
+  return {inverse(from), inverse(middle), inverse(to),
+          bend_of((turn * turn * farthest_m + 2 * turn * shift_m) / 8, {1, 0, 0, 0}),
+          (shift_m + turn * farthest_m) / 2};
+}
+
+SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, const Moment& end,
+                                     double allowed_m, std::size_t max_open) {
+  if (clearance::CenterPath::between(begin, end).count() > 0) return open;
+  const Motion of_part = motion_of(true, begin, end), of_object = motion_of(false, begin, end);
   std::uint64_t cells = 0;
   Opens left;
   for (const Open& o : open) {
-    Parts parts = exact::not_proven(o.parts, *o.surface, *o.solid,
-                                    o.is_of_part ? of_part : of_object, allowed_m, max_open, cells);
-    if (!parts.empty()) left.push_back({o.surface, o.solid, o.is_of_part, std::move(parts)});
+    std::vector<part::Piece> met;
+    Parts parts =
+        exact::not_proven(o.parts, *o.surface, *o.solid, o.is_of_part ? of_part : of_object,
+                          allowed_m, max_open, cells, met);
+    for (const part::Piece& piece : met) met_[o.number].push_back({begin, end, piece});
+    if (parts.empty()) continue;
+    left.push_back({o.number, o.surface, o.solid, o.is_of_part, std::move(parts)});
   }
   return left;
+}
+
+// A motion in which a piece may change its side of a solid, as short as it is told; none where all
+// are proven to keep it.
+std::optional<SeatWalk::Met> SeatWalk::changes_side(const Open& pair, double allowed_m,
+                                                    std::uint64_t max_cells) const {
+  std::vector<Met> open = met_[pair.number];
+  std::reverse(open.begin(), open.end());  // in the order of time
+  for (std::uint64_t cells = 0; !open.empty(); ++cells) {
+    keep_going();
+    const Met tried = open.back();
+    open.pop_back();
+    const Motion motion = motion_of(pair.is_of_part, tried.begin, tried.end);
+    const Hull hull = hull_of(motion, tried.piece);
+    if (keeps_side(*pair.solid, hull, allowed_m, motion.bend)) continue;
+    double travel_m = 0;
+    for (std::size_t n = 0; n < 3; ++n) {
+      travel_m = std::max(travel_m, part::length(hull.points[n + 3] - hull.points[n]));
+    }
+    const part::LongestEdge longest = part::longest_edge(tried.piece);
+    const double edge_m = std::sqrt(longest.length_squared);
+    if (cells >= max_cells || std::max(travel_m, edge_m) <= within_m_) return tried;
+    if (travel_m > edge_m) {
+      const Moment half = path_.middle(tried.begin, tried.end);
+      open.push_back({half, tried.end, tried.piece});
+      open.push_back({tried.begin, half, tried.piece});
+    } else {
+      for (const part::Piece& piece : part::bisected(tried.piece, longest.from)) {
+        open.push_back({tried.begin, tried.end, piece});
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+// Two surfaces that pass through each other change both their sides. So it is enough that one of
+// both keeps its side all the time.
+std::optional<SeatWalk::Stretch> SeatWalk::passage(double allowed_m) {
+  for (const Open& open : all_) {
+    std::vector<const Open*> ways{&open};
+    for (const Open& other : all_) {
+      if (other.surface == open.solid && other.solid == open.surface) ways.push_back(&other);
+    }
+    if (ways.size() > 1 && !open.is_of_part) continue;  // was looked at with the other
+    std::optional<Met> changes;
+    bool is_kept = false;
+    for (const std::uint64_t max_cells : {kFewCellsOfSide, kMaxCellsOfSide}) {
+      for (const Open* way : ways) {
+        if (is_kept) break;
+        changes = changes_side(*way, allowed_m, max_cells);
+        is_kept = !changes;
+      }
+    }
+    if (is_kept) continue;
+    Stretch stretch{changes->begin, changes->end, changes->begin, {}};
+    stretch.worst = at(changes->begin, allowed_m);
+    stretch.passes_wall = true;
+    return stretch;
+  }
+  return std::nullopt;
 }
 
 // Looks at moments all over a stretch, its poses first, for the deepest, and then closer and closer
@@ -181,6 +259,7 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
   };
   std::vector<Motions> open{{from, to, std::make_shared<const Opens>(all_)}};
   reached_s_ = path_.time_s(from);
+  met_.assign(all_.size(), {});
   const auto is_cut_short = [](const Open& o) {
     return !o.parts.nodes.empty() || o.parts.pieces.size() > kFewOpen;
   };
@@ -241,10 +320,14 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
   try {
     at(from, std::nullopt), at(to, std::nullopt);  // how deep it is, be it proven or not
     while (!open.empty()) look_at_next();
+    if (found.empty()) {
+      if (const auto passed = passage(allowed_m)) found.push_back(*passed);
+    }
   } catch (const Stopped&) {
     if (!is_deeper_so_far()) throw;
   }
   for (Stretch& stretch : found) {
+    if (stretch.passes_wall) continue;
     find_worst(stretch);
     stretch.is_deeper |= stretch.worst.found_m > allowed_m;
   }

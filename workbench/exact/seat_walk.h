@@ -39,11 +39,13 @@ class SeatWalk {
   // From here on reports how far deeper_than() is, as a fraction of it.
   void tell(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
-  // A stretch of which it is not proven that no place is deeper than allowed.
+  // A stretch of which it is not proven that no place is deeper than allowed, and no surface passes
+  // through a wall of the other.
   struct Stretch {
     Moment from, to, worst_at;
-    Depth worst;             // the deepest of all that was found
-    bool is_deeper = false;  // than allowed; else it is too close to call
+    Depth worst;               // the deepest of all that was found
+    bool is_deeper = false;    // than allowed; else it is too close to call
+    bool passes_wall = false;  // it is no deeper, but may pass through a wall
   };
   // Those between two moments, in the order of time. They are found to `resolution_m` of travel
   // where they begin and end; one that is too close to call is found to `within_m`. The search ends
@@ -68,13 +70,24 @@ class SeatWalk {
  private:
   // Parts of the surface of one body of both that may go too deep into one of the other.
   struct Open {
+    std::size_t number;  // of the pair of bodies, in all_
     const Body *surface, *solid;
     bool is_of_part;
     Parts parts;
   };
   using Opens = std::vector<Open>;
   Opens not_proven(const Opens& open, const Moment& begin, const Moment& end, double allowed_m,
-                   std::size_t max_open) const;
+                   std::size_t max_open);
+  // A piece that is no deeper than allowed in a motion, but may meet the solid.
+  struct Met {
+    Moment begin, end;
+    part::Piece piece;
+  };
+  // A motion as the solid sees it: that of the part, or that of the object as the part sees it.
+  Motion motion_of(bool is_of_part, const Moment& begin, const Moment& end) const;
+  std::optional<Stretch> passage(double allowed_m);
+  std::optional<Met> changes_side(const Open& open, double allowed_m,
+                                  std::uint64_t max_cells) const;
   // The depth at a moment, and at a pose, of these parts. Those that are proven need not be among
   // them to know whether it is more than allowed.
   const Depth& at(const Moment& moment, std::optional<double> allowed_m, const Opens& open);
@@ -87,8 +100,9 @@ class SeatWalk {
   const Bodies& part_;
   const Bodies& object_;
   const MeshPair& distance_;
-  Opens all_;                       // of both surfaces
-  double within_m_, radius_m_ = 0;  // radius of the part about its centroid
+  Opens all_;                          // of both surfaces
+  std::vector<std::vector<Met>> met_;  // of each of these, in the last search
+  double within_m_, radius_m_ = 0;     // radius of the part about its centroid
   std::map<std::tuple<std::size_t, double, bool>, Depth> depths_;
   std::optional<std::pair<Moment, Depth>> deepest_;
   std::function<void(double)> progress_ = [](double) {};

@@ -1,0 +1,226 @@
+// Walls thinner than twice the depth that a seat allows. Which ways lead through a wall is known by
+// construction: a fin of the part before a tab of the object, far larger than the fin.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+#include <string>
+
+#include "tests/support/ring_surface.h"
+#include "workbench/exact/push_out.h"
+#include "workbench/exact/seat_walk.h"
+
+namespace forcelayer::exact {
+namespace {
+
+void add_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m) {
+  const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
+  for (int n = 0; n < 8; ++n) {
+    surface.vertices_m.push_back(
+        {(n & 1 ? high_m : low_m).x, (n & 2 ? high_m : low_m).y, (n & 4 ? high_m : low_m).z});
+  }
+  for (const mesh::Triangle& t : std::initializer_list<mesh::Triangle>{{0, 2, 1},
+                                                                       {1, 2, 3},
+                                                                       {4, 5, 6},
+                                                                       {5, 7, 6},
+                                                                       {0, 1, 4},
+                                                                       {1, 5, 4},
+                                                                       {2, 6, 3},
+                                                                       {3, 6, 7},
+                                                                       {0, 4, 2},
+                                                                       {2, 4, 6},
+                                                                       {1, 3, 5},
+                                                                       {3, 7, 5}}) {
+    surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    surface.object.push_back(1);
+  }
+}
+
+double evenly(std::mt19937& random, double low, double high) {  // by ratio
+  return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
+}
+
+// A foot that lies `depth` deep in a floor, and on the same part a fin, `gap` before a tab that
+// stands on the same object.
+struct FinBeforeTab {
+  FinBeforeTab(double depth, double gap, double fin, double tab) {
+    add_box(part, {-14, -2, -depth}, {-10, 2, 6});
+    add_box(part, {2, -3, 1}, {2 + fin, 3, 6});
+    add_box(object, {-40, -40, -8}, {40, 40, 0});
+    add_box(object, {2 + fin + gap, -30, 0.25}, {2 + fin + gap + tab, 30, 12});
+  }
+  Surface part, object;
+};
+
+Surface moved(Surface surface, const Pose& pose) {
+  for (glm::dvec3& v : surface.vertices_m) v = pose.position_m + pose.orientation * v;
+  return surface;
+}
+
+// The stretches of a straight way, in a frame that is moved and turned.
+std::vector<SeatWalk::Stretch> stretches_of(const Surface& part, const Surface& object,
+                                            const glm::dvec3& way, double turn, double allowed,
+                                            const Pose& frame) {
+  const Surface scene = moved(object, frame);
+  const Bodies of_part = bodies_of(part, 1e-9), of_object = bodies_of(scene, 1e-9);
+  EXPECT_TRUE(are_solid(of_part) && are_solid(of_object));
+  const MeshPair distance(scene, part);
+  const auto row = [&](double time_s, const Pose& own) {
+    const Pose pose = frame * own;
+    const auto& p = pose.position_m;
+    const auto& q = pose.orientation;
+    return PathRow{time_s, {p.x, p.y, p.z}, {q.w, q.x, q.y, q.z}};
+  };
+  const clearance::CenterPath path(
+      {{row(0, {}), row(1, {way, glm::angleAxis(turn, glm::dvec3(0, 0, 1))})}}, {0, 0, 0}, 32);
+  SeatWalk walk(path, of_part, of_object, distance, allowed / 64);
+  return walk.deeper_than({0, 0}, {1, 0}, allowed, 0.016);
+}
+
+Pose any_frame(std::mt19937& random) {
+  std::normal_distribution<double> any;
+  const glm::dquat turned(any(random), any(random), any(random), any(random));
+  return {{any(random), any(random), any(random)}, glm::normalize(turned)};
+}
+
+// The places outside that are so near to a piece are connected outside, seen from place to place;
+// beside a thin wall, those before and behind it are not.
+TEST(SeatWalls, OfOneSideAllPlacesOutsideAreConnected) {
+  std::mt19937 random(68);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto any = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  int sided = 0, walls = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    SCOPED_TRACE(trial);
+    const double depth = evenly(random, 0.02, 0.3);
+    Surface solid;
+    add_box(solid, {-1, -1, 0}, {1, 1, evenly(random, 0.5 * depth, 8 * depth)});
+    if (trial % 2 == 0) add_box(solid, {-1, -1, -1}, {1, -1 + 2 * depth, -0.1 * depth});
+    const Bodies bodies = bodies_of(solid, 1e-9);
+    const Body& body = *bodies[0];
+    glm::dvec3 place = 1.1 * any();
+    place.z = depth * unit(random);
+    const auto near = body.tree().nearest(vec3_of(place));
+    if (near.distance_squared > depth * depth) continue;
+    const part::Vec3 p = vec3_of(place), q = vec3_of(place + 1e-3 * depth * any());
+    const bool has_side = has_one_side(body, Hull({p, q, 0.5 * (p + q)}), depth);
+    // Those within the depth come first, then others within the farthest reach, 1 + 1 / 0.25.
+    std::vector<part::Vec3> outside;
+    std::size_t within = 0;
+    for (int n = 0; n < 400; ++n) {
+      const glm::dvec3 off = any();
+      if (glm::length(off) > 1) continue;
+      const part::Vec3 at = vec3_of(place + (n < 150 ? 1 : 5) * depth * off);
+      if (body.holds(at)) continue;
+      outside.push_back(at);
+      within += n < 150;
+    }
+    if (within == 0) continue;
+    std::vector<bool> is_reached(outside.size());
+    std::vector<std::size_t> open{0};
+    is_reached[0] = true;
+    while (!open.empty()) {
+      const part::Vec3 from = outside[open.back()];
+      open.pop_back();
+      for (std::size_t n = 0; n < outside.size(); ++n) {
+        if (is_reached[n] || body.may_meet({from, outside[n], outside[n]})) continue;
+        is_reached[n] = true;
+        open.push_back(n);
+      }
+    }
+    const auto count = std::count(is_reached.begin(),
+                                  is_reached.begin() + static_cast<std::ptrdiff_t>(within), true);
+    const bool is_connected = static_cast<std::size_t>(count) == within;
+    EXPECT_TRUE(is_connected || !has_side) << depth;
+    sided += has_side;
+    walls += !is_connected;
+  }
+  EXPECT_GT(sided, 40);
+  EXPECT_GT(walls, 20);
+}
+
+// An overlap where the part is installed opens no wall elsewhere, however thin.
+TEST(SeatWalls, AnOverlapElsewhereLetsNoWallPass) {
+  std::mt19937 random(65);
+  int as_deep_as_half = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const double depth = evenly(random, 0.02, 0.8), allowed = depth + 1e-3;
+    // Walls of 0.05 to 4 times the depth.
+    const double fin = evenly(random, 0.05 * depth, 4 * depth),
+                 tab = evenly(random, 0.05 * depth, 4 * depth), gap = evenly(random, 1e-3, 1);
+    const FinBeforeTab seat(depth, gap, fin, tab);
+    const Pose frame = any_frame(random);
+    SCOPED_TRACE("trial " + std::to_string(trial) + ", depth " + std::to_string(depth) + ", fin " +
+                 std::to_string(fin) + ", tab " + std::to_string(tab));
+    as_deep_as_half += 2 * allowed > std::min(fin, tab);
+    const double turn = trial % 2 == 0 ? 0 : std::uniform_real_distribution(-0.1, 0.1)(random);
+    const auto through = [&](const glm::dvec3& way, double by_rad) {
+      return stretches_of(seat.part, seat.object, way, by_rad, allowed, frame);
+    };
+    EXPECT_FALSE(through({gap + fin + tab + 0.5, 0.3, 0}, turn).empty());
+    // Away from it, along it and up, the foot slides out or lifts off.
+    EXPECT_TRUE(through({-20, 0.3, 0}, 0).empty());
+    EXPECT_TRUE(through({0, 9, 0}, 0).empty());
+    EXPECT_TRUE(through({0, 0, 20}, 0).empty());
+  }
+  EXPECT_GT(as_deep_as_half, 15);
+}
+
+// Surfaces that touch may go into each other by the deviations of both. That opens no wall that is
+// thinner than these, and the part still slides along such walls.
+TEST(SeatWalls, DeviationsLetNoWallPass) {
+  std::mt19937 random(66);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double deviations = evenly(random, 0.01, 0.3);
+    const double fin = evenly(random, 0.1 * deviations, 2 * deviations),
+                 tab = evenly(random, 0.1 * deviations, 2 * deviations);
+    const FinBeforeTab seat(0, 0, fin, tab);  // foot and fin both touch
+    const Pose frame = any_frame(random);
+    SCOPED_TRACE("trial " + std::to_string(trial) + ", deviations " + std::to_string(deviations) +
+                 ", fin " + std::to_string(fin) + ", tab " + std::to_string(tab));
+    const auto through = [&](const glm::dvec3& way) {
+      return stretches_of(seat.part, seat.object, way, 0, deviations, frame);
+    };
+    const auto passed = through({fin + tab + 0.5, 0, 0});
+    ASSERT_FALSE(passed.empty());
+    EXPECT_TRUE(passed[0].passes_wall || passed[0].is_deeper);
+    EXPECT_TRUE(through({0, 9, 0}).empty());
+    EXPECT_TRUE(through({-20, 0, 0}).empty());
+  }
+}
+
+// A sheet is pressed onto a shaft that is thicker than it: all along the edge of its hole the shaft
+// is deeper than half of the sheet. It still comes off.
+TEST(SeatWalls, AThinSheetComesOffTheShaftThatItIsPressedOn) {
+  Surface shaft = test::ring_surface(24, 10.3, 30);
+  for (std::uint32_t a = 2; a + 2 < shaft.vertices_m.size(); a += 2) {
+    shaft.triangles.push_back({0, a + 2, a});
+    shaft.triangles.push_back({1, a + 1, a + 3});
+  }
+  shaft.object.assign(shaft.triangles.size(), 1);
+  Surface sheet;
+  for (const double r : {10.0, 20.0}) {
+    const Surface ring = test::ring_surface(24, r, 0.2);
+    sheet.vertices_m.insert(sheet.vertices_m.end(), ring.vertices_m.begin(), ring.vertices_m.end());
+    for (const mesh::Triangle& t : ring.triangles) {
+      sheet.triangles.push_back(r < 15 ? mesh::Triangle{t[0], t[2], t[1]}
+                                       : mesh::Triangle{t[0] + 48, t[1] + 48, t[2] + 48});
+    }
+  }
+  for (std::uint32_t a = 0; a < 48; a += 2) {
+    const std::uint32_t b = (a + 2) % 48;
+    sheet.triangles.push_back({a, b + 48, a + 48}), sheet.triangles.push_back({a, b, b + 48});
+    sheet.triangles.push_back({a + 1, a + 49, b + 49}),
+        sheet.triangles.push_back({a + 1, b + 49, b + 1});
+  }
+  sheet.object.assign(sheet.triangles.size(), 1);
+  std::mt19937 random(67);
+  const Pose frame = any_frame(random);
+  EXPECT_TRUE(stretches_of(sheet, shaft, {0, 0, 40}, 0, 0.301, frame).empty());
+  EXPECT_TRUE(stretches_of(shaft, sheet, {0, 0, 40}, 0, 0.301, frame).empty());
+}
+
+}  // namespace
+}  // namespace forcelayer::exact
