@@ -15,7 +15,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowe
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,
-                                   seated, beyond, beyond_clearance_m, moments, stop, warnings)
+                                   seated, beyond, beyond_clearance_m, enclosed_by, moments, stop,
+                                   warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, min_m, max_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 

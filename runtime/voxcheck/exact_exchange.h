@@ -137,8 +137,10 @@ struct ExactAnswer {
   std::vector<ExactNearest> seated;  // in ExactRequest::seated
   ExactMoment beyond;             // the least distance from all objects that are not of the seat,
   double beyond_clearance_m = 0;  // and what it is at least
-  std::uint64_t moments = 0;      // at which a distance was measured
-  std::vector<ExactStop> stop;    // at most one
+  // The object with a closed surface all around the part where the path begins; at most one.
+  std::vector<std::uint32_t> enclosed_by;
+  std::uint64_t moments = 0;    // at which a distance was measured
+  std::vector<ExactStop> stop;  // at most one
   std::vector<std::string> warnings;
 };
 

@@ -226,9 +226,8 @@ int run(int argc, char** argv) {
       "whole path",
       "voxcheck"};
   app.footer(
-      "Exit status 0: clear; 6: not clear; 7: clear, but the installed part overlaps a neighbor, "
-      "so\n"
-      "only force moves it.");
+      "Exit status 0: clear; 6: not clear; 7: not clear without force, because the installed part\n"
+      "overlaps a neighbor.");
   command::set_version(app, std::string("vectors ") + query::kernel_target());
   OptionParser parser(app);
   command::arrange_help(

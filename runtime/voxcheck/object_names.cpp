@@ -1,5 +1,7 @@
 #include "runtime/voxcheck/object_names.h"
 
+#include <set>
+
 #include "formats/command/spelling/spelling.h"
 #include "formats/command/text.h"
 #include "formats/command/verdict/verdict.h"
@@ -30,18 +32,33 @@ bool fits_whole(std::string_view text, std::string_view pattern) {
   return p == pattern.size();
 }
 
-}  // namespace
-
-std::string object_name(const Voxmap& scene, std::uint32_t object) {
-  if (object == 0) return "";
+// As the file has it.
+std::string stored_name(const Voxmap& scene, std::uint32_t object) {
   const std::string_view name = scene.object_name(object);
   return name.empty() ? "object " + std::to_string(object) : std::string(name);
 }
 
+}  // namespace
+
+std::string object_name(const Voxmap& scene, std::uint32_t object) {
+  if (object == 0) return "";
+  std::string name = stored_name(scene, object);
+  const std::string second = name + "[2]";
+  for (std::uint32_t n = 1; n <= scene.header().object_count; ++n) {
+    if (scene.object_name(n) == second) return name + "[1]";
+  }
+  return name;
+}
+
 std::vector<std::string> object_names(const Voxmap& scene) {
   std::vector<std::string> names;
+  std::set<std::string_view> stored;
   for (std::uint32_t n = 1; n <= scene.header().object_count; ++n) {
-    names.push_back(object_name(scene, n));
+    names.push_back(stored_name(scene, n));
+    stored.insert(scene.object_name(n));
+  }
+  for (std::string& name : names) {
+    if (stored.contains(name + "[2]")) name += "[1]";
   }
   return names;
 }
@@ -67,7 +84,7 @@ Result<clearance::LeftOut> named_objects(const Voxmap& scene,
   const auto choose = [&](const std::string& pattern) {
     bool any = false;
     for (std::uint32_t object = 1; object <= objects; ++object) {
-      if (!fits(object_name(scene, object), pattern)) continue;
+      if (!fits(stored_name(scene, object), pattern)) continue;
       chosen[object] = 1;
       any = true;
     }

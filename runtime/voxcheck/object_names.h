@@ -13,7 +13,8 @@
 
 namespace forcelayer::voxcheck {
 
-// The object's name in the file; "object N" where that is empty; empty for object 0.
+// The object's name in the file, with "[1]" where it is the first of several of that name; "object
+// N" where that is empty; empty for object 0.
 std::string object_name(const Voxmap& scene, std::uint32_t object);
 
 // All of them, in the order of their numbers.

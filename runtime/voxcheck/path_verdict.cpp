@@ -107,6 +107,18 @@ std::string hole_text(const ExactHole& hole) {
   return length_text(hole.edges_m) + " of open edges, " + place_text({p[0], p[1], p[2]});
 }
 
+// How near the files know the part to be to an object of its seat.
+std::string files_know_text(const CheckedPath& checked, std::uint32_t object) {
+  double max_m = INFINITY;
+  for (const auto& seated : checked.result.seated) {
+    if (seated.nearest.object == object) max_m = std::min(max_m, seated.nearest.max_m);
+  }
+  if (max_m <= 0) return ", where the part touches this object";
+  if (!std::isfinite(max_m)) return "; the files do not tell whether the part touches this object";
+  return ", where the part comes nearer than " + command::at_most_text(max_m) +
+         " to this object, which is all that the files tell";
+}
+
 std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
   const std::string object = name_of(checked, v.worst.object);
   if (checked.exact != nullptr) {
@@ -115,9 +127,9 @@ std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
            ", overlap cannot be measured, because both meshes are open: the part has " +
            hole_text(seat->part_hole) + ", and " + object + " has " + hole_text(seat->object_hole);
   }
-  return text(
-      "features of %s narrower than %.2f mm are not seen while the part touches this object",
-      object.c_str(), ceil_mm(2 * checked.part.header().covering_radius_m));
+  return text("features of %s narrower than %.2f mm are not seen in the seat", object.c_str(),
+              ceil_mm(2 * checked.part.header().covering_radius_m)) +
+         files_know_text(checked, v.worst.object);
 }
 
 std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact) {
@@ -413,19 +425,28 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
   }
   const bool is_straight =
       facts.length_m <= kStraight * chord && off_m <= std::max(kStandsM, kOffFraction * chord);
+  // A path that turns has the direction in which it ends: of its last tenth.
+  glm::dvec3 way_m = chord_m;
+  double last_m = 0;
+  for (std::size_t row = rows.size() - 1; row > 0 && !is_straight && last_m < 0.1 * facts.length_m;
+       --row) {
+    last_m += glm::length(centroid(rows[row]) - centroid(rows[row - 1]));
+    way_m = centroid(rows.back()) - centroid(rows[row - 1]);
+  }
+  if (glm::length(way_m) < kStandsM) way_m = chord_m;
   std::string along;
   for (int axis = 0; axis < 3; ++axis) {
-    const double cosine = chord_m[axis] / chord;
+    const double cosine = way_m[axis] / glm::length(way_m);
     if (std::abs(cosine) < (is_straight ? kAlong : kToward)) continue;
     along = text("%c%c", cosine > 0 ? '+' : '-', "xyz"[axis]);
   }
   if (along.empty()) {
     const auto digit = [&](int axis) {
-      return std::round(1e2 * chord_m[axis] / chord) / 1e2 + 0.0;
+      return std::round(1e2 * way_m[axis] / glm::length(way_m)) / 1e2 + 0.0;
     };
     along = text("(%.4g, %.4g, %.4g)", digit(0), digit(1), digit(2));
   }
-  if (!is_straight) return "along a bent path toward " + along;
+  if (!is_straight) return "along a path that turns and ends toward " + along;
   return "straight along " + along + (facts.turn_rad > kTurnRad ? " and turning" : "");
 }
 
@@ -449,6 +470,11 @@ std::string violation_text(const CheckedPath& checked, const Violation& v) {
   return line + contact + where_text(checked, v.worst);
 }
 
+std::optional<std::uint32_t> enclosing_object(const CheckedPath& checked) {
+  const bool any = checked.exact != nullptr && !checked.exact->enclosed_by.empty();
+  return any ? std::optional(checked.exact->enclosed_by.front()) : std::nullopt;
+}
+
 command::Verdict verdict_of(const CheckedPath& checked) {
   const CheckResult& r = checked.result;
   command::Verdict verdict;
@@ -458,8 +484,15 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.scene_names = object_names(checked.scene);
   verdict.slides = slides_of(checked);
   verdict.nearest = smallest_of(checked);
-  verdict.beyond = beyond_of(checked);
   verdict.kind = yes_of(checked);
+  const auto enclosing = enclosing_object(checked);
+  if (r.clear() && enclosing && verdict.kind == VerdictKind::kComesOut) {
+    verdict.kind = VerdictKind::kDoesNotComeOut;
+    verdict.finding = kEnclosed;
+    verdict.nearest.known = Known::kNot;
+    verdict.blocked_by = {object_name(checked.scene, *enclosing)};
+    return verdict;
+  }
   if (r.clear()) {
     verdict.unchecked = crack_text(checked);
     if (checked.exact != nullptr) add_overlaps(checked.scene, *checked.exact, verdict);
@@ -491,21 +524,10 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   return verdict;
 }
 
-ToldMoment told_moment(const CheckedPath& checked, const command::Verdict& verdict) {
+ToldMoment told_moment(const CheckedPath& checked) {
   ToldMoment told{checked.result.smallest};
-  if (checked.exact == nullptr) return told;
-  if (&command::told_distance(verdict) == &verdict.beyond) {
-    const ExactMoment& beyond = checked.exact->beyond;
-    const auto& p = beyond.part_m;
-    told.moment.clearance_m = checked.exact->beyond_clearance_m;
-    told.moment.max_m = beyond.exact_m + checked.exact->margin_m;
-    told.moment.time_s = beyond.time_s;
-    told.moment.object = beyond.object;
-    told.moment.point_m = {p[0], p[1], p[2]};
-    told.exact = &beyond;
-  } else if (checked.exact->smallest.exact_m < kNothingM) {
-    told.exact = &checked.exact->smallest;
-  }
+  const bool is_measured = checked.exact != nullptr && checked.exact->smallest.exact_m < kNothingM;
+  if (is_measured) told.exact = &checked.exact->smallest;
   return told;
 }
 

@@ -42,7 +42,7 @@ const ExactMoment* exact_in_seat(const CheckedPath& checked, std::size_t stretch
 // There must be one.
 const clearance::Violation& worst_of(const CheckedPath& checked);
 
-// "straight along +z"; empty where the part does not move.
+// "straight along +z", or where a path ends that turns; empty where the part does not move.
 std::string motion_text(std::span<const PathRow> rows, const Pshell& part);
 
 // "at x 94.64, y 39.86, z 51.52 mm"
@@ -54,10 +54,14 @@ struct ToldMoment {
   clearance::CheckedMoment moment;
   const ExactMoment* exact = nullptr;
 };
-ToldMoment told_moment(const CheckedPath& checked, const command::Verdict& verdict);
+ToldMoment told_moment(const CheckedPath& checked);
 
 // The verdict, without advice and notes.
 command::Verdict verdict_of(const CheckedPath& checked);
+
+// The object with a closed surface all around the part, and the words for that.
+std::optional<std::uint32_t> enclosing_object(const CheckedPath& checked);
+inline constexpr char kEnclosed[] = "the part is enclosed on all sides";
 
 // Adds the objects that the installed part overlaps for certain to a verdict that is yes.
 void add_overlaps(const Voxmap& scene, const ExactAnswer& exact, command::Verdict& verdict);

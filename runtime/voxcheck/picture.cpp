@@ -25,7 +25,7 @@ struct Shown {
   bool object_inside = false;                  // the object lies inside the part
 };
 
-Shown shown_of(const Report& report, const command::Verdict& verdict) {
+Shown shown_of(const Report& report) {
   // A seat that is not settled has no worst moment.
   const clearance::CheckResult& result = report.checked.result;
   if (!result.clear() && !worst_of(report.checked).unsettled_seat) {
@@ -34,7 +34,7 @@ Shown shown_of(const Report& report, const command::Verdict& verdict) {
     return {worst.worst, exact != nullptr ? &exact->worst : nullptr,
             worst.depth_m > 0 ? &worst : nullptr, worst.object_inside};
   }
-  const ToldMoment told = told_moment(report.checked, verdict);
+  const ToldMoment told = told_moment(report.checked);
   return {told.moment, told.exact};
 }
 
@@ -89,7 +89,7 @@ std::vector<std::string> inputs_of(const Options& options) {
 Status draw_picture(const Report& report, const command::Verdict& verdict) {
   const clearance::CenterPath& path = report.checked.path;
   const Options& options = report.options;
-  const Shown shown = shown_of(report, verdict);
+  const Shown shown = shown_of(report);
   const auto& c = report.checked.part.header().center_m;
   const Pose world_from_part = path.world_from_center(path.at(shown.moment.time_s)) *
                                inverse(Pose{glm::dvec3(c[0], c[1], c[2]), {1, 0, 0, 0}});

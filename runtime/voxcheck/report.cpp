@@ -218,15 +218,16 @@ std::string end_text(const CheckedPath& checked, command::VerdictKind answer) {
     return "the path ends in the seat: whether the part comes out was not checked";
   }
   if (kind != command::VerdictKind::kComesOut || !ends_in_scene_box(checked)) return "";
-  return "the path ends within the box around the other objects: whether the part gets out from "
-         "there was not checked";
+  return "\"comes out\" says here that the part leaves its seat: the path ends within the box "
+         "around "
+         "the other objects, and the way on from there was not checked";
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
   if (verdict.kind == command::VerdictKind::kNeverNear) {
     return "check the units of the path, and whether path, part and scene belong together";
   }
-  if (command::passes(verdict.kind)) return verdict.advice;
+  if (report.checked.result.clear()) return verdict.advice;
   const Violation& worst = worst_of(report.checked);
   if (worst.out_of_time) return "give a longer --time, or check a part of the path";
   if (worst.unsettled_seat) {
@@ -253,6 +254,10 @@ command::Verdict verdict_of(const Report& report) {
   verdict.remarks = overlap_texts(report);
   auto& notes = verdict.notes;
   if (std::string line = end_text(checked, verdict.kind); !line.empty()) notes.push_back(line);
+  if (const auto object = enclosing_object(checked)) {
+    notes.push_back(shown_name(checked.scene, *object) +
+                    " encloses the part on all sides, so no other path leads out either");
+  }
   // That of the sentence first.
   std::vector<const Violation*> listed;
   if (!r.clear()) listed.push_back(&worst_of(checked));
@@ -311,9 +316,9 @@ Json smallest_json(const Report& report) {
 }
 
 // The moment of which the sentence speaks.
-Json told_json(const Report& report, const command::Verdict& verdict) {
+Json told_json(const Report& report) {
   if (!report.checked.result.clear()) return smallest_json(report);
-  const ToldMoment told = told_moment(report.checked, verdict);
+  const ToldMoment told = told_moment(report.checked);
   Json json = moment_json(report.checked, told.moment, told.moment.clearance_m);
   json["at_least"] = report.checked.result.at_least && told.exact == nullptr;
   if (told.exact != nullptr) add_exact(json, *told.exact);
@@ -330,7 +335,7 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
   json["schema_version"] = 1;
   json.update(command::verdict_json(verdict));
   json["min_clearance"] = smallest_json(report);
-  json["told_moment"] = told_json(report, verdict);
+  json["told_moment"] = told_json(report);
   if (report.exact) {
     json["exact"] = {{"deviations_and_rounding_m", report.exact->margin_m},
                      {"moments_measured", report.exact->moments}};

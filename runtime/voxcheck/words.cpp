@@ -15,7 +15,6 @@ constexpr std::size_t kListed = 5;
 
 }  // namespace
 
-double floor_mm(double length_m) { return std::floor(length_m * 1e6) / 1e3; }
 double ceil_mm(double length_m) { return std::ceil(length_m * 1e6) / 1e3; }
 
 std::string to_object(const Voxmap& scene, std::uint32_t object) {

@@ -15,8 +15,7 @@ namespace forcelayer::voxcheck {
 // Between meshes that are known exactly, nothing but rounding is allowed: less than this.
 inline constexpr double kRoundingM = 1e-6;
 
-// In millimeters, rounded down: a clearance must not be quoted larger than it is.
-double floor_mm(double length_m);
+// In millimeters, rounded up.
 double ceil_mm(double length_m);
 
 // " to NAME"; empty for object 0.

@@ -27,6 +27,13 @@ for name in voxelize pointshell voxinfo voxrun voxcheck voxplan voxview; do
   grep -q "^  $name " list.txt || fail "$name is not listed"
 done
 
+# One word for one thing: what has status 7 is "not clear" in --help as in all reports.
+for command in "forcelayer study" voxcheck voxplan; do
+  [ -x "$bin/${command% *}" ] || continue
+  # shellcheck disable=SC2086  # words
+  "$bin"/$command --help | tr '\n' ' ' | grep -q '7: [^;]*not clear without force, because the installed part overlaps a neighbor\.' || fail "the help of $command"
+done
+
 # Each step that reads a file of odd units notes that in its report. It is printed once.
 study 0 'gearbox.glb#Pin' --units cm --voxel-size 0.01mm --pull 0,0,0.6mm --clearance 0.01mm --no-pictures -o scaled
 [ "$(grep -c 'warning: .* is read as ' err.txt)" = 1 ] || fail "not one warning: $(cat err.txt)"
@@ -50,7 +57,7 @@ study 0 "${pin[@]}" -o pin
 study 0 "${pin[@]}" -o pin --quiet
 [ ! -s out.txt ] || fail "--quiet: $(cat out.txt)"
 python3 - "$pictures" <<'END' || fail "the page"
-import json, re, sys
+import json, math, re, sys
 from html.parser import HTMLParser
 page = open("pin/report.html").read()
 report, verdict = json.load(open("pin.json")), json.load(open("pin/verdict.json"))
@@ -73,8 +80,9 @@ assert "url(" not in page and "@import" not in page
 assert ("img" in [tag for tag, _ in tags]) == (sys.argv[1] == "yes") and "svg" in [tag for tag, _ in tags]
 said = " ".join(texts)
 assert open("pin/verdict.txt").read().strip() in "".join(texts) and "voxrun pin/scene.vox" in said
-def mm(length_m):  # rounded down, without zeros at the end
-    return f"{int(1e6 * length_m + 1e-6) / 1e3:.3f}".rstrip("0").rstrip(".") + " mm"
+def mm(length_m):  # rounded down to three decimals, or to three digits, without zeros at the end
+    decimals = max(3, math.ceil(-math.log10(1e3 * length_m) - 1e-9) + 2)
+    return f"{int(1e3 * length_m * 10**decimals + 1e-3) / 10**decimals:.{decimals}f}".rstrip("0").rstrip(".") + " mm"
 assert mm(verdict["min_clearance"]["exact_m"]) + " measured" in said
 [seated] = verdict["seated"]
 width = float(re.search(r'x="64.0" y="16" width="([0-9.]+)" [^>]*class="seat"', page)[1]) / (900 - 64 - 16)
@@ -99,7 +107,7 @@ report, words = json.load(open("told.json")), open("drawn/words.txt").read().spl
 told = report["told_moment"]
 [(name, after_mm)] = re.findall(r"\(measured to ([^,;]*), after ([0-9.]+) of 60 mm", report["sentence"])
 option = lambda key: words[words.index(key) + 1]
-assert told["object"].endswith(re.sub(r"\[1\]$", "", name)) and option("--measure-object") == told["object"], (name, told)
+assert told["object"].endswith(name) and option("--measure-object") == told["object"], (name, told)
 z_mm = 1e3 * float(option("--part-pose").split(",")[2].rstrip("m"))
 assert abs(z_mm - float(after_mm)) < 0.06 and abs(1e3 * told["along_path_m"] - z_mm) < 1e-6, (z_mm, after_mm, told)
 END
@@ -254,7 +262,7 @@ assert report["verdict"] == verdict["verdict"] == "not clear" and report["kind"]
 assert report["sentence"] == verdict["sentence"] == open("held/verdict.txt").readline().strip(), report["sentence"]
 assert report["finding"] == verdict["finding"] and " deep into " in report["finding"], report["finding"]
 assert "hand" not in report["words"], report["words"]  # it feels only the voxels: the meshes have the answer
-assert report["blocked_by"] == ["Gearbox/Lid/Bolt"] + [f"Gearbox/Lid/Bolt[{n}]" for n in (2, 3, 4)]
+assert report["blocked_by"] == [f"Gearbox/Lid/Bolt[{n}]" for n in (1, 2, 3, 4)]
 # Its page gives places in mm: at each of the bolts, which are at its corners, and at no other.
 places = re.findall(r"<td>(?:[^<]* at )?x ([^ ,<]+), y ([^ ,<]+), z ([^ ,<]+) mm</td>", open("held/report.html").read())
 assert len(places) == 4, places
@@ -269,8 +277,11 @@ study 6 'gearbox.glb#Cover' --voxel-size 3mm --path up.csv --clearance 1mm -o gi
 grep -q 'class="verdict no"><strong>Does not come out, straight along +z</strong>' given/report.html || fail "the page of what is not clear"
 grep -q 'goes [0-9.]* mm deep into Bolt' given/report.html && grep -q '<td>[0-9.]* mm deep</td>' given/report.html || fail "the page does not say what is wrong"
 study 6 'bore.json#pin' --voxel-size 3mm --path up.csv --clearance 1mm -o given --files-alone
-grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>in contact, overlap not known</td>' given/report.html ||
+grep -q '<strong>Undecided, ' given/report.html && grep -q '<td>in its seat, overlap not known</td>' given/report.html ||
   fail "the page does not say that the seat is not settled"
+# The files do not know that the pin touches its bore, and do not say so: 0.098 mm are between them.
+! grep -q 'touches' given/verdict.txt && grep -q ' in the seat, where the part comes nearer than [0-9.]* mm to this object, which is all that the files tell ' given/verdict.txt ||
+  fail "contact that is not known: $(cat given/verdict.txt)"
 grep -q '^  leave out --files-alone: meshes can give an answer$' given/verdict.txt && grep -q 'leave out --files-alone: meshes can give an answer' given/report.html ||
   fail "the reports do not say what decides: $(cat given/verdict.txt)"
 python3 - <<'END' || fail "the page gives other bounds than the terminal: $(cat given/verdict.txt)"

@@ -107,9 +107,14 @@ json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for na
 END
 for size in 2mm auto; do
   study 6 'cased.json#cube' --voxel-size $size --pull 0,0,100mm -o cased
-  says cased "does not come out" '^Does not come out, straight along [+]z: (meets|all of the part is inside of) case, ' 6
+  says cased "does not come out" '^Does not come out, straight along [+]z: meets case, at least [45](\.[0-9]+)? mm deep \(contact from 15 mm on, ' 6
+  grep -q '^  case encloses the part on all sides, so no other path leads out either$' cased/verdict.txt || fail "$(cat cased/verdict.txt)"
   no_foreign_options
 done
+grep -q '^  when installed, no object is nearer than the required clearance$' cased/verdict.txt || fail "as installed: $(cat cased/verdict.txt)"
+# A path that ends in the cavity leads nowhere.
+study 6 'cased.json#cube' --voxel-size 2mm --pull 0,0,10mm -o cased --json cased_report.json
+says cased "does not come out" '^Does not come out, straight along [+]z: the part is enclosed on all sides \(1 mm of clearance required\); blocked by case\.$' 6
 study 2 'cased.json#cube' --voxel-size 2mm --pull 0,0,100mm --files-alone -o cased
 says cased refused 'ended with status 2: .*inside the scene; check --units; leave out the objects that enclose or overlap the part \(--without\), or use' 2
 no_foreign_options

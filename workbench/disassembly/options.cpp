@@ -24,8 +24,8 @@ OptionParser::OptionParser(CLI::App& app) {
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   app.footer(
       "The same command continues an earlier one. It keeps the steps whose parts did not change.\n"
-      "Exit status 0: all parts, or the target, come out; 6: something is left; 7: by force "
-      "alone.");
+      "Exit status 0: all parts, or the target, come out; 6: something is left; 7: not "
+      "without force.");
   command::arrange_help(
       app,
       {{"Question", {"--target", "--clearance", "--time"}},

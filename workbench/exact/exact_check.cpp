@@ -21,6 +21,7 @@
 #include "runtime/clearance/path_check.h"
 #include "runtime/run/baked_files.h"
 #include "runtime/voxcheck/path_source.h"
+#include "workbench/exact/enclosure.h"
 #include "workbench/exact/exact_walk.h"
 #include "workbench/exact/seat_meshes.h"
 #include "workbench/exact/seat_walk.h"
@@ -139,6 +140,10 @@ class ExactCheck {
   Status measure(ExactAnswer& answer) {
     begin_stage(ExactStop::kClearance, "measuring the clearance");
     if (Status sound = hold_against_files(); !sound) return sound;
+    if (const auto object =
+            enclosing_object(all_, part_, path_.world_from_center({0, 0}), margin_m_)) {
+      answer.enclosed_by.push_back(*object);
+    }
     find_seated();
     add_violations(answer);
     add_seat(answer);
@@ -224,20 +229,37 @@ class ExactCheck {
         return contradiction(said.time_s, counted_m, "prove", said.min_m);
       }
       const double exact_m = walk_.at(moment, false).measured.distance_m;
-      if (exact_m > said.max_m + rounding_m_ && !lies_inside(moment, exact_m, false)) {
+      if (exact_m > said.max_m + rounding_m_ && !is_filled(moment, exact_m)) {
         return contradiction(said.time_s, exact_m, "give at most", said.max_m);
       }
     }
     return {};
   }
 
-  // Where some objects do not count, a mesh that counts has to hold the point: deep inside, the
-  // scene does not tell of which object.
+  // Whether the voxels have the part inside of a solid, or in a cavity, which they fill.
+  bool is_filled(const Moment& moment, double distance_m) {
+    return is_inside(voxmap_, shell_, path_.world_from_center(moment), distance_m, baked_margin_m_,
+                     [&](const glm::dvec3& place_m) {
+                       return request_.allowed.empty() || is_held(place_m, false);
+                     });
+  }
+
+  // Whether the part lies inside of a solid that counts. Deep inside, the scene does not tell of
+  // which object, and it fills cavities: the meshes know. Open meshes may be the faces of a solid
+  // together, so where there are any, and all objects count, the scene decides.
   bool lies_inside(const Moment& moment, double distance_m, bool seated) {
     const bool all_count = request_.allowed.empty() && !seated;
-    return is_inside(
-        voxmap_, shell_, path_.world_from_center(moment), distance_m, baked_margin_m_,
-        [&](const glm::dvec3& place_m) { return all_count || is_held(place_m, seated); });
+    return is_inside(voxmap_, shell_, path_.world_from_center(moment), distance_m, baked_margin_m_,
+                     [&](const glm::dvec3& place_m) {
+                       return is_held(place_m, seated) || (all_count && !are_all_solid());
+                     });
+  }
+
+  bool are_all_solid() {
+    if (boxes_.empty()) find_boxes();
+    return std::all_of(boxes_.begin(), boxes_.end(), [&](const auto& entry) {
+      return are_solid(other_of(entry.first).bodies());
+    });
   }
 
   // Whether a place lies inside of a solid object that counts.

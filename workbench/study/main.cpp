@@ -147,9 +147,9 @@ int main(int argc, char** argv) {
   made->footer(
       "The same command continues an earlier study. It skips finished steps whose inputs did not "
       "change.\n"
-      "Exit status 0: clear; 6: not clear, or the part does not come out; 7: clear, but the "
-      "installed\n"
-      "part overlaps a neighbor, so only force moves it.");
+      "Exit status 0: clear; 6: not clear, or the part does not come out; 7: not clear without "
+      "force,\n"
+      "because the installed part overlaps a neighbor.");
   command::arrange_help(
       *made,
       {{"Question",

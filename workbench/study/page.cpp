@@ -125,7 +125,7 @@ std::string how_near(const Json& v) {
   }
   if (v.value("pushed_into_seat", false)) how = mm(v["depth_m"]) + depth_words(v);
   if (v.value("object_inside", false)) how = "the object lies inside the part";
-  if (v.value("seat_not_settled", false)) how = "in contact, overlap not known";
+  if (v.value("seat_not_settled", false)) how = "in its seat, overlap not known";
   if (v.value("graze", false)) how += ", too close to call";
   return how;
 }

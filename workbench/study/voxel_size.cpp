@@ -138,7 +138,7 @@ std::string play_text(const Play& play) {
                             : (n == 0 ? "in contact with " : ", ") + names[n];
   }
   if (play.object.empty() && touched.empty())
-    return "no object is nearer than the required clearance";
+    return "when installed, no object is nearer than the required clearance";
   if (play.object.empty()) return "when installed: " + touched + "; " + line;
   if (!touched.empty()) line += "; " + touched;
   return line;

@@ -100,7 +100,7 @@ int run(int argc, char** argv) {
   app.footer(
       "Exit status 0: a path was found; 6: no path was found within --time; 7: a path was found, "
       "but\n"
-      "the installed part overlaps a neighbor, so only force moves it.");
+      "it is not clear without force, because the installed part overlaps a neighbor.");
   command::set_version(app, "OMPL " FORCELAYER_OMPL_VERSION);
   OptionParser parser(app);
   command::arrange_help(

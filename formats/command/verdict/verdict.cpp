@@ -17,6 +17,7 @@ using Known = VerdictDistance::Known;
 constexpr std::size_t kListed = 5;          // objects in a sentence
 constexpr std::size_t kListedBytes = 150;   // of their names, unless the first is longer
 constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
+constexpr int kSignificant = 3;             // digits at least
 constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
 // Twice what a least distance is searched for, m and as a fraction of it.
 constexpr double kSearchedM = 2e-7, kSearchedFraction = 2e-5;
@@ -29,6 +30,13 @@ std::string cut_mm(double length_m, int decimals) {
   digits.erase(digits.find_last_not_of('0') + 1);
   if (digits.back() == '.') digits.pop_back();
   return digits == "-0" ? "0" : digits;
+}
+
+// The decimals with which a length is shown: three, and more where the first digits are zeros.
+int decimals_of(double length_m) {
+  if (!(std::abs(length_m) >= kSmallestM)) return kDecimals;
+  const int first = static_cast<int>(std::ceil(-std::log10(1e3 * std::abs(length_m)) - 1e-9));
+  return std::clamp(first + kSignificant - 1, kDecimals, kDigits);
 }
 
 // No two doubles have the same: a thousand times one fits into a long double.
@@ -159,27 +167,6 @@ std::string distance_text(const Verdict& v, const char* before, const char* behi
          " required)";
 }
 
-// Whether the part is nearest, beside its slides, where one of these begins or ends, to an object
-// of it: of course it is just about the required clearance away there.
-bool is_nearest_beside_slide(const Verdict& v) {
-  const std::string nearest = short_mm(v.nearest.along_m);
-  return std::any_of(v.slides.begin(), v.slides.end(), [&](const VerdictSlide& slide) {
-    const auto names = [&](const std::vector<std::string>& objects) {
-      return std::find(objects.begin(), objects.end(), v.nearest.object) != objects.end();
-    };
-    return (nearest == short_mm(slide.from_m) || nearest == short_mm(slide.to_m)) &&
-           (names(slide.objects) || names(slide.passed) || names(slide.left));
-  });
-}
-
-// The distance from the objects that the part has no contact with says more then.
-std::string stays_text(const Verdict& v) {
-  if (&told_distance(v) == &v.nearest) return distance_text(v, "stays ", " away or more");
-  return "keeps the required " + length_text(v.required_m) + ", and stays " +
-         length_text(shown_m(v, v.beyond)) + " or more away from all other objects (" +
-         source_text(v, v.beyond) + ")";
-}
-
 // The same of a finding in words.
 std::string finding_text(const Verdict& v) {
   if (!v.is_asked) return v.finding;
@@ -196,7 +183,7 @@ std::string finding_text(const Verdict& v) {
 std::string answer_text(const Verdict& v) {
   if (!v.finding.empty()) return finding_text(v);
   if (v.nearest.known == Known::kNot) return length_text(v.required_m) + " required";
-  if (passes(v.kind)) return stays_text(v);
+  if (passes(v.kind)) return distance_text(v, "stays ", " away or more");
   return v.kind == VerdictKind::kNeverNear ? distance_text(v, "it stays ", " away or more")
                                            : distance_text(v, "comes as near as ", "");
 }
@@ -281,6 +268,12 @@ ErrorCode error_code(VerdictKind kind) {
   return passes(kind) ? ErrorCode::kNeedsForce : ErrorCode::kAnswerIsNo;
 }
 
+std::string numbered_name(const std::string& name, std::span<const std::string> scene_names) {
+  const bool is_first =
+      std::find(scene_names.begin(), scene_names.end(), name + "[2]") != scene_names.end();
+  return is_first ? name + "[1]" : name;
+}
+
 std::string short_name(const std::string& name, std::span<const std::string> scene_names) {
   constexpr std::size_t kMaxBytes = 64;
   const auto is_shared = [&](std::string_view end) {
@@ -295,9 +288,7 @@ std::string short_name(const std::string& name, std::span<const std::string> sce
     from = slash == std::string::npos ? 0 : slash + 1;
   }
   std::string end = name.substr(from);
-  const bool is_first =
-      std::find(scene_names.begin(), scene_names.end(), name + "[2]") != scene_names.end();
-  if (is_first) end += "[1]";
+  end += numbered_name(name, scene_names).substr(name.size());
   if (end.size() <= kMaxBytes) return end;
   const std::size_t slash = end.find('/', end.size() - kMaxBytes);
   const std::size_t cut = slash != std::string::npos ? slash : end.rfind('/');
@@ -313,17 +304,10 @@ VerdictKind verdict_kind(std::string_view words) {
   return VerdictKind::kUndecided;
 }
 
-std::string length_text(double length_m) {
-  int decimals = kDecimals;
-  while (decimals < kDigits && std::abs(length_m) >= kSmallestM &&
-         cut_mm(length_m, decimals) == "0") {
-    ++decimals;
-  }
-  return cut_mm(length_m, decimals) + " mm";
-}
+std::string length_text(double length_m) { return cut_mm(length_m, decimals_of(length_m)) + " mm"; }
 
 std::string upper_length_text(double length_m, double than_m) {
-  for (int decimals = kDecimals; decimals <= kDigits; ++decimals) {
+  for (int decimals = decimals_of(length_m); decimals <= kDigits; ++decimals) {
     // Noise that a double adds to a decimal number does not round it up.
     const double scale = std::pow(10, decimals);
     const double mm = std::ceil(1e3 * length_m * scale * (1 - 1e-12)) / scale;
@@ -343,7 +327,8 @@ std::string bounds_text(double at_least_m, double at_most_m) {
 
 std::pair<std::string, std::string> length_texts(double a_m, double b_m) {
   std::string a = length_text(a_m), b = length_text(b_m);
-  for (int decimals = kDecimals; a_m != b_m && a == b; ++decimals) {
+  for (int decimals = std::max(decimals_of(a_m), decimals_of(b_m)); a_m != b_m && a == b;
+       ++decimals) {
     if (decimals > kDigits) return {all_digits(a_m), all_digits(b_m)};
     a = cut_mm(a_m, decimals) + " mm";
     b = cut_mm(b_m, decimals) + " mm";
@@ -353,11 +338,6 @@ std::pair<std::string, std::string> length_texts(double a_m, double b_m) {
 
 bool is_less_proven(double measured_m, double proven_m) {
   return proven_m < measured_m * (1 - kSearchedFraction) - kSearchedM;
-}
-
-const VerdictDistance& told_distance(const Verdict& v) {
-  const bool is_known = v.beyond.known != Known::kNot && v.required_m > 0;
-  return is_known && passes(v.kind) && is_nearest_beside_slide(v) ? v.beyond : v.nearest;
 }
 
 std::string heading(const Verdict& v) {

@@ -116,7 +116,6 @@ struct Verdict {
   std::vector<std::string> overlapped = {};  // objects that the installed part overlaps,
   double overlap_m = 0;                      // at least as deep
   VerdictDistance nearest;  // the least distance beside the slides; where the answer is no, there
-  VerdictDistance beyond;   // the least distance from all objects that no slide names
   std::optional<VerdictBegin> begin;  // of a collision, which is worst at `nearest`
   std::string finding;    // what is wrong, or not decided, where a distance does not say it
   std::string unchecked;  // why there may be more that is wrong, or what a yes cannot rule out
@@ -128,13 +127,16 @@ struct Verdict {
   std::vector<std::string> remarks;           // to be shown as warnings: overlaps as installed
 };
 
+// The name, and "[1]" where it is the first of several siblings of one name: beside "Bolt[2]".
+std::string numbered_name(const std::string& name, std::span<const std::string> scene_names);
+
 // The shortest end of a name, from a slash on, that no other name of the scene ends with:
 // "Lid/Bolt" of "Engine/Lid/Bolt" beside "Engine/Block/Bolt". Commands know the object by it, too.
 // The first of several siblings of one name gets its number: "Bolt[1]" beside "Bolt[2]". An end
 // that is still long is cut: ".../Lid/Bolt". Without names of a scene, a name is only cut.
 std::string short_name(const std::string& name, std::span<const std::string> scene_names);
 
-// "12.7 mm": rounded down to three decimals, or to as many as a small length needs.
+// "12.7 mm": rounded down to three decimals, or to three digits of a small length: "0.0499 mm".
 std::string length_text(double length_m);
 
 // The same of two lengths that are compared: where they differ, their texts differ too.
@@ -151,9 +153,6 @@ std::string bounds_text(double at_least_m, double at_most_m);
 // Whether less is proven of a distance than was measured, by more than it is searched for: of
 // triangles that stand for a curved surface.
 bool is_less_proven(double measured_m, double proven_m);
-
-// The distance of which the sentence speaks: `nearest`, or `beyond` where that says more.
-const VerdictDistance& told_distance(const Verdict& verdict);
 
 // The words of the answer and the direction, and the force without which the answer is no; without
 // an end: the heading of a page or picture.

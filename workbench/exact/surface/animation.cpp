@@ -15,6 +15,7 @@
 #include "formats/mesh/writers/glb.h"
 #include "formats/path/path_edit.h"
 #include "runtime/clearance/center_path.h"
+#include "runtime/voxcheck/object_names.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -143,7 +144,7 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
     }
     GlbNode node = node_of(scene, objects[number].triangles);
     if (node.triangles.empty()) continue;
-    node.name = number == 0 ? "scene" : std::string(voxmap.object_name(number));
+    node.name = number == 0 ? "scene" : voxcheck::object_name(voxmap, number);
     node.color = kColors[number % kColors.size()];
     nodes.push_back(std::move(node));
   }

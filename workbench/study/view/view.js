@@ -200,7 +200,12 @@
     return curve.filter((piece) => piece[0] <= at_m + slack_m && at_m - slack_m <= piece[1]);
   }
 
-  const mm = (m) => (Math.floor(1e6 * m + 1e-6) / 1e3).toFixed(3).replace(/\.?0+$/, '') + ' mm';
+  // Rounded down to three decimals, or to three digits of a small length, as on the terminal.
+  const mm = (m) => {
+    const decimals = m > 0 ? Math.min(15, Math.max(3, Math.ceil(-Math.log10(1e3 * m) - 1e-9) + 2)) : 3;
+    const scale = 10 ** decimals;
+    return (Math.floor(1e3 * m * scale + 1e-6) / scale).toFixed(decimals).replace(/\.?0+$/, '') + ' mm';
+  };
 
   // Moves the part to a position along the path; at a moment of the report its words are shown.
   function go(m, moment) {
