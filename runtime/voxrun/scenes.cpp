@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "formats/command/text.h"
 #include "formats/command/verdict/verdict.h"
@@ -21,7 +22,12 @@ std::unique_ptr<UsedScene> used(const Run& run, const std::string& path) {
   scene->path = path;
   scene->guarantee = run.guarantee();
   const std::uint32_t count = run.simulation().voxmap().header().object_count;
-  for (std::uint32_t n = 1; n <= count; ++n) scene->object_names.emplace_back(run.object_name(n));
+  std::set<std::string_view> stored;
+  for (std::uint32_t n = 1; n <= count; ++n) stored.insert(run.object_name(n));
+  for (std::uint32_t n = 1; n <= count; ++n) {
+    std::string& name = scene->object_names.emplace_back(run.object_name(n));
+    if (stored.contains(name + "[2]")) name += "[1]";  // as command::numbered_name()
+  }
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "formats/command/text.h"
+#include "runtime/model/simulation.h"
 
 namespace forcelayer::voxrun {
 namespace {
@@ -129,14 +130,15 @@ double near_zero_mm(double m) { return std::round(1e5 * m) / 1e2 + 0.0; }
 std::string clearance_part(const Scenes& scenes, const LoopStatistics& s) {
   const auto& smallest = s.min_clearance;
   if (smallest.kind == ClearanceKind::kNone) return "no clearance is known";
-  const double mm = std::floor(smallest.clearance_m * 1e6) / 1e3;
+  const std::string length = command::length_text(smallest.clearance_m);
   std::string part;
   if (smallest.kind == ClearanceKind::kAtLeast) {
-    part = text("clearance at least %.3f mm (nothing was near enough to measure)", mm);
+    part = "clearance at least " + length + " (nothing was near enough to measure)";
   } else {
-    part = text("least proven clearance %.3f mm%s%s at %.3f s, at x %.2f, y %.2f, z %.2f mm", mm,
-                smallest.object != 0 ? " to " : "", scenes.shown_name(smallest.object).c_str(),
-                smallest.time_s, near_zero_mm(smallest.point_m.x), near_zero_mm(smallest.point_m.y),
+    part = text("least proven clearance %s%s%s at %.3f s, at x %.2f, y %.2f, z %.2f mm",
+                length.c_str(), smallest.object != 0 ? " to " : "",
+                scenes.shown_name(smallest.object).c_str(), smallest.time_s,
+                near_zero_mm(smallest.point_m.x), near_zero_mm(smallest.point_m.y),
                 near_zero_mm(smallest.point_m.z));
   }
   if (const std::uint64_t n = unproven_frames(s); n > 0) {
@@ -172,6 +174,30 @@ std::vector<std::string> names_of(const Scenes& scenes, const loop::TouchedInFra
     if (touched.object != 0) names.push_back(scenes.object_text(touched.object));
   }
   return names;
+}
+
+// How deep the part overlaps an object of its seat for certain: a stored distance is interpolated
+// between the centers of voxels, less than the half diagonal of a voxel away, and is rounded.
+double certain_overlap_m(const Scenes& scenes, const guard::SeatObject& of_seat) {
+  const model::Simulation& simulation = scenes.first().simulation();
+  const VoxmapHeader& h = simulation.voxmap().header();
+  const double off_m = std::numbers::sqrt3 / 2 * h.voxel_size_m + h.distance_quantum_m +
+                       h.static_deviation_m + simulation.shell().header().part_deviation_m;
+  return of_seat.overlap_m - off_m;
+}
+
+// Adds the objects that a part that comes out overlaps where it is installed in the first scene.
+void add_overlaps(const Scenes& scenes, command::Verdict& verdict) {
+  if (scenes.count() > 1) return;
+  for (const guard::SeatObject& of_seat : scenes.seat()) {
+    const double overlap_m = certain_overlap_m(scenes, of_seat);
+    if (overlap_m <= 0) continue;
+    verdict.overlapped.push_back(scenes.object_text(of_seat.object));
+    verdict.overlap_m = std::max(verdict.overlap_m, overlap_m);
+  }
+  if (verdict.overlapped.empty()) return;
+  verdict.kind = command::with_overlap(verdict.kind);
+  verdict.advice = command::kOverlapAdvice;
 }
 
 // The premises that failed.
@@ -261,12 +287,13 @@ command::Verdict verdict_of(const Scenes& scenes, const Outcome& outcome, const 
                                      seat_text(scenes, INFINITY).c_str(), *s.guarantee_from_s)
                               : std::string()) +
                       stays_text(scenes, s);
+    add_overlaps(scenes, verdict);
   }
   return verdict;
 }
 
 const char* run_word(const command::Verdict& verdict) {
-  switch (verdict.kind) {
+  switch (command::without_overlap(verdict.kind)) {
     case VerdictKind::kComesOut:
     case VerdictKind::kKeepsClearance:
       return "proven";
@@ -335,6 +362,11 @@ Status check_verdict(const Options& options, const Scenes& scenes, const Outcome
   const bool fails_at_end = ((options.fail_on & kFailOnSeat) != 0 && seat_open(scenes, s)) ||
                             ((options.fail_on & kFailOnHeld) != 0 && is_held(outcome));
   if (!first_s && fails_at_end) what = command::gist(verdict);
+  const bool needs_force =
+      command::error_code(verdict.kind) == ErrorCode::kNeedsForce && !command::is_yes(verdict.kind);
+  if (what.empty() && needs_force) {
+    return command::exit_of(verdict, options.run.part.string());
+  }
   if (what.empty()) return {};
   return Error{ErrorCode::kAnswerIsNo, options.run.part.string(),
                first_s ? text("at %.3f s", *first_s) : "at the end", what,

@@ -44,7 +44,8 @@ const char* run_word(const command::Verdict& verdict);
 std::string verdict_text(const Scenes& scenes, const Outcome& outcome,
                          const loop::LoopStatistics& statistics);
 
-// An error where the run did what --fail-on names. Errors: kAnswerIsNo.
+// An error where the run did what --fail-on names, or where the part comes out, but not without
+// force. Errors: kAnswerIsNo, kNeedsForce.
 Status check_verdict(const Options& options, const Scenes& scenes, const Outcome& outcome,
                      const loop::LoopStatistics& statistics);
 

@@ -103,7 +103,10 @@ boxes("hollow.obj", ((-20, -20, -20), (20, 20, 20)))
 outer, inner = (open(name + ".obj").read().splitlines() for name in ("case", "hollow"))
 turned = [" ".join(["f", *line.split()[:0:-1]]) if line.startswith("f ") else line for line in inner]
 open("case.obj", "w").write("\n".join(outer + turned) + "\n")
-json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("case", "cube")]}, open("cased.json", "w"))
+half = lambda lines: lines[:-1] + [" ".join(lines[-1].split()[:4])]  # of its last face, a triangle is left
+open("torn.obj", "w").write("\n".join(half(outer) + half(turned)) + "\n")
+for scene, case in ("cased", "case"), ("torn", "torn"):
+    json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in (case, "cube")]}, open(scene + ".json", "w"))
 END
 for size in 2mm auto; do
   study 6 'cased.json#cube' --voxel-size $size --pull 0,0,100mm -o cased
@@ -119,8 +122,16 @@ study 2 'cased.json#cube' --voxel-size 2mm --pull 0,0,100mm --files-alone -o cas
 says cased refused 'ended with status 2: .*inside the scene; check --units; leave out the objects that enclose or overlap the part \(--without\), or use' 2
 no_foreign_options
 if [ -x "$bin/voxplan" ]; then
-  # At the smallest size the answer is as open.
-  study 6 'cased.json#cube' --clearance 10mm --time 60s -o cased --json cased_report.json
+  # No search is needed, whatever the voxels, and it says how far the part moves.
+  for size in 2mm auto; do
+    study 6 'cased.json#cube' --voxel-size $size --time 60s -o cased --json cased_report.json
+    says cased "does not come out" '^Does not come out: the part is enclosed on all sides, and moves at most 15(\.001)? mm straight along the axes x, y and z \(1 mm of clearance required\); blocked by case\.$' 6
+    python3 -c 'import json; r = json.load(open("cased_report.json")); assert r["blocked_by"] == ["case"] and not r.get("voxel_sizes_tried"), r' ||
+      fail "what encloses the cube: $(cat cased_report.json)"
+    no_foreign_options
+  done
+  # At the smallest size the answer is as open, where a mesh proves nothing.
+  study 6 'torn.json#cube' --clearance 10mm --time 60s -o cased --json cased_report.json
   says cased "no path found" '^No path found: ' 6
   grep -q '^  the answer is still open at the smallest size, 0\.1 mm: with smaller voxels the required clearance would have too many voxels to search$' cased/verdict.txt ||
     fail "the smallest size: $(cat cased/verdict.txt)"
@@ -225,7 +236,32 @@ assert not os.path.exists("late/larger_voxels") and not os.path.exists("late/mot
 END
   done
   grep -q '^\$' out.txt && fail "the answer that stays is done again: $(cat out.txt)"
-  rm slow/voxplan slow/voxcheck
+  rm slow/voxcheck
+  # So it does where Ctrl-C stops smaller voxels, and the same command goes on with them.
+  rm searched
+  cat >slow/voxplan <<'END'
+#!/bin/bash
+# Searches for one second. The second time, Ctrl-C is pressed.
+if [ -e searched ]; then
+  kill -INT $PPID
+  exec sleep 60
+fi
+touch searched
+while [ "${1:-}" != --time ]; do words+=("$1"); shift; done
+exec "$bin/voxplan" "${words[@]}" --time 1s
+END
+  status=0
+  bin=$bin slow/forcelayer study 'gearbox.glb#Cover' --clearance 1mm --time 100s --no-pictures -o ended --json ended.json >out.txt 2>err.txt || status=$?
+  [ $status = 6 ] && grep -q '^  voxels of 1 mm, the smallest that gave an answer; SIGINT stopped the study before voxels of 0\.5 mm gave an answer; the same command continues from there$' ended/verdict.txt ||
+    fail "Ctrl-C loses an answer: $status $(cat ended/verdict.txt err.txt)"
+  says ended "no path found" '^No path found: ' 6
+  python3 - <<'END' || fail "the files of the answer after Ctrl-C: $(ls ended) $(cat ended.json)"
+import json, os
+report, scene = json.load(open("ended.json")), json.load(open("ended/scene.json"))
+assert report["voxel_size_m"] == scene["voxel_size_m"] == 1e-3 and report["kind"] == "no path found", report
+assert not os.path.exists("ended/larger_voxels") and os.path.exists("ended/farthest.csv")
+END
+  rm slow/voxplan
 fi
 # A program that the system ends is no answer, and is tried again.
 printf '#!/bin/sh\nkill -s KILL $$\n' >slow/voxcheck

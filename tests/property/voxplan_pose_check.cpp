@@ -283,6 +283,54 @@ TEST(Search, GoesOnWhereAWayDoesNotProveClear) {
   EXPECT_GT(result->refused, 0u);
 }
 
+// A check by meshes that take for ever once the time of the search is almost over.
+class SlowCheck : public PoseCheck {
+ public:
+  SlowCheck(const Problem& problem, double& now_s, const double& slow_from_s)
+      : PoseCheck(problem, {}), now_s_(now_s), slow_from_s_(slow_from_s) {}
+
+ protected:
+  double fraction_kept(Rule rule, const Pose& from, const Pose& to, bool or_nothing,
+                       clearance::KnownEnds& known) override {
+    if (now_s_ <= slow_from_s_) now_s_ += 0.001;
+    try {
+      while (now_s_ > slow_from_s_) exact::keep_going();
+    } catch (const exact::Stopped&) {  // as the real check does, below OMPL
+      return 0;
+    }
+    return PoseCheck::fraction_kept(rule, from, to, or_nothing, known);
+  }
+
+ private:
+  double& now_s_;
+  const double& slow_from_s_;
+};
+
+// The search for what blocks the part ends with the time, but for a second.
+TEST(Search, EndsWithItsTimeWhereNoPathIsFound) {
+  Bench bench(0.03);
+  const auto goal = voxplan::Destination::out_of_scene(bench.problem);
+  for (const double max_s : {0.5, 20.0}) {
+    voxplan::SearchRequest request;
+    double now_s = 0;
+    const double slow_from_s = 0.9 * max_s + 0.02;
+    request.max_s = max_s;
+    request.clock_s = [&] { return now_s += 1e-5; };
+    request.make_check = [&](const Problem& problem) -> Result<std::unique_ptr<PoseCheck>> {
+      return std::unique_ptr<PoseCheck>(new SlowCheck(problem, now_s, slow_from_s));
+    };
+    request.unproven_at = [](const voxplan::PosePath&, const voxplan::PosePath& beyond) {
+      return Result<std::optional<Pose>>(std::optional<Pose>(beyond.back()));
+    };
+    const auto result = voxplan::search(bench.problem, goal, request);
+    ASSERT_TRUE(result) << to_line(result.error());
+    EXPECT_FALSE(result->found);
+    EXPECT_TRUE(result->is_out_of_time);
+    EXPECT_GT(now_s, slow_from_s);
+    EXPECT_LT(now_s, max_s + 1 + 0.2) << max_s;
+  }
+}
+
 // A clock that makes the first round the last one.
 TEST(Search, TellsItsProgressWithinARound) {
   Bench bench(0.03);

@@ -67,9 +67,9 @@ inline TopoDS_Shape crescent_for_coarser() { return crescent({-32, -46, 24}, {-1
 
 // A face 100 x 12 whose outline crosses itself; no deflection up to 2 and no mending gives
 // triangles.
-inline TopoDS_Face crossed_face() {
-  return face_between(bezier_edge({{0, 0, 0}, {30, 20, 0}, {70, -20, 0}, {100, 0, 0}}),
-                      bezier_edge({{0, 0, 0}, {30, -20, 0}, {70, 20, 0}, {100, 0, 0}}));
+inline TopoDS_Face crossed_face(double bulge = 20) {
+  return face_between(bezier_edge({{0, 0, 0}, {30, bulge, 0}, {70, -bulge, 0}, {100, 0, 0}}),
+                      bezier_edge({{0, 0, 0}, {30, -bulge, 0}, {70, bulge, 0}, {100, 0, 0}}));
 }
 
 // A square of 10 whose corners are joined crosswise: two triangles that meet in the middle.

@@ -127,6 +127,26 @@ TEST(StepTessellator, IsNotFooledByLobesWhoseAreasCancel) {
   EXPECT_GT(made.lost[0].size_mm, 99);
 }
 
+// A face that no deflection gives triangles, and that is wider than a fine deflection: it is
+// dropped where it is as thin as is dropped at the deflection by size, and its width is no secret.
+TEST(StepTessellator, DropsASliverThatIsWiderThanAFineDeflection) {
+  const auto with_sliver = [](double bulge_mm) {
+    Polyhedron sheet;
+    sheet.add({{-10, -50, 0}, {110, -50, 0}, {110, 50, 0}, {-10, 50, 0}});
+    return together({sheet.shape(), crossed_face(bulge_mm)});
+  };
+  constexpr double kDeflectionMm = 0.005;
+  const auto made = tessellated(with_sliver(0.1), kDeflectionMm);
+  EXPECT_TRUE(made.lost.empty());
+  ASSERT_EQ(made.dropped, 1u);
+  EXPECT_GT(made.dropped_reach_mm, 2 * kDeflectionMm);
+  EXPECT_LE(made.dropped_reach_mm, 0.1);
+  EXPECT_GE(made.deviation_mm, kDeflectionMm + made.dropped_reach_mm);
+  const auto wide = tessellated(with_sliver(1), kDeflectionMm);
+  EXPECT_EQ(wide.dropped, 0u);
+  EXPECT_EQ(wide.lost.size(), 1u);
+}
+
 // A crescent's top and bottom fail at this deflection and are thinner than it. They are not dropped
 // where finer triangles serve; where none do, dropping deviates less than coarser triangles.
 TEST(StepTessellator, DropsWhatIsThinnerThanTheDeflection) {
@@ -355,7 +375,7 @@ TEST_F(StepFaces, AcceptsAsManyLostFacesAsItIsTold) {
   EXPECT_NEAR(face.center[2], 40, 0.1);
   EXPECT_NEAR(face.size, 101, 2);  // 100 x 12
   EXPECT_EQ(lines_with(tray->warnings, "no guarantee covers it"), 1);
-  EXPECT_EQ(lines_with(tray->warnings, "tray/seam: 1 face is left out, because it is thinner"), 1);
+  EXPECT_EQ(lines_with(tray->warnings, "tray/seam: 1 face is left out, because it is too thin"), 1);
 }
 
 TEST_F(StepFaces, CountsADroppedFaceAsDeviation) {

@@ -243,7 +243,9 @@ Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   const bool is_refused = end->status == exit_status(ErrorCode::kUsage);
   if (end->status == 0 || (may_end == MayEnd::kRefused && is_refused)) return end;
   const std::optional<Error> error = written_error(step, begun);
-  if (error) command::print_error(step.program.c_str(), *error);
+  // That force is needed is said once, by the study.
+  const bool needs_force = end->status == exit_status(ErrorCode::kNeedsForce);
+  if (error && !needs_force) command::print_error(step.program.c_str(), *error);
   if (may_end != MayEnd::kDone && command::is_answer(end->status)) return end;
   failure_ = step.program + " " + end_text(end->status) + (error ? ": " + to_line(*error) : "");
   ErrorCode code = ErrorCode::kInternal;
@@ -578,6 +580,7 @@ Status Study::say_that_no_path_was_found() {
   }
   answer_.verdict.required_m = found.value("required_clearance_m", 0.0);
   if (found.contains("finding") && found["finding"].is_string()) {
+    answer_.verdict.kind = command::verdict_kind(found.value("kind", ""));
     answer_.verdict.finding = found["finding"];
     answer_.verdict.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
   } else {  // refused before the search
@@ -857,8 +860,15 @@ Status Study::choose_voxel_size() {
     const bool is_last = next_m < choice_.last_m * (1 - 1e-9);
     finer_follows_ = !is_last;
     const Status answered = answer();
+    if (const int signal = command::stop_signal(); !answered && signal != 0) {
+      if (!kept_) return answered;
+      // The answer of the larger voxels stays. The next study goes on from here.
+      no_finer_ = std::string("SIG") + sigabbrev_np(signal) + " stopped the study before " +
+                  size_text + " gave an answer; the same command continues from there";
+      return restore_answer();
+    }
     if (!answered && (is_last || !is_refused_search(answered.error()))) {
-      if ((!kept_ && !has_look) || command::stop_signal() != 0) return answered;
+      if (!kept_ && !has_look) return answered;
       no_finer_ = size_text +
                   " gave no answer: " + (failure_.empty() ? to_line(answered.error()) : failure_);
       break;
@@ -1130,9 +1140,13 @@ Status Study::report(int status) const {
 // The way on where the answer is open.
 std::string Study::advice() const {
   if (answer_.path.empty()) {
-    return "the same search would find no path again; try a longer --time, a smaller --clearance "
-           "or "
-           "--voxel-size, or give your own path with --path or --pull";
+    if (answer_.verdict.kind == command::VerdictKind::kDoesNotComeOut) return "";
+    // Where the search gave up, more time would change nothing.
+    const json plan = read_json(in("plan.json"));
+    const bool is_out_of_time = plan.is_object() && plan.value("out_of_time", false);
+    return "this does not prove that there is no path: try " +
+           std::string(is_out_of_time ? "a longer --time, " : "") +
+           "a smaller --clearance or --voxel-size, or give your own path with --path or --pull";
   }
   if (command::passes(answer_.verdict.kind)) return command::kOverlapAdvice;
   if (answer_.verdict.kind != command::VerdictKind::kUndecided) return "";
@@ -1206,6 +1220,7 @@ Status Study::make_all() {
   }
   if (Status s = report(); !s) return s;
   if (Status s = write_page(); !s) return s;
+  if (command::stop_signal() != 0) return judge();  // the answer of an unfinished study
   if (Status s = steps_.remember(question()); !s) return s;
   return judge();
 }

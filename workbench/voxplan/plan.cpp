@@ -6,10 +6,12 @@
 
 #include "formats/command/report.h"
 #include "formats/command/text.h"
+#include "formats/command/verdict/verdict.h"
 #include "runtime/run/start_check.h"
 #include "runtime/voxcheck/exact.h"
 #include "runtime/voxcheck/object_names.h"
 #include "runtime/voxcheck/words.h"
+#include "workbench/exact/enclosure.h"
 #include "workbench/voxplan/check/pose_check.h"
 #include "workbench/voxplan/destination.h"
 #include "workbench/voxplan/pose_path.h"
@@ -18,6 +20,8 @@
 
 namespace forcelayer::voxplan {
 namespace {
+
+using voxcheck::kRoundingM;
 
 constexpr double kSpeedMps = 0.1;        // of the part along the path
 constexpr double kFarthestVoxels = 1e6;  // distance of a goal; every voxel of a path is proven
@@ -69,12 +73,20 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                  "bake the scene without that object (--without), or check the pose"};
   }
   return Error{ErrorCode::kUsage, "", option,
-               command::text("the part is nearer to %s than --clearance: only %.3f mm are proven",
-                             object.empty() ? "the scene" : object.c_str(),
-                             std::floor(1e6 * std::max(0.0, worst.clearance_m)) / 1e3),
+               "the part is nearer to " + (object.empty() ? "the scene" : object) +
+                   " than --clearance: only " +
+                   command::length_text(std::max(0.0, worst.clearance_m)) + " are proven",
                "use a smaller --clearance, name this object in --allow, or bake with smaller "
                "voxels: the proven distance to an object of the seat is up to 1.7 voxels less than "
                "the true distance"};
+}
+
+std::vector<std::uint32_t> numbers_of(const clearance::LeftOut& left_out) {
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t object = 0; object < left_out.size(); ++object) {
+    if (left_out[object] != 0) numbers.push_back(object);
+  }
+  return numbers;
 }
 
 // The first of the worst poses of a path that is not proven clear, of the centroid frame.
@@ -109,6 +121,21 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   Problem problem = given;
   const double begin_s = steady_s();
   if (meshes != nullptr) problem.seat_depth = clearance::SeatDepth::kOfMeshes;
+  Plan made;
+  if (meshes != nullptr && !options.world_from_goal) {
+    const exact::Surface counts = exact::without(meshes->scene, numbers_of(problem.allowed));
+    made.search.enclosed_by =
+        exact::enclosing_object(counts, meshes->part, problem.world_from_start,
+                                counts.deviation_m + meshes->part.deviation_m + kRoundingM);
+    if (made.search.enclosed_by) {
+      const exact::Surface around = exact::only(counts, {&*made.search.enclosed_by, 1});
+      made.search.out_m = exact::farthest_straight_m(around, meshes->part, problem.world_from_start,
+                                                     around.largest_m);
+      made.search.blocked_by = {*made.search.enclosed_by};
+      made.seconds = made.search.seconds = steady_s() - begin_s;
+      return made;
+    }
+  }
   const auto check_at = [&](const Pose& pose, const char* option, Rule rule) {
     return check_end(problem, pose, option, rule, options, meshes);
   };
@@ -138,7 +165,6 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
     seat = std::move(*read);
     problem.seat_meshes = seat.get();
   }
-  Plan made;
   SearchRequest request;
   request.seed = options.seed;
   request.threads = options.threads;

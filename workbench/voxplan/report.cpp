@@ -56,6 +56,16 @@ command::Verdict not_found_verdict(const Report& report) {
   command::Verdict verdict;
   verdict.kind = command::VerdictKind::kNoPathFound;
   verdict.required_m = report.options.clearance_m;
+  verdict.scene_names = voxcheck::object_names(report.problem.scene);
+  for (const std::uint32_t object : result.blocked_by) {
+    verdict.blocked_by.push_back(voxcheck::object_name(report.problem.scene, object));
+  }
+  if (result.enclosed_by) {
+    verdict.kind = command::VerdictKind::kDoesNotComeOut;
+    verdict.finding = voxcheck::kEnclosed + std::string(", and moves at most ") +
+                      command::at_most_text(result.out_m) + " straight along the axes x, y and z";
+    return verdict;
+  }
   verdict.finding = text("in %.3g s the search moved the part ", result.seconds) +
                     (result.out_m < 1e-6 ? "less than 0.001 mm"
                                          : "at most " + command::at_most_text(result.out_m)) +
@@ -64,13 +74,13 @@ command::Verdict not_found_verdict(const Report& report) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
-  verdict.scene_names = voxcheck::object_names(report.problem.scene);
-  for (const std::uint32_t object : result.blocked_by) {
-    verdict.blocked_by.push_back(voxcheck::object_name(report.problem.scene, object));
+  if (!result.knows_blockers) {
+    verdict.finding +=
+        ", and the time limit (--time) ended before all objects that block it were known";
   }
-  verdict.advice =
-      "this does not prove that there is no path: try a longer --time, another --seed, a smaller "
-      "--clearance or smaller voxels";
+  verdict.advice = "this does not prove that there is no path: try " +
+                   std::string(result.is_out_of_time ? "a longer --time, " : "") +
+                   "another --seed, a smaller --clearance or smaller voxels";
   return verdict;
 }
 
@@ -129,6 +139,7 @@ Json report_json(const Report& report) {
   }
   json["poses_tested"] = result.poses_tested;
   json["refused"] = result.refused;
+  json["out_of_time"] = result.is_out_of_time;
   json["seed"] = report.options.seed;
   json["threads"] = report.options.threads;
   json["seconds"] = {{"search", result.seconds}, {"total", report.plan.seconds}};

@@ -14,7 +14,8 @@ namespace forcelayer::voxplan {
 namespace {
 
 constexpr std::uint64_t kPosesARound = 4000;  // that each worker tests
-constexpr double kMoreTimeS = 20;             // after the end of the search
+// The objects that block the part get the last part of the time, and never less than so long.
+constexpr double kBlockersFraction = 0.1, kMinBlockersS = 1;
 
 using SearchWorkers = std::vector<std::unique_ptr<SearchWorker>>;
 
@@ -68,7 +69,8 @@ double steady_s() {
 
 Result<SearchResult> search(const Problem& problem, const Destination& goal,
                             const SearchRequest& request) {
-  const double begin_s = request.clock_s(), end_s = begin_s + request.max_s;
+  const double begin_s = request.clock_s();
+  const double end_s = begin_s + (1 - kBlockersFraction) * request.max_s;
   seed_planners(request.seed);
   SearchWorkers workers;
   for (std::size_t n = 0; n < kWorkers; ++n) {
@@ -113,10 +115,11 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     for (const auto& worker : workers) tested += worker->poses_tested();
     if (std::exchange(last_tested, tested) == tested) break;
   }
-  // The objects that block the part are worth a little more time.
-  const double last_s = std::max(end_s, request.clock_s()) + kMoreTimeS;
+  result.is_out_of_time = !result.found && request.clock_s() >= end_s;
+  const double now_s = request.clock_s();
+  const double last_s = std::max(begin_s + request.max_s, now_s + kMinBlockersS);
   for (const auto& worker : workers) {
-    if (!result.found) until(request, last_s, [&] { worker->note_farthest(); });
+    if (!result.found) until(request, (now_s + last_s) / 2, [&] { worker->note_farthest(); });
     result.out_m = std::max(result.out_m, worker->out_m());
   }
   const auto farthest = std::find_if(workers.begin(), workers.end(), [&](const auto& worker) {
@@ -124,7 +127,10 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   });
   if (!result.found) {
     result.farthest = (*farthest)->farthest();
-    until(request, last_s, [&] { result.blocked_by = (*farthest)->blocked_by(); });
+    Blockers blockers;
+    until(request, last_s, [&] { blockers = (*farthest)->blocked_by(); });
+    result.blocked_by = std::move(blockers.objects);
+    result.knows_blockers = blockers.is_complete;
   }
   for (const auto& worker : workers) {
     result.poses_tested += worker->poses_tested();

@@ -20,6 +20,8 @@ constexpr std::size_t kWorkers = 4;  // does not depend on the number of threads
 struct SearchRequest {
   std::uint64_t seed = 1;  // one seed gives one path, however many threads there are
   unsigned threads = 1;
+  // For the search and, in the last tenth, the objects that block the part. Where that is less than
+  // a second, a second more.
   double max_s = 60;
   std::function<double()> clock_s = steady_s;  // the clock that limits the search
   // Called once for each worker, in the order of their numbers.
@@ -43,12 +45,15 @@ struct SearchResult {
   double out_m = 0;
   PosePath farthest;  // the path by which it came there; only that, where none was found
   std::vector<std::uint32_t> blocked_by;
+  bool knows_blockers = true;   // all of them: the time was enough
+  bool is_out_of_time = false;  // no path was found before the time was over
   std::uint64_t poses_tested = 0;
   std::uint64_t motions_tested = 0;
-  std::uint64_t motions_kept = 0;  // motions that keep their rule from end to end
-  double kept_m = 0;               // the travel of these motions
-  std::uint64_t refused = 0;       // paths that were found but not proven clear
-  bool is_start_refused = false;   // the start itself was not proven clear
+  std::uint64_t motions_kept = 0;            // motions that keep their rule from end to end
+  double kept_m = 0;                         // the travel of these motions
+  std::uint64_t refused = 0;                 // paths that were found but not proven clear
+  std::optional<std::uint32_t> enclosed_by;  // the object all around the part: there is no path
+  bool is_start_refused = false;             // the start itself was not proven clear
   double seconds = 0;
 };
 

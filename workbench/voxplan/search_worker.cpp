@@ -579,7 +579,7 @@ double SearchWorker::kept_m() const { return parts_->check->kept_m(); }
 
 // Tries motions of a planner's length from the farthest pose: away from the start, and in random
 // directions, with and without turns. The object that ends the way so far counts most.
-std::vector<std::uint32_t> SearchWorker::blocked_by() const {
+Blockers SearchWorker::blocked_by() const {
   Parts& p = *parts_;
   const double radius_m = p.problem.part.header().bounding_radius_m;
   const Pose& farthest = p.farthest.back();
@@ -592,21 +592,22 @@ std::vector<std::uint32_t> SearchWorker::blocked_by() const {
   Random random(1);
   for (int n = 0; n < kHeldBy; ++n) motions.push_back(random_twist(1, random));
   std::map<std::uint32_t, std::size_t> refused;
+  Blockers found;
   try {
     for (std::size_t n = 0; n < motions.size(); ++n) {
       const Pose there = moved(farthest, of_length(motions[n], 2 * radius_m), radius_m);
       const bool goes_on = n == 0 && p.out_m > 0;
       refused[p.check->met(p.rule, farthest, there)] += goes_on ? motions.size() : 1;
     }
+    found.is_complete = true;
   } catch (const exact::Stopped&) {
     // The time is over: the objects that were met by then are known.
   }
   refused.erase(0);
-  std::vector<std::uint32_t> objects;
-  for (const auto& [object, times] : refused) objects.push_back(object);
-  std::stable_sort(objects.begin(), objects.end(),
+  for (const auto& [object, times] : refused) found.objects.push_back(object);
+  std::stable_sort(found.objects.begin(), found.objects.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return refused.at(a) > refused.at(b); });
-  return objects;
+  return found;
 }
 
 }  // namespace forcelayer::voxplan

@@ -15,6 +15,12 @@
 
 namespace forcelayer::voxplan {
 
+// The objects that block the part, and whether the time was enough to find all of them.
+struct Blockers {
+  std::vector<std::uint32_t> objects;
+  bool is_complete = false;
+};
+
 // Sets the seed of all random numbers of OMPL. Call it before the first worker is made.
 void seed_planners(std::uint64_t seed);
 
@@ -53,7 +59,7 @@ class SearchWorker {
   // those that were met by then.
   double out_m() const;
   const PosePath& farthest() const;  // the path to there, from the start
-  std::vector<std::uint32_t> blocked_by() const;
+  Blockers blocked_by() const;
 
   std::uint64_t poses_tested() const;
   std::uint64_t motions_tested() const;

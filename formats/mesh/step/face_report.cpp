@@ -66,8 +66,8 @@ void add_face_warnings(const Tessellation& tessellation, const std::string& path
     warnings.push_back(
         path + ": " + counted(tessellation.dropped, "face") +
         (tessellation.dropped == 1
-             ? " is left out, because it is thinner than the deflection. All its points are within "
-             : " are left out, because they are thinner than the deflection. All their points are "
+             ? " is left out, because it is too thin for triangles. All its points are within "
+             : " are left out, because they are too thin for triangles. All their points are "
                "within ") +
         length_text(tessellation.dropped_reach_mm) + " of the neighboring faces");
   }

@@ -138,9 +138,12 @@ class ShapeTessellation {
     tessellate(shape_, deflection_mm_);
     Attempt best = attempt(deflection_mm_);
     for (const double fraction : kFinerDeflections) try_deflection(fraction * deflection_mm_, best);
-    drop_slivers(best);
+    drop_slivers(best, deflection_mm_);
     for (const double fraction : kCoarserDeflections)
       try_deflection(fraction * deflection_mm_, best);
+    // A sliver that would be dropped where the deflection is chosen by size is no reason to refuse
+    // a file for a finer one.
+    drop_slivers(best, std::max(deflection_mm_, deflection_by_size_mm(shape_)));
     best.made.wanted_deflection_mm = deflection_mm_;
     for (const TopoDS_Face& face : best.failed) {
       best.made.lost.push_back(lost_face(face, shape_));
@@ -188,21 +191,23 @@ class ShapeTessellation {
     return result;
   }
 
-  // Drops the faces that leave no hole. Their edges are within a deviation of triangles of others.
-  void drop_slivers(Attempt& result) const {
+  // Drops the faces that leave no hole: no point of them is farther than `max_mm` from their edges,
+  // and these are within a deviation of triangles of others.
+  void drop_slivers(Attempt& result, double max_mm) const {
     if (result.failed.empty()) return;
     Tessellation& made = result.made;
+    const double own_mm = made.deviation_mm - made.dropped_reach_mm;  // of the triangles
     const std::vector<Corners> triangles = triangles_of(made.mesh);
     std::erase_if(result.failed, [&](const TopoDS_Face& face) {
       const double tolerance_mm = kPolygonTolerance * deflection_mm_;
       const double reach_mm = reach_from_edges(face, tolerance_mm);
-      if (!(reach_mm <= deflection_mm_)) return false;
-      if (!covers_edges(triangles, face, made.deviation_mm, tolerance_mm)) return false;
+      if (!(reach_mm <= max_mm)) return false;
+      if (!covers_edges(triangles, face, own_mm, tolerance_mm)) return false;
       ++made.dropped;
       made.dropped_reach_mm = std::max(made.dropped_reach_mm, reach_mm);
       return true;
     });
-    made.deviation_mm += made.dropped_reach_mm;
+    made.deviation_mm = own_mm + made.dropped_reach_mm;
   }
 
   // Takes this deflection where fewer faces fail at it.
@@ -215,7 +220,7 @@ class ShapeTessellation {
 
   // Faces that were dropped before are dropped again, where they fail again.
   void keep_better(Attempt other, Attempt& best) const {
-    if (best.made.dropped > 0) drop_slivers(other);
+    if (best.made.dropped > 0) drop_slivers(other, deflection_mm_);
     if (other.failed.size() < best.failed.size()) best = std::move(other);
   }
 
