@@ -64,7 +64,7 @@ check_runtime_only() {
   run_tests runtime-only -R '^cli[.]' -E "^cli[.]($same)$"
 }
 
-# Plants faults into the guard, one after the other: the tests of the release build must notice each. A minute of one core.
+# Plants faults into the guard, each for itself: the tests of the release build must notice it.
 plant_faults() {
   say "planting faults into the guard"
   "$root/tests/fuzz/plant_faults.py" --only guard

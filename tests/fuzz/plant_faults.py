@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plants one fault after the other into gate, guard and validators, and looks which test notices.
+"""Plants faults into gate, guard and validators, each for itself, and looks which test notices.
 
     tests/fuzz/plant_faults.py                    all of them
     tests/fuzz/plant_faults.py --only gate door   those whose group, file or meaning has one of these in it
@@ -12,8 +12,10 @@ with the rest of build/release into another program, and of the tests only those
 faults of the guard (scripts/test.sh). Status 1 where a fault that is planted goes unnoticed.
 """
 import argparse
+import concurrent.futures
 import functools
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -363,10 +365,10 @@ def main():
     programs = sorted({program for fault in faults for program, _ in fault[5]})
     subprocess.run(["nice", "-n", "5", "ninja", "-C", str(BUILD), *programs], stdout=subprocess.DEVNULL, check=True)
     unnoticed = 0
-    for fault in faults:
-        found = plant(fault)
-        unnoticed += not found
-        print(f"{fault[1]}: {fault[4]}: {found or 'NOTHING NOTICED IT'}", flush=True)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for fault, found in zip(faults, pool.map(plant, faults)):
+            unnoticed += not found
+            print(f"{fault[1]}: {fault[4]}: {found or 'NOTHING NOTICED IT'}", flush=True)
     print(f"{len(faults)} planted, {unnoticed} unnoticed")
     return 1 if unnoticed else 0
 
