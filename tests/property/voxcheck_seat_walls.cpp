@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <random>
 #include <string>
 
 #include "tests/support/ring_surface.h"
 #include "workbench/exact/push_out.h"
 #include "workbench/exact/seat_walk.h"
+#include "workbench/exact/surface/shells.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -42,14 +44,24 @@ double evenly(std::mt19937& random, double low, double high) {  // by ratio
   return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
 }
 
+// The same with normals that point inwards.
+void add_inward_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m) {
+  const std::size_t first = surface.triangles.size();
+  add_box(surface, low_m, high_m);
+  for (std::size_t t = first; t < surface.triangles.size(); ++t) {
+    std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+  }
+}
+
 // A foot that lies `depth` deep in a floor, and on the same part a fin, `gap` before a tab that
 // stands on the same object.
 struct FinBeforeTab {
-  FinBeforeTab(double depth, double gap, double fin, double tab) {
+  FinBeforeTab(double depth, double gap, double fin, double tab, bool is_inward = false) {
     add_box(part, {-14, -2, -depth}, {-10, 2, 6});
     add_box(part, {2, -3, 1}, {2 + fin, 3, 6});
     add_box(object, {-40, -40, -8}, {40, 40, 0});
-    add_box(object, {2 + fin + gap, -30, 0.25}, {2 + fin + gap + tab, 30, 12});
+    const glm::dvec3 low(2 + fin + gap, -30, 0.25), high(2 + fin + gap + tab, 30, 12);
+    is_inward ? add_inward_box(object, low, high) : add_box(object, low, high);
   }
   Surface part, object;
 };
@@ -141,6 +153,99 @@ TEST(SeatWalls, OfOneSideAllPlacesOutsideAreConnected) {
   EXPECT_GT(walls, 20);
 }
 
+// A boss that is sunk into a floor has faces inside of it, which bound nothing: a shim that goes
+// down along one of them is as deep in the floor as anywhere.
+TEST(SeatWalls, FacesOfOneShellInAnotherHideNoDepth) {
+  std::mt19937 random(70);
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(trial);
+    const double thick = evenly(random, 0.01, 0.3), allowed = 0.6 * thick;
+    Surface part, object;
+    add_box(part, {-thick / 2, -4, 0.5}, {thick / 2, 4, 6});
+    add_box(object, {-40, -40, -30}, {40, 40, 0});
+    add_box(object, {0, -10, -20}, {20, 10, 15});
+    const Pose frame = any_frame(random);
+    const auto along = [&](const glm::dvec3& way) {
+      return stretches_of(part, object, way, 0, allowed, frame);
+    };
+    const auto down = along({0, 0, -8});
+    ASSERT_FALSE(down.empty());
+    EXPECT_TRUE(down[0].is_deeper);
+    EXPECT_GT(down[0].worst.found_m, 3);  // halfway to the end of the shim
+    EXPECT_TRUE(along({0, 0, 12}).empty());
+  }
+}
+
+// Shells of one body do not meet, all are turned the same way, and cavities are of the body around
+// them.
+TEST(SeatWalls, ShellsOfOneBodyAreApart) {
+  std::mt19937 random(71);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const auto any = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  int together = 0, cavities = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    SCOPED_TRACE(trial);
+    Surface surface;
+    struct Made {
+      glm::dvec3 low, high;
+      bool is_inward, is_cavity;
+      std::size_t around;
+    };
+    std::vector<Made> made;
+    for (std::size_t n = 0; n < 8; ++n) {
+      const glm::dvec3 low = any(), size = 0.4 * any() + 0.01;
+      const bool is_inward = unit(random) < 0.2;
+      made.push_back({low, low + size, is_inward, false, n});
+      is_inward ? add_inward_box(surface, low, low + size) : add_box(surface, low, low + size);
+    }
+    // A box in a larger one than all of them, and in it a cavity, and again.
+    for (int n = 0; n < 2; ++n) {
+      const glm::dvec3 low(-10 + 2 * n), high(-9.5 + 2 * n), in(0.1);
+      add_box(surface, low, high);
+      add_inward_box(surface, low + in, high - in);
+      made.push_back({low, high, false, false, made.size()});
+      made.push_back({low + in, high - in, true, true, made.size() - 1});
+      ++cavities;
+    }
+    const auto body = shells_apart(surface);
+    ASSERT_EQ(body.size(), 12 * made.size());
+    // A box with inward normals that lies in an outward one is a cavity, too.
+    const auto holds = [](const Made& a, const Made& b) {
+      return glm::all(glm::lessThan(a.low, b.low)) && glm::all(glm::lessThan(b.low, a.high));
+    };
+    for (std::size_t i = 0; i < made.size(); ++i) {
+      for (std::size_t t = 1; t < 12; ++t) EXPECT_EQ(body[12 * i], body[12 * i + t]);
+      if (made[i].is_cavity) {
+        EXPECT_EQ(body[12 * i], body[12 * made[i].around]);
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        if (made[i].is_cavity || made[j].is_cavity || body[12 * i] != body[12 * j]) continue;
+        const bool is_in =
+            (made[i].is_inward &&
+             std::any_of(made.begin(), made.end(),
+                         [&](const Made& m) { return !m.is_inward && holds(m, made[i]); })) ||
+            (made[j].is_inward && std::any_of(made.begin(), made.end(), [&](const Made& m) {
+               return !m.is_inward && holds(m, made[j]);
+             }));
+        if (is_in) continue;
+        const bool apart = glm::any(glm::lessThan(made[i].high, made[j].low)) ||
+                           glm::any(glm::lessThan(made[j].high, made[i].low));
+        EXPECT_TRUE(apart && made[i].is_inward == made[j].is_inward) << i << " " << j;
+        ++together;
+      }
+    }
+  }
+  EXPECT_GT(together, 60);
+  EXPECT_EQ(cavities, 120);
+  // An object with an open piece stays one.
+  Surface open;
+  add_box(open, {0, 0, 0}, {1, 1, 1});
+  add_box(open, {0.5, 0.5, 0.5}, {2, 2, 2});
+  open.triangles.pop_back(), open.object.pop_back();
+  const auto one = shells_apart(open);
+  EXPECT_EQ(*std::max_element(one.begin(), one.end()), 0u);
+}
+
 // An overlap where the part is installed opens no wall elsewhere, however thin.
 TEST(SeatWalls, AnOverlapElsewhereLetsNoWallPass) {
   std::mt19937 random(65);
@@ -150,7 +255,7 @@ TEST(SeatWalls, AnOverlapElsewhereLetsNoWallPass) {
     // Walls of 0.05 to 4 times the depth.
     const double fin = evenly(random, 0.05 * depth, 4 * depth),
                  tab = evenly(random, 0.05 * depth, 4 * depth), gap = evenly(random, 1e-3, 1);
-    const FinBeforeTab seat(depth, gap, fin, tab);
+    const FinBeforeTab seat(depth, gap, fin, tab, trial % 3 == 0);
     const Pose frame = any_frame(random);
     SCOPED_TRACE("trial " + std::to_string(trial) + ", depth " + std::to_string(depth) + ", fin " +
                  std::to_string(fin) + ", tab " + std::to_string(tab));

@@ -9,6 +9,7 @@
 
 #include "pointshell/normals/orientation.h"
 #include "pointshell/part/mass_properties.h"
+#include "workbench/exact/surface/shells.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
@@ -217,12 +218,14 @@ double widest_crack_m(const Surface& surface) {
 }
 
 Bodies bodies_of(const Surface& surface, double crack_m) {
-  std::map<std::uint32_t, std::vector<mesh::Triangle>> by_object;
+  // Those of each object: all of it first, then its shells, where there are any apart.
+  std::map<std::uint32_t, std::map<std::uint32_t, std::vector<mesh::Triangle>>> by_object;
+  const std::vector<std::uint32_t> numbers = shells_apart(surface);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    by_object[surface.object[t]].push_back(surface.triangles[t]);
+    by_object[surface.object[t]][numbers[t]].push_back(surface.triangles[t]);
   }
   Bodies bodies;
-  for (auto& [object, triangles] : by_object) {
+  const auto add = [&](std::vector<mesh::Triangle> triangles) {
     mesh::Assembly assembly;
     mesh::Mesh& mesh = assembly.meshes.emplace_back();
     std::map<std::uint32_t, std::uint32_t> own;  // number of a vertex in the mesh
@@ -240,6 +243,15 @@ Bodies bodies_of(const Surface& surface, double crack_m) {
     const part::PartInput input{&assembly, 1};
     auto part = part::assemble_part({&input, 1});
     if (part) bodies.push_back(std::make_unique<Body>(std::move(*part), crack_m));
+  };
+  for (auto& [object, shells] : by_object) {
+    std::vector<mesh::Triangle> all;
+    for (const auto& [number, triangles] : shells) {
+      all.insert(all.end(), triangles.begin(), triangles.end());
+    }
+    add(std::move(all));
+    if (shells.size() == 1) continue;
+    for (auto& [number, triangles] : shells) add(std::move(triangles));
   }
   return bodies;
 }

@@ -6,12 +6,11 @@
 #include <glm/vector_relational.hpp>
 #include <limits>
 #include <map>
-#include <numeric>
-#include <tuple>
 #include <vector>
 
 #include "workbench/exact/body.h"
 #include "workbench/exact/mesh_distance.h"
+#include "workbench/exact/surface/shells.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
@@ -37,31 +36,17 @@ struct Pieces {
 };
 
 Pieces pieces_around(const Surface& scene, const Box& part) {
-  // Triangles of one object that share the position of a corner are of one piece.
-  std::vector<std::size_t> parent(scene.triangles.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
-  std::map<std::tuple<std::uint32_t, double, double, double>, std::size_t> first;
+  const std::vector<std::uint32_t> piece_of = pieces_of(scene);
+  std::map<std::uint32_t, Box> boxes;
   for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
-    for (const auto corner : scene.triangles[t]) {
-      const glm::dvec3& p = scene.vertices_m[corner];
-      const auto [at, is_new] = first.try_emplace({scene.object[t], p.x, p.y, p.z}, t);
-      if (!is_new) parent[root(t)] = root(at->second);
-    }
-  }
-  std::map<std::size_t, Box> boxes;
-  for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
-    for (const auto corner : scene.triangles[t]) boxes[root(t)].grow(scene.vertices_m[corner]);
+    for (const auto corner : scene.triangles[t]) boxes[piece_of[t]].grow(scene.vertices_m[corner]);
   }
   Pieces pieces;
   pieces.surface.vertices_m = scene.vertices_m;
   pieces.surface.largest_m = scene.largest_m;
-  std::map<std::size_t, std::uint32_t> numbers;
+  std::map<std::uint32_t, std::uint32_t> numbers;
   for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
-    const std::size_t piece = root(t);
+    const std::uint32_t piece = piece_of[t];
     if (!boxes[piece].holds(part)) continue;
     const auto number = static_cast<std::uint32_t>(pieces.object_of.size());
     const auto [at, is_new] = numbers.try_emplace(piece, number);
