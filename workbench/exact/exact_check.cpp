@@ -738,6 +738,7 @@ class ExactCheck {
     seat.allowed_m = seat.installed_m + margin_m + request_.seat_depth_m.value_or(0);
     begin_stage(ExactStop::kContact, "measuring the depth in the seat", number);
     walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
+    if (request_.seat_depth_m.value_or(0) > 0) walk.allow_passing();
     for (const auto& [from_s, to_s] : seated_stretches_) {
       const auto deeper =
           walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m, kTravelM);

@@ -320,7 +320,7 @@ std::vector<SeatWalk::Stretch> SeatWalk::deeper_than(const Moment& from, const M
   try {
     at(from, std::nullopt), at(to, std::nullopt);  // how deep it is, be it proven or not
     while (!open.empty()) look_at_next();
-    if (found.empty()) {
+    if (found.empty() && !may_pass_) {
       if (const auto passed = passage(allowed_m)) found.push_back(*passed);
     }
   } catch (const Stopped&) {

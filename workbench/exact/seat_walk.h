@@ -54,6 +54,10 @@ class SeatWalk {
   std::vector<Stretch> deeper_than(const Moment& from, const Moment& to, double allowed_m,
                                    double resolution_m, bool all = false);
 
+  // From here on deeper_than() does not look at walls. Where a user allows a depth, as for a hook
+  // that snaps over an edge, the part changes its side there.
+  void allow_passing() { may_pass_ = true; }
+
   // Until when the last search has proven or found something.
   double reached_s() const { return reached_s_; }
 
@@ -102,7 +106,8 @@ class SeatWalk {
   const MeshPair& distance_;
   Opens all_;                          // of both surfaces
   std::vector<std::vector<Met>> met_;  // of each of these, in the last search
-  double within_m_, radius_m_ = 0;     // radius of the part about its centroid
+  bool may_pass_ = false;
+  double within_m_, radius_m_ = 0;  // radius of the part about its centroid
   std::map<std::tuple<std::size_t, double, bool>, Depth> depths_;
   std::optional<std::pair<Moment, Depth>> deepest_;
   std::function<void(double)> progress_ = [](double) {};
