@@ -42,7 +42,8 @@ test_safety() {
 # The release build and the runtime alone compile the same sources the same way: what the first one compiled is kept in
 # the build folder for the second one.
 export CCACHE_DIR=$root/build/ccache CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=true CCACHE_DEPEND=true CCACHE_MAXSIZE=2G
-export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_INODECACHE=true  # a precompiled header is hashed once, not for each source
+export CCACHE_SLOPPINESS=pch_defines,time_macros
+export CCACHE_INODECACHE=true  # a precompiled header is hashed once, not for each source
 kept=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 
 # Builds as on a workstation without the offline libraries, and shows that no source saw one. The code is the same as in

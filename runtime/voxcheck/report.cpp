@@ -219,8 +219,7 @@ std::string end_text(const CheckedPath& checked, command::VerdictKind answer) {
   }
   if (kind != command::VerdictKind::kComesOut || !ends_in_scene_box(checked)) return "";
   return "\"comes out\" says here that the part leaves its seat: the path ends within the box "
-         "around "
-         "the other objects, and the way on from there was not checked";
+         "around the other objects, and the way on from there was not checked";
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {

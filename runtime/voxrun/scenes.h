@@ -21,8 +21,8 @@ namespace forcelayer::voxrun {
 struct UsedScene {
   std::string path;
   double from_s = 0;
-  std::vector<std::string>
-      object_names;  // [number in the file - 1], the first of siblings with "[1]"
+  // [number in the file - 1], the first of several siblings with "[1]".
+  std::vector<std::string> object_names;
   SeparationGuarantee guarantee;
   std::vector<guard::SeatObject> seat;
 };
