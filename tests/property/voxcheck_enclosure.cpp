@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/box_surface.h"
 #include "workbench/exact/enclosure.h"
 
 namespace forcelayer::exact {
@@ -13,28 +14,8 @@ namespace {
 
 constexpr std::uint32_t kOther = 1, kCase = 2;
 
-void add_box(Surface& surface, double low_m, double high_m, std::uint32_t object, bool turned) {
-  const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
-  for (int n = 0; n < 8; ++n) {
-    surface.vertices_m.emplace_back(n & 1 ? high_m : low_m, n & 2 ? high_m : low_m,
-                                    n & 4 ? high_m : low_m);
-  }
-  for (mesh::Triangle t : {mesh::Triangle{0, 2, 1},
-                           {1, 2, 3},
-                           {4, 5, 6},
-                           {5, 7, 6},
-                           {0, 1, 4},
-                           {1, 5, 4},
-                           {2, 6, 3},
-                           {3, 6, 7},
-                           {0, 4, 2},
-                           {2, 4, 6},
-                           {1, 3, 5},
-                           {3, 7, 5}}) {
-    if (turned) std::swap(t[1], t[2]);
-    surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    surface.object.push_back(object);
-  }
+void add_box(Surface& surface, double low_m, double high_m, std::uint32_t object, bool is_inward) {
+  test::add_box(surface, glm::dvec3(low_m), glm::dvec3(high_m), object, is_inward);
   surface.largest_m = std::max({surface.largest_m, std::abs(low_m), std::abs(high_m)});
 }
 

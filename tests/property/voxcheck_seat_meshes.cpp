@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
+#include "tests/support/box_surface.h"
 #include "workbench/exact/seat_meshes.h"
 
 namespace forcelayer::exact {
@@ -18,26 +19,10 @@ constexpr std::uint32_t kWall = 1, kOther = 2;
 
 void add_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m,
              std::uint32_t object, const glm::dquat& turn = {1, 0, 0, 0}) {
-  const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
-  for (int n = 0; n < 8; ++n) {
-    surface.vertices_m.push_back(turn * glm::dvec3(n & 1 ? high_m.x : low_m.x,
-                                                   n & 2 ? high_m.y : low_m.y,
-                                                   n & 4 ? high_m.z : low_m.z));
-  }
-  for (const mesh::Triangle& t : {mesh::Triangle{0, 2, 1},
-                                  {1, 2, 3},
-                                  {4, 5, 6},
-                                  {5, 7, 6},
-                                  {0, 1, 4},
-                                  {1, 5, 4},
-                                  {2, 6, 3},
-                                  {3, 6, 7},
-                                  {0, 4, 2},
-                                  {2, 4, 6},
-                                  {1, 3, 5},
-                                  {3, 7, 5}}) {
-    surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    surface.object.push_back(object);
+  const std::size_t first = surface.vertices_m.size();
+  test::add_box(surface, low_m, high_m, object);
+  for (std::size_t n = first; n < surface.vertices_m.size(); ++n) {
+    surface.vertices_m[n] = turn * surface.vertices_m[n];
   }
   for (const glm::dvec3& v : surface.vertices_m) {
     for (int axis = 0; axis < 3; ++axis) {

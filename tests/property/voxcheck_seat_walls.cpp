@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "tests/support/box_surface.h"
 #include "tests/support/ring_surface.h"
 #include "workbench/exact/push_out.h"
 #include "workbench/exact/seat_walk.h"
@@ -17,40 +18,10 @@
 namespace forcelayer::exact {
 namespace {
 
-void add_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m) {
-  const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
-  for (int n = 0; n < 8; ++n) {
-    surface.vertices_m.push_back(
-        {(n & 1 ? high_m : low_m).x, (n & 2 ? high_m : low_m).y, (n & 4 ? high_m : low_m).z});
-  }
-  for (const mesh::Triangle& t : std::initializer_list<mesh::Triangle>{{0, 2, 1},
-                                                                       {1, 2, 3},
-                                                                       {4, 5, 6},
-                                                                       {5, 7, 6},
-                                                                       {0, 1, 4},
-                                                                       {1, 5, 4},
-                                                                       {2, 6, 3},
-                                                                       {3, 6, 7},
-                                                                       {0, 4, 2},
-                                                                       {2, 4, 6},
-                                                                       {1, 3, 5},
-                                                                       {3, 7, 5}}) {
-    surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-    surface.object.push_back(1);
-  }
-}
+using test::add_box;
 
 double evenly(std::mt19937& random, double low, double high) {  // by ratio
   return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
-}
-
-// The same with normals that point inwards.
-void add_inward_box(Surface& surface, const glm::dvec3& low_m, const glm::dvec3& high_m) {
-  const std::size_t first = surface.triangles.size();
-  add_box(surface, low_m, high_m);
-  for (std::size_t t = first; t < surface.triangles.size(); ++t) {
-    std::swap(surface.triangles[t][1], surface.triangles[t][2]);
-  }
 }
 
 // A foot that lies `depth` deep in a floor, and on the same part a fin, `gap` before a tab that
@@ -61,7 +32,7 @@ struct FinBeforeTab {
     add_box(part, {2, -3, 1}, {2 + fin, 3, 6});
     add_box(object, {-40, -40, -8}, {40, 40, 0});
     const glm::dvec3 low(2 + fin + gap, -30, 0.25), high(2 + fin + gap + tab, 30, 12);
-    is_inward ? add_inward_box(object, low, high) : add_box(object, low, high);
+    add_box(object, low, high, 1, is_inward);
   }
   Surface part, object;
 };
@@ -196,13 +167,13 @@ TEST(SeatWalls, ShellsOfOneBodyAreApart) {
       const glm::dvec3 low = any(), size = 0.4 * any() + 0.01;
       const bool is_inward = unit(random) < 0.2;
       made.push_back({low, low + size, is_inward, false, n});
-      is_inward ? add_inward_box(surface, low, low + size) : add_box(surface, low, low + size);
+      add_box(surface, low, low + size, 1, is_inward);
     }
     // A box in a larger one than all of them, and in it a cavity, and again.
     for (int n = 0; n < 2; ++n) {
       const glm::dvec3 low(-10 + 2 * n), high(-9.5 + 2 * n), in(0.1);
       add_box(surface, low, high);
-      add_inward_box(surface, low + in, high - in);
+      add_box(surface, low + in, high - in, 1, true);
       made.push_back({low, high, false, false, made.size()});
       made.push_back({low + in, high - in, true, true, made.size() - 1});
       ++cavities;
