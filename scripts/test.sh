@@ -3,8 +3,8 @@
 #   scripts/test.sh            layout of the sources, a release build and its tests, and under address and
 #                              undefined-behavior sanitizers what reads baked files
 #   CI=true scripts/test.sh    the same, the stress tests, faults planted into the guard, the benchmarks compiled, the
-#                              runtime alone, and by clang under those sanitizers the commands and the tests of what reads
-#                              files of others or holds a motor; fails where a package is missing
+#                              runtime alone, and by clang under those sanitizers the commands and the unit tests of what
+#                              reads files of others or holds a motor; fails where a package is missing
 #   scripts/test.sh --full     the same, the other tests under those sanitizers, the thread sanitizer, the virtual machine
 #                              and the long runs
 source "$(dirname "$0")/common.sh"
@@ -102,7 +102,7 @@ else
   build release
   run_tests release -LE vm
   plant_faults
-  # With --full, the tests of bakes and checks, too. The stress tests judge motion, and are slow under sanitizers.
+  # With --full, all but the stress tests: those judge motion, and are slow under sanitizers.
   slow=OFF
   [ "$full" = no ] || slow=ON
   configure asan-clang -DFORCELAYER_STEP=ON -DFORCELAYER_SLOW_TESTS=$slow
