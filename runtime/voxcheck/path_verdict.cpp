@@ -332,15 +332,28 @@ std::vector<command::VerdictSlide> slides_of(const CheckedPath& checked) {
   return slides;
 }
 
-// The overlap in the seat that a yes cannot rule out, because cracks make the depth less exact
-// than distances are. Empty: nothing.
-std::string crack_text(const CheckedPath& checked) {
-  if (checked.exact == nullptr || checked.result.seated.empty()) return "";
-  double hidden_m = 0;
-  for (const ExactSeat& seat : checked.exact->seat) hidden_m = std::max(hidden_m, seat.margin_m);
-  if (hidden_m <= checked.exact->margin_m + kRoundingM) return "";
-  return "in the seat, up to " + command::at_most_text(hidden_m) +
-         " more overlap than installed cannot be ruled out, because a mesh has cracks";
+// Cracks make the depth in the seat less exact than distances are.
+struct HiddenDepth {
+  const ExactSeat* seat = nullptr;  // where they hide most; null: nowhere
+  bool is_too_much = false;         // more than the required clearance and --seat-depth
+};
+
+HiddenDepth hidden_depth(const CheckedPath& checked) {
+  HiddenDepth hidden;
+  if (checked.exact == nullptr || checked.result.seated.empty()) return hidden;
+  for (const ExactSeat& seat : checked.exact->seat) {
+    if (seat.hidden_m <= checked.exact->margin_m + kRoundingM) continue;
+    const double depth_m = seat.allowed_m - seat.installed_m - seat.hidden_m;  // --seat-depth
+    hidden.is_too_much |= seat.hidden_m > std::max(checked.required_m, depth_m) + kRoundingM;
+    if (hidden.seat == nullptr || seat.hidden_m > hidden.seat->hidden_m) hidden.seat = &seat;
+  }
+  return hidden;
+}
+
+std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat) {
+  return "the part may go up to " + command::at_most_text(seat.hidden_m) + " deeper into " +
+         name_of(checked, seat.object) +
+         " than when installed, because cracks in a mesh hide such depths";
 }
 
 VerdictKind yes_of(const CheckedPath& checked) {
@@ -494,7 +507,16 @@ command::Verdict verdict_of(const CheckedPath& checked) {
     return verdict;
   }
   if (r.clear()) {
-    verdict.unchecked = crack_text(checked);
+    const HiddenDepth hidden = hidden_depth(checked);
+    if (hidden.is_too_much) {
+      verdict.kind = VerdictKind::kUndecided;
+      verdict.finding = hidden_depth_text(checked, *hidden.seat);
+      verdict.nearest.known = Known::kNot;
+      verdict.slides.clear();
+      verdict.advice = command::kCracksAdvice;
+      return verdict;
+    }
+    if (hidden.seat != nullptr) verdict.unchecked = hidden_depth_text(checked, *hidden.seat);
     if (checked.exact != nullptr) add_overlaps(checked.scene, *checked.exact, verdict);
     return verdict;
   }

@@ -120,8 +120,9 @@ std::string instruction(const pairs::AssemblyParts& assembly, const Step& step,
             command::length_text(overlap.depth_m) + " deep\n";
   }
   if (step.hidden_overlap_m > 0) {
-    text += "   up to " + command::at_most_text(step.hidden_overlap_m) +
-            " more overlap than installed cannot be ruled out, because a mesh has cracks\n";
+    text += "   may go up to " + command::at_most_text(step.hidden_overlap_m) +
+            " deeper into a neighbor than when installed, because cracks in a mesh hide such "
+            "depths\n";
   }
   return text;
 }

@@ -717,42 +717,20 @@ class ExactCheck {
     }
   }
 
+  // Cracks widen the margin only where they are near the places in contact: first it is tried
+  // without them.
   void settle(std::uint32_t number, Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    const double margin_m = seat_margin_m(part_bodies(), object.bodies(), margin_m_);
-    SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance, kSeatWithin * margin_m);
-    seat.settled = walk.is_settled() || !meet(object.walk);
-    const auto& p = request_.seat_pose;
-    const Pose installed =
-        Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
-    if (!seat.settled) {
-      seat.part_hole = hole_of(part_bodies(), installed);
-      seat.object_hole = hole_of(object.bodies(), {});
+    seat.margin_m = seat_margin_m(part_bodies(), object.bodies(), margin_m_);
+    std::vector<SeatWalk::Stretch> deeper;
+    for (const double hidden_m : {margin_m_, seat.margin_m}) {
+      SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance,
+                    kSeatWithin * seat.margin_m);
+      seat.hidden_m = hidden_m;
+      deeper = deeper_in_seat(seat, object, walk, answer);
+      if (deeper.empty() || hidden_m == seat.margin_m) break;
     }
-    seat.installed_m = std::max(
-        0.0, walk.at_pose(installed, std::nullopt, 0, [this](double f) { show(f); }).found_m);
-    if (seat.installed_m == 0) {
-      seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
-    }
-    seat.margin_m = margin_m;
-    seat.allowed_m = seat.installed_m + margin_m + request_.seat_depth_m.value_or(0);
-    begin_stage(ExactStop::kContact, "measuring the depth in the seat", number);
-    walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
-    if (request_.seat_depth_m.value_or(0) > 0) walk.allow_passing();
-    for (const auto& [from_s, to_s] : seated_stretches_) {
-      const auto deeper =
-          walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m, kTravelM);
-      for (const auto& stretch : deeper) {
-        answer.violations.push_back(pushed_in(seat, stretch));
-      }
-      // Where it may go deeper, the answer says how deep it goes.
-      if (request_.seat_depth_m && deeper.empty()) {
-        walk.deepest_of(path_.at(from_s), path_.at(to_s), path_.at(from_s));
-      }
-    }
-    if (const auto& deepest = walk.deepest_so_far()) {
-      seat.deepest_m = std::max(0.0, deepest->second.found_m);
-    }
+    for (const auto& stretch : deeper) answer.violations.push_back(pushed_in(seat, stretch));
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.walk);
     if (const auto soon_s = soon_out_s(2 * (request_.required_m + seat.installed_m))) {
       const auto apart_m = [&](double at_s) {
@@ -771,8 +749,45 @@ class ExactCheck {
         }
       }
     }
-    answer.moments += walk.measured();
     answer.seat.push_back(seat);
+  }
+
+  // Where the part is not proven to be less deep in the object of `seat` than that allows. Sets how
+  // deep it is as installed, what is allowed, and the deepest that was found.
+  std::vector<SeatWalk::Stretch> deeper_in_seat(ExactSeat& seat, Other& object, SeatWalk& walk,
+                                                ExactAnswer& answer) {
+    seat.settled = walk.is_settled() || !meet(object.walk);
+    const auto& p = request_.seat_pose;
+    const Pose installed =
+        Pose{{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}} * Pose{center_m_, {1, 0, 0, 0}};
+    if (!seat.settled) {
+      seat.part_hole = hole_of(part_bodies(), installed);
+      seat.object_hole = hole_of(object.bodies(), {});
+    }
+    seat.installed_m = std::max(
+        0.0, walk.at_pose(installed, std::nullopt, 0, [this](double f) { show(f); }).found_m);
+    if (seat.installed_m == 0) {
+      seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
+    }
+    seat.allowed_m = seat.installed_m + seat.hidden_m + request_.seat_depth_m.value_or(0);
+    begin_stage(ExactStop::kContact, "measuring the depth in the seat", seat.object);
+    walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
+    if (request_.seat_depth_m.value_or(0) > 0) walk.allow_passing();
+    std::vector<SeatWalk::Stretch> all;
+    for (const auto& [from_s, to_s] : seated_stretches_) {
+      const auto deeper =
+          walk.deeper_than(path_.at(from_s), path_.at(to_s), seat.allowed_m, kTravelM);
+      all.insert(all.end(), deeper.begin(), deeper.end());
+      // Where it may go deeper, the answer says how deep it goes.
+      if (request_.seat_depth_m && deeper.empty()) {
+        walk.deepest_of(path_.at(from_s), path_.at(to_s), path_.at(from_s));
+      }
+    }
+    if (const auto& deepest = walk.deepest_so_far()) {
+      seat.deepest_m = std::max(0.0, deepest->second.found_m);
+    }
+    answer.moments += walk.measured();
+    return all;
   }
 
   // The end of the first stretch in the seat at which the part is installed: its last time where

@@ -1150,8 +1150,9 @@ std::string Study::advice() const {
   }
   if (command::passes(answer_.verdict.kind)) return command::kOverlapAdvice;
   if (answer_.verdict.kind != command::VerdictKind::kUndecided) return "";
+  const json violations = answer_.checked.value("violations", json::array());
+  if (violations.empty()) return command::kCracksAdvice;
   const auto any = [&](const char* key) {
-    const json violations = answer_.checked.value("violations", json::array());
     return std::any_of(violations.begin(), violations.end(),
                        [&](const json& violation) { return violation.value(key, false); });
   };

@@ -185,6 +185,9 @@ constexpr bool is_answer(ErrorCode code) { return is_answer(exit_status(code)); 
 
 // The advice that goes with kNeedsForce.
 inline constexpr char kOverlapAdvice[] = "if the overlap is intended, accept exit status 7";
+// That for a seat in which cracks hide a depth of more than the required clearance.
+inline constexpr char kCracksAdvice[] =
+    "close the cracks of the meshes, or accept such a depth with --seat-depth";
 
 // An error where the answer is not yes. `file` is what the verdict is about. Errors: error_code().
 Status exit_of(const Verdict& verdict, const std::string& file);
