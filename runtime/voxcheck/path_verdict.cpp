@@ -76,10 +76,9 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
            " than in the installed pose";
   }
   const ExactSeat* seat = exact_seat(checked, v.worst.object);
-  const auto explained = [&](const std::string& allowed) {
-    return ", of which " + allowed + " may be " +
-           (seat->overlaps() ? "overlap as installed and " : "") + "deviations of the meshes" +
-           (seat->has_seat_depth() ? " and --seat-depth" : "");
+  const auto causes = [&] {
+    return std::string(seat->overlaps() ? "overlap as installed and " : "") +
+           "deviations of the meshes" + (seat->has_seat_depth() ? " and --seat-depth" : "");
   };
   if (exact->passes_wall) {
     return "may pass through a wall of " + object +
@@ -88,7 +87,7 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   if (exact->graze) {
     return "is " + length_text(v.depth_m) + " to " +
            command::upper_length_text(exact->max_depth_m, seat->allowed_m) + " deep in " + object +
-           explained(length_text(seat->allowed_m));
+           "; " + causes() + " (" + length_text(seat->allowed_m) + ") leave this undecided";
   }
   if (seat->allowed_m < kRoundingM && v.depth_m > 2 * kRoundingM) {
     return "goes " + length_text(v.depth_m) + " deep into " + object +
@@ -98,7 +97,7 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   const std::string deep = "goes " + depth + " deep into " + object;
   return seat->overlaps() ? deep + ", which the installed part overlaps by at least " +
                                 length_text(seat->installed_m)
-                          : deep + explained(allowed);
+                          : deep + "; " + causes() + " explain at most " + allowed + " of it";
 }
 
 // "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"

@@ -20,7 +20,7 @@ report() { python3 -c "import json; report = json.load(open('$1')); assert ($2),
 
 # The gearbox comes apart, and voxcheck confirms a path.
 disassemble 0 gearbox.glb -o apart --json apart.json
-line 1 '1. Bolt[1]: 34 mm along +z (nearest: Housing, 0.0997 mm)'
+line 1 '1. Bolt[1]: 34 mm along +z (touches Cover; nearest: Housing, 0.0997 mm)'
 line 9 'All 9 parts come apart.'
 report apart.json 'report["tool"] == "forcelayer" and report["exit_status"] == 0'
 report apart/sequence.json 'len(report["steps"]) == 8 and report["left"] == [] and report["finished"]'

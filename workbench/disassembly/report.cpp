@@ -50,13 +50,18 @@ Json name_of(const pairs::AssemblyParts& assembly, const std::optional<std::size
   return part ? Json(assembly.parts[*part].name.listed) : Json(nullptr);
 }
 
+// "Bolt[1]: 34 mm along +z (touches Cover; nearest: Housing, 0.0997 mm)"
 std::string line_of(const pairs::AssemblyParts& assembly, const Step& step) {
-  std::string line = listed(assembly, step.parts) + ": " + motion_text(step);
+  Parts touched = step.touched;
+  for (const Overlap& overlap : step.overlaps) touched = without(touched, {overlap.object});
+  std::string beside;
+  if (!touched.empty()) beside = "touches " + listed(assembly, touched);
   if (step.nearest) {
-    line += " (nearest: " + assembly.shown_name(*step.nearest) + ", " +
-            command::length_text(step.distance_m + command::kDecimalM) + ")";
+    beside += (beside.empty() ? "" : "; ") + ("nearest: " + assembly.shown_name(*step.nearest)) +
+              ", " + command::length_text(step.distance_m + command::kDecimalM);
   }
-  return line;
+  return listed(assembly, step.parts) + ": " + motion_text(step) +
+         (beside.empty() ? "" : " (" + beside + ")");
 }
 
 bool needs_force(const Outcome& outcome) {
