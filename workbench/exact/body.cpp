@@ -218,11 +218,11 @@ double widest_crack_m(const Surface& surface) {
 }
 
 Bodies bodies_of(const Surface& surface, double crack_m) {
-  // Those of each object: all of it first, then its shells, where there are any apart.
-  std::map<std::uint32_t, std::map<std::uint32_t, std::vector<mesh::Triangle>>> by_object;
-  const std::vector<std::uint32_t> numbers = shells_apart(surface);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    by_object[surface.object[t]][numbers[t]].push_back(surface.triangles[t]);
+  Surface turned = surface;
+  turn_outwards(turned);
+  std::map<std::uint32_t, std::vector<mesh::Triangle>> by_object;
+  for (std::size_t t = 0; t < turned.triangles.size(); ++t) {
+    by_object[turned.object[t]].push_back(turned.triangles[t]);
   }
   Bodies bodies;
   const auto add = [&](std::vector<mesh::Triangle> triangles) {
@@ -233,7 +233,7 @@ Bodies bodies_of(const Surface& surface, double crack_m) {
       for (std::uint32_t& corner : t) {
         const auto [at, is_new] =
             own.try_emplace(corner, static_cast<std::uint32_t>(mesh.vertices.size()));
-        const glm::dvec3& v = surface.vertices_m[corner];
+        const glm::dvec3& v = turned.vertices_m[corner];
         if (is_new) mesh.vertices.push_back({v.x, v.y, v.z});
         corner = at->second;
       }
@@ -243,15 +243,20 @@ Bodies bodies_of(const Surface& surface, double crack_m) {
     const part::PartInput input{&assembly, 1};
     auto part = part::assemble_part({&input, 1});
     if (part) bodies.push_back(std::make_unique<Body>(std::move(*part), crack_m));
+    return part.ok();
   };
-  for (auto& [object, shells] : by_object) {
-    std::vector<mesh::Triangle> all;
-    for (const auto& [number, triangles] : shells) {
-      all.insert(all.end(), triangles.begin(), triangles.end());
-    }
-    add(std::move(all));
-    if (shells.size() == 1) continue;
-    for (auto& [number, triangles] : shells) add(std::move(triangles));
+  Surface own;
+  own.vertices_m = turned.vertices_m;
+  for (auto& [object, triangles] : by_object) {
+    if (!add(triangles)) continue;
+    own.triangles = std::move(triangles);
+    own.object.assign(own.triangles.size(), object);
+    std::map<std::uint32_t, std::vector<mesh::Triangle>> by_body;
+    const auto numbers = shells_apart(own, bodies.back()->crack_m());
+    for (std::size_t t = 0; t < numbers.size(); ++t)
+      by_body[numbers[t]].push_back(own.triangles[t]);
+    if (by_body.size() == 1) continue;
+    for (auto& [number, shell] : by_body) add(std::move(shell));
   }
   return bodies;
 }

@@ -93,10 +93,11 @@ using Bodies = std::vector<std::unique_ptr<Body>>;
 // Cracks of a surface that are narrower do not open it: a thousandth of its diagonal.
 double widest_crack_m(const Surface& surface);
 
-// A body for each object of the surface; none for one without area. After one whose shells may run
-// through each other (shells_apart()), its shells follow as bodies of their own: a place that is
-// near a face inside of the object may be deep in a shell. Two of them may join in a neck that is
-// thinner than each, so the object counts as a whole, too.
+// A body for each object of the surface; none for one without area. Closed pieces are turned first
+// (turn_outwards()). After one whose shells may run through each other (shells_apart()), its shells
+// follow as bodies of their own: a place that is near a face inside of the object may be deep in a
+// shell. Two of them may join in a neck that is thinner than each, so the object counts as a whole,
+// too.
 Bodies bodies_of(const Surface& surface, double crack_m);
 
 // Whether there are any, and each of them is solid.

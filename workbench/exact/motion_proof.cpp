@@ -16,9 +16,9 @@ using part::Vec3;
 
 // A motion that takes more cells, and more for each triangle, is cut in two before its pieces are.
 constexpr std::uint64_t kMaxCells = 4000, kCellsOfTriangle = 4;
-// Depths by which a side is found: the allowed one, and so many that are each less by this factor.
-constexpr int kDepths = 8;
-constexpr double kLessDeep = 1.0 / 4;
+// A side is looked for by the allowed depth and by less, down to this fraction of it. The search
+// for a depth ends where it is known so closely, by ratio.
+constexpr double kLeastDepth = 0x1p-16, kDepthRatio = 1.1;
 
 Vec3 placed(const Pose& pose, const Vec3& p) {
   return vec3_of(pose.position_m + pose.orientation * dvec3_of(p));
@@ -157,14 +157,21 @@ Hull hull_of(const Motion& motion, const Piece& piece) {
 }
 
 bool keeps_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
-  if (has_one_side(solid, hull, depth_m, bend)) return true;
+  if (sides_of(solid, hull, depth_m, bend) == Sides::kOne) return true;
   if (stays_outside(solid, hull, bend)) return true;
-  // One that has no side for the least depth has none for any.
-  if (!has_one_side(solid, hull, std::pow(kLessDeep, kDepths) * depth_m, bend)) return false;
-  for (int n = 0; n < kDepths; ++n) {
-    depth_m *= kLessDeep;
-    if (!is_no_deeper(solid, hull, depth_m, bend)) return false;
-    if (has_one_side(solid, hull, depth_m, bend)) return true;
+  // Both sides that are near for the least depth are so for any.
+  double small_m = kLeastDepth * depth_m, large_m = depth_m;
+  if (sides_of(solid, hull, small_m, bend) == Sides::kBoth) return false;
+  while (large_m > kDepthRatio * small_m) {
+    const double tried_m = std::sqrt(small_m * large_m);
+    const Sides sides = sides_of(solid, hull, tried_m, bend);
+    if (sides == Sides::kBoth) {
+      large_m = tried_m;
+    } else if (sides == Sides::kOne && is_no_deeper(solid, hull, tried_m, bend)) {
+      return true;
+    } else {
+      small_m = tried_m;
+    }
   }
   return false;
 }

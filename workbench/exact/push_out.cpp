@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace forcelayer::exact {
@@ -17,8 +18,11 @@ constexpr double kSameNormal = 1 - 1e-6;
 constexpr std::size_t kMaxNormals = 8;
 // Normals of one side leave its direction by no more than this, as a cosine: sharper edges are thin
 // walls. It is looked for in steps of this factor at least, for so many normals.
-constexpr double kMinAlong = 0.25, kLess = 0.9;
+constexpr double kMinAlong = 0.4, kLess = 0.9;
 constexpr std::size_t kMaxOfSide = 512;
+// Widths of a crack: half of what a pocket that opens through it alone, between faces of one side,
+// is deep at most.
+constexpr double kHiddenByCrack = 1 / kMinAlong;
 // Rounding of a length along a direction, as a fraction of the largest coordinate: far above it.
 constexpr double kRounding = 1e-14;
 // Shifts are this much shorter than allowed, for their own rounding.
@@ -95,23 +99,29 @@ std::vector<Vec3> directions_out(const Body& solid, const Hull& hull, double rea
   return directions;
 }
 
-// Whether all places of a motion are outside, once they are shifted.
-bool is_free(const Body& solid, const Hull& hull, const Vec3& shift, const Bend& bend) {
+// Whether all places of a motion are on one side of the surface, once they are shifted.
+bool is_apart(const Body& solid, const Hull& hull, const Vec3& shift, const Bend& bend) {
   // Through a crack a direction leads inside that meets no triangle, but it is narrow.
-  const Vec3 center = hull.center + shift;
-  const double crack_m = solid.crack_near_m(center, hull.reach + bend.max_m);
+  const double crack_m = solid.crack_near_m(hull.center + shift, hull.reach + bend.max_m);
   return visit_near(solid, hull, shift, crack_m + rounding_of_m(hull), bend,
-                    [](const Piece&) { return false; }) &&
-         !solid.holds(center);
+                    [](const Piece&) { return false; });
 }
 
-// The smallest cosine between unit vectors and the direction that is found nearest to all of them:
-// their mean, turned to the farthest one by less and less.
-double along_all(const std::vector<Vec3>& normals) {
+// Whether all of them are outside then, or inside.
+bool is_free(const Body& solid, const Hull& hull, const Vec3& shift, const Bend& bend) {
+  return is_apart(solid, hull, shift, bend) && !solid.holds(hull.center + shift);
+}
+bool is_held(const Body& solid, const Hull& hull, const Vec3& shift, const Bend& bend) {
+  return is_apart(solid, hull, shift, bend) && solid.holds(hull.center + shift);
+}
+
+// The direction that is found nearest to some unit vectors, and the smallest cosine between it and
+// them: their mean, turned to the farthest one by less and less.
+std::pair<Vec3, double> along_all(const std::vector<Vec3>& normals) {
   constexpr int kTurns = 24;
   Vec3 sum, farthest;
   for (const Vec3& normal : normals) sum += normal;
-  double best = -1;
+  std::pair<Vec3, double> best{{}, -1};
   Vec3 direction = part::normalized(sum);
   for (int turn = 0; turn < kTurns; ++turn) {
     double along = 1;
@@ -119,7 +129,7 @@ double along_all(const std::vector<Vec3>& normals) {
       const double cosine = part::dot(normal, direction);
       if (cosine < along) along = cosine, farthest = normal;
     }
-    best = std::max(best, along);
+    if (along > best.second) best = {direction, along};
     direction = part::normalized(direction + (1.0 / (turn + 2)) * farthest);
   }
   return best;
@@ -198,16 +208,25 @@ bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& b
   });
 }
 
-bool has_one_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
+Sides sides_of(const Body& solid, const Hull& hull, double depth_m, const Bend& bend) {
   // No direction is so near to two normals that are farther from each other.
   constexpr double kMinBetween = 2 * kMinAlong * kMinAlong - 1;
+  const auto normal_out = [&](const Piece& triangle) {
+    return solid.outward() * normal_of(triangle);
+  };
+  const double rounding_m = rounding_of_m(hull), hidden_m = kHiddenByCrack * solid.crack_m();
   double along = 1;
   std::vector<Vec3> normals;
   while (along >= kMinAlong) {
-    const double reach_m = (1 + 1 / along) * depth_m + rounding_of_m(hull);
+    // What cracks hide counts as if it were that much deeper.
+    double deep_m = depth_m + rounding_m;
+    const double near_m = hull.reach + bend.max_m + 2 / along * (deep_m + hidden_m);
+    const bool is_crack_near = solid.crack_near_m(hull.center, near_m) > 0;
+    if (is_crack_near) deep_m += hidden_m;
     normals.clear();
+    const double reach_m = (1 + 1 / along) * deep_m;
     const bool may_have = visit_near(solid, hull, {}, reach_m, bend, [&](const Piece& triangle) {
-      const Vec3 normal = solid.outward() * normal_of(triangle);
+      const Vec3 normal = normal_out(triangle);
       if (normal == Vec3{}) return true;
       for (const Vec3& other : normals) {
         if (normal == other) return true;
@@ -216,12 +235,25 @@ bool has_one_side(const Body& solid, const Hull& hull, double depth_m, const Ben
       normals.push_back(normal);
       return normals.size() < kMaxOfSide;
     });
-    if (!may_have) return false;
-    const double found = normals.empty() ? 1 : along_all(normals);
-    if (found >= along) return true;
+    if (!may_have) return Sides::kBoth;
+    if (normals.empty()) return Sides::kOne;
+    const auto [direction, found] = along_all(normals);
+    if (found >= along) {
+      const Vec3 out = (2 / along * deep_m) * direction;
+      // The ways that lead out beyond what is near lie in this ball.
+      const double wide_m = std::hypot(1, 0.5 / along) * deep_m;
+      const bool is_one =
+          visit_near(solid, hull, 0.75 * out, wide_m, bend,
+                     [&](const Piece& triangle) {
+                       const Vec3 normal = normal_out(triangle);
+                       return normal == Vec3{} || part::dot(normal, direction) >= along;
+                     }) &&
+          is_free(solid, hull, out, bend) && (!is_crack_near || is_held(solid, hull, -out, bend));
+      return is_one ? Sides::kOne : Sides::kUnknown;
+    }
     along = std::min(found, kLess * along);
   }
-  return false;
+  return Sides::kBoth;
 }
 
 }  // namespace forcelayer::exact

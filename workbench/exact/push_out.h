@@ -65,13 +65,23 @@ bool stays_outside(const Body& solid, const Hull& hull, const Bend& bend = {});
 bool comes_free(const Body& solid, const Hull& hull, double max_m, const Bend& bend = {});
 
 // Whether all places of a motion that are no deeper than `depth_m` are on one side of the solid:
-// no wall is so thin there that some of them are as near to one side of it as to the other.
+// no wall is so thin there that some of them are as near to one side of it as to the other. Faces
+// of both sides may be near, which less depth may exclude; or the solid may be all about, which a
+// smaller hull or more depth may exclude.
 //
 //   Let p be a place, and v a direction with n.v >= c > 0 for the normals n of all triangles within
-//   (1 + 1 / c) D of p. Then the places outside that are within D of p are connected outside.
+//   (1 + 1 / c) D of p, and of those on the way from there to p + 2 v D / c. If that place is
+//   outside, the places outside that are within D of p are connected outside.
 //
-// From a place outside, no way that leaves v by less than asin(c) leads inside there. Two places
-// outside within D of p both reach their middle, moved along v by D / c, by such ways.
-bool has_one_side(const Body& solid, const Hull& hull, double depth_m, const Bend& bend = {});
+// Along a way that leaves v by less than asin(c), triangles are only crossed with their normals: so
+// the winding number never rises. From two places outside within D of p such ways lead to their
+// middle, moved along v by D / c, and from there to p + 2 v D / c. It is 0 at both ends, and so all
+// the way. Nothing of this depends on how the solid is turned: of an inside-out shell, that place
+// lies inside.
+//
+// Through a crack, a way crosses no triangle. Where one is near, the same place on the other side
+// of p must be inside: a sheet that is open all around has no inside.
+enum class Sides { kOne, kBoth, kUnknown };
+Sides sides_of(const Body& solid, const Hull& hull, double depth_m, const Bend& bend = {});
 
 }  // namespace forcelayer::exact

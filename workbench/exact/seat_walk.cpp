@@ -21,6 +21,8 @@ constexpr std::size_t kFewOpen = 64, kAllOpen = std::numeric_limits<std::size_t>
 // Pieces of motions that are looked at for one that changes its side: at first, and where neither
 // surface is then proven to keep its side.
 constexpr std::uint64_t kFewCellsOfSide = 1 << 11, kMaxCellsOfSide = 1 << 16;
+// And then for the first that does.
+constexpr std::uint64_t kCellsToFirst = 1 << 9;
 
 // Whether a surface that does not meet the solid lies inside of it: one place tells.
 bool begins_inside(const SurfaceInSolid& pair) {
@@ -144,15 +146,22 @@ SeatWalk::Opens SeatWalk::not_proven(const Opens& open, const Moment& begin, con
 }
 
 // A motion in which a piece may change its side of a solid, as short as it is told; none where all
-// are proven to keep it.
+// are proven to keep it. With `first`, none that begins later is looked at, and `first` is the
+// answer where none is found among so many.
 std::optional<SeatWalk::Met> SeatWalk::changes_side(const Open& pair, double allowed_m,
-                                                    std::uint64_t max_cells) const {
+                                                    std::uint64_t max_cells,
+                                                    std::optional<Met> first) const {
+  const bool is_any = !first;
   std::vector<Met> open = met_[pair.number];
-  std::reverse(open.begin(), open.end());  // in the order of time
+  const auto is_earlier = [&](const Met& a, const Met& b) {
+    return path_.time_s(a.begin) < path_.time_s(b.begin);
+  };
+  std::stable_sort(open.rbegin(), open.rend(), is_earlier);
   for (std::uint64_t cells = 0; !open.empty(); ++cells) {
     keep_going();
     const Met tried = open.back();
     open.pop_back();
+    if (first && !is_earlier(tried, *first)) continue;
     const Motion motion = motion_of(pair.is_of_part, tried.begin, tried.end);
     const Hull hull = hull_of(motion, tried.piece);
     if (keeps_side(*pair.solid, hull, allowed_m, motion.bend)) continue;
@@ -162,8 +171,11 @@ std::optional<SeatWalk::Met> SeatWalk::changes_side(const Open& pair, double all
     }
     const part::LongestEdge longest = part::longest_edge(tried.piece);
     const double edge_m = std::sqrt(longest.length_squared);
-    if (cells >= max_cells || std::max(travel_m, edge_m) <= within_m_) return tried;
-    if (travel_m > edge_m) {
+    if (cells >= max_cells) return first ? first : tried;
+    if (std::max(travel_m, edge_m) <= within_m_) {
+      first = tried;
+      if (is_any) break;
+    } else if (travel_m > edge_m) {
       const Moment half = path_.middle(tried.begin, tried.end);
       open.push_back({half, tried.end, tried.piece});
       open.push_back({tried.begin, half, tried.piece});
@@ -173,11 +185,32 @@ std::optional<SeatWalk::Met> SeatWalk::changes_side(const Open& pair, double all
       }
     }
   }
-  return std::nullopt;
+  return first;
+}
+
+// Where a piece begins to change its side: its middle, and the nearest place of the other surface.
+SeatWalk::Stretch SeatWalk::begin_of(const Met& change, const Open& pair) const {
+  const Pose world{glm::dvec3(0), {1, 0, 0, 0}}, pose = path_.world_from_center(change.begin);
+  const Pose& of_surface = pair.is_of_part ? pose : world;
+  const Pose& of_solid = pair.is_of_part ? world : pose;
+  const auto placed = [](const Pose& frame, const part::Vec3& p) {
+    return frame.position_m + frame.orientation * dvec3_of(p);
+  };
+  const glm::dvec3 place_m = placed(of_surface, part::centroid(change.piece));
+  const part::Vec3 in_solid = vec3_of(placed(inverse(of_solid), vec3_of(place_m)));
+  const auto nearest = pair.solid->tree().nearest(in_solid);
+  Depth depth;
+  depth.found_m = pair.solid->holds(in_solid) ? std::sqrt(nearest.distance_squared) : 0;
+  depth.at_most_m = depth.found_m;
+  depth.place_m = place_m;
+  depth.foot_m = placed(of_solid, nearest.point.position);
+  if (!pair.is_of_part) std::swap(depth.place_m, depth.foot_m);
+  depth.is_at_foot = !pair.is_of_part;
+  return {change.begin, change.end, change.begin, depth, false, true};
 }
 
 // Two surfaces that pass through each other change both their sides. So it is enough that one of
-// both keeps its side all the time.
+// both keeps its side all the time; where neither does, both have changed it when the second does.
 std::optional<SeatWalk::Stretch> SeatWalk::passage(double allowed_m) {
   for (const Open& open : all_) {
     std::vector<const Open*> ways{&open};
@@ -185,20 +218,24 @@ std::optional<SeatWalk::Stretch> SeatWalk::passage(double allowed_m) {
       if (other.surface == open.solid && other.solid == open.surface) ways.push_back(&other);
     }
     if (ways.size() > 1 && !open.is_of_part) continue;  // was looked at with the other
-    std::optional<Met> changes;
+    std::vector<Met> changes(ways.size());
     bool is_kept = false;
     for (const std::uint64_t max_cells : {kFewCellsOfSide, kMaxCellsOfSide}) {
-      for (const Open* way : ways) {
-        if (is_kept) break;
-        changes = changes_side(*way, allowed_m, max_cells);
-        is_kept = !changes;
+      for (std::size_t n = 0; n < ways.size() && !is_kept; ++n) {
+        const auto change = changes_side(*ways[n], allowed_m, max_cells, std::nullopt);
+        is_kept = !change;
+        if (change) changes[n] = *change;
       }
     }
     if (is_kept) continue;
-    Stretch stretch{changes->begin, changes->end, changes->begin, {}};
-    stretch.worst = at(changes->begin, allowed_m);
-    stretch.passes_wall = true;
-    return stretch;
+    std::optional<Stretch> second;
+    for (std::size_t n = 0; n < ways.size(); ++n) {
+      const auto change = changes_side(*ways[n], allowed_m, kCellsToFirst, changes[n]);
+      if (second && path_.time_s(change->begin) <= path_.time_s(second->from)) continue;
+      second = begin_of(*change, *ways[n]);
+    }
+    at(second->from, allowed_m);  // how deep it is then, be it the deepest or not
+    return second;
   }
   return std::nullopt;
 }

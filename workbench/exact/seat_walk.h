@@ -45,7 +45,7 @@ class SeatWalk {
     Moment from, to, worst_at;
     Depth worst;               // the deepest of all that was found
     bool is_deeper = false;    // than allowed; else it is too close to call
-    bool passes_wall = false;  // it is no deeper, but may pass through a wall
+    bool passes_wall = false;  // it is no deeper, but may pass through a wall: from `worst` on
   };
   // Those between two moments, in the order of time. They are found to `resolution_m` of travel
   // where they begin and end; one that is too close to call is found to `within_m`. The search ends
@@ -90,8 +90,9 @@ class SeatWalk {
   // A motion as the solid sees it: that of the part, or that of the object as the part sees it.
   Motion motion_of(bool is_of_part, const Moment& begin, const Moment& end) const;
   std::optional<Stretch> passage(double allowed_m);
-  std::optional<Met> changes_side(const Open& open, double allowed_m,
-                                  std::uint64_t max_cells) const;
+  Stretch begin_of(const Met& change, const Open& pair) const;
+  std::optional<Met> changes_side(const Open& open, double allowed_m, std::uint64_t max_cells,
+                                  std::optional<Met> first) const;
   // The depth at a moment, and at a pose, of these parts. Those that are proven need not be among
   // them to know whether it is more than allowed.
   const Depth& at(const Moment& moment, std::optional<double> allowed_m, const Opens& open);

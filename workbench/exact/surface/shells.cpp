@@ -4,12 +4,18 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <tuple>
+#include <utility>
 
+#include "pointshell/certificate/ray_winding.h"
+#include "pointshell/certificate/winding_number.h"
 #include "pointshell/part/mass_properties.h"
+#include "pointshell/part/open_edges.h"
+#include "pointshell/part/triangle_tree.h"
 #include "pointshell/part/vec3.h"
 
 namespace forcelayer::exact {
@@ -22,21 +28,23 @@ Vec3 corner_m(const Surface& surface, const mesh::Triangle& t, std::size_t n) {
   return {p.x, p.y, p.z};
 }
 
-// Corners at one position have one number.
-std::vector<mesh::Triangle> joined(const Surface& surface) {
+// The triangles, with one number for all corners at one position.
+part::Part joined(const Surface& surface) {
   std::map<std::tuple<double, double, double>, std::uint32_t> first;
-  std::vector<mesh::Triangle> triangles = surface.triangles;
-  for (mesh::Triangle& t : triangles) {
+  part::Part part;
+  part.triangles = surface.triangles;
+  for (const glm::dvec3& p : surface.vertices_m) part.vertices.push_back({p.x, p.y, p.z});
+  for (mesh::Triangle& t : part.triangles) {
     for (std::uint32_t& corner : t) {
       const glm::dvec3& p = surface.vertices_m[corner];
       corner = first.try_emplace({p.x, p.y, p.z}, corner).first->second;
     }
   }
-  return triangles;
+  return part;
 }
 
 struct Shell {
-  std::vector<std::size_t> triangles;
+  std::vector<std::uint32_t> triangles;
   part::Box box;
   double volume_m3 = 0;  // below 0 where its normals point inwards
 };
@@ -46,7 +54,7 @@ std::vector<Shell> shells_of(const Surface& surface, const std::vector<std::uint
   for (std::size_t t = 0; t < piece_of.size(); ++t) {
     if (piece_of[t] >= shells.size()) shells.resize(piece_of[t] + 1);
     Shell& shell = shells[piece_of[t]];
-    shell.triangles.push_back(t);
+    shell.triangles.push_back(static_cast<std::uint32_t>(t));
     const mesh::Triangle& first = surface.triangles[shell.triangles.front()];
     const Vec3 origin = corner_m(surface, first, 0);
     std::array<Vec3, 3> from;
@@ -60,23 +68,10 @@ std::vector<Shell> shells_of(const Surface& surface, const std::vector<std::uint
   return shells;
 }
 
-// How often a closed shell winds around a place away from it: the sum of the solid angles of its
-// triangles (Van Oosterom and Strackee 1983).
-double winding(const Surface& surface, const Shell& shell, const Vec3& place) {
-  double angle = 0;
-  for (const std::size_t t : shell.triangles) {
-    std::array<Vec3, 3> r;
-    std::array<double, 3> length;
-    for (std::size_t n = 0; n < 3; ++n) {
-      r[n] = corner_m(surface, surface.triangles[t], n) - place;
-      length[n] = part::length(r[n]);
-    }
-    const double over = part::dot(r[0], part::cross(r[1], r[2]));
-    const double under = length[0] * length[1] * length[2] + part::dot(r[0], r[1]) * length[2] +
-                         part::dot(r[1], r[2]) * length[0] + part::dot(r[2], r[0]) * length[1];
-    angle += 2 * std::atan2(over, under);
-  }
-  return angle / (4 * std::numbers::pi);
+std::vector<mesh::Triangle> triangles_of(const part::Part& part, const Shell& shell) {
+  std::vector<mesh::Triangle> triangles;
+  for (const std::uint32_t t : shell.triangles) triangles.push_back(part.triangles[t]);
+  return triangles;
 }
 
 bool meet(const part::Box& a, const part::Box& b) {
@@ -84,107 +79,200 @@ bool meet(const part::Box& a, const part::Box& b) {
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-// The smallest shell that winds around another one.
-std::optional<std::size_t> around(const Surface& surface, const std::vector<Shell>& shells,
-                                  const std::vector<std::size_t>& of_object, std::size_t inner) {
-  const Vec3 place = corner_m(surface, surface.triangles[shells[inner].triangles.front()], 0);
-  std::optional<std::size_t> found;
-  for (const std::size_t n : of_object) {
-    const Shell& shell = shells[n];
-    if (shell.volume_m3 < 0 || !meet(shell.box, shells[inner].box)) continue;
-    if (found && shells[*found].volume_m3 <= shell.volume_m3) continue;
-    if (winding(surface, shell, place) > 0.5) found = n;
-  }
-  return found;
+bool holds(const part::Box& outer, const part::Box& inner) {
+  return outer.low.x <= inner.low.x && inner.high.x <= outer.high.x && outer.low.y <= inner.low.y &&
+         inner.high.y <= outer.high.y && outer.low.z <= inner.low.z && inner.high.z <= outer.high.z;
 }
 
-// [shells] the number of the body of each of these, from 0 on.
-std::vector<std::size_t> bodies_among(const Surface& surface, const std::vector<Shell>& shells,
-                                      const std::vector<std::size_t>& of_object) {
-  struct Taken {
-    bool is_inward;
-    std::vector<const part::Box*> boxes;
-  };
-  std::vector<Taken> taken;
-  std::vector<std::optional<std::size_t>> inside(of_object.size());
-  std::map<std::size_t, std::size_t> body_of;
-  for (std::size_t i = 0; i < of_object.size(); ++i) {
-    const Shell& shell = shells[of_object[i]];
-    const bool is_inward = shell.volume_m3 < 0;
-    if (is_inward) inside[i] = around(surface, shells, of_object, of_object[i]);
-    if (inside[i]) continue;
-    const auto free = std::find_if(taken.begin(), taken.end(), [&](const Taken& body) {
-      return body.is_inward == is_inward &&
-             std::none_of(body.boxes.begin(), body.boxes.end(),
-                          [&](const part::Box* box) { return meet(*box, shell.box); });
-    });
-    body_of[of_object[i]] = static_cast<std::size_t>(free - taken.begin());
-    if (free == taken.end()) {
-      taken.push_back({is_inward, {&shell.box}});
-    } else {
-      free->boxes.push_back(&shell.box);
+// Which shell lies in which.
+class Nesting {
+ public:
+  // `part` has the triangles of the shells. All outlive this.
+  Nesting(const part::Part& part, const std::vector<Shell>& shells)
+      : part_(part), shells_(shells), trees_(shells.size()) {}
+
+  // The smallest of some closed shells that winds around all corners of another.
+  std::optional<std::size_t> around(const std::vector<std::size_t>& closed, std::size_t inner) {
+    const Shell& shell = shells_[inner];
+    std::optional<std::size_t> found;
+    for (const std::size_t n : closed) {
+      const Shell& outer = shells_[n];
+      const double volume_m3 = std::abs(outer.volume_m3);
+      if (n == inner || volume_m3 <= std::abs(shell.volume_m3)) continue;
+      if (found && std::abs(shells_[*found].volume_m3) <= volume_m3) continue;
+      if (exact::holds(outer.box, shell.box) && holds_corners(n, shell)) found = n;
     }
+    return found;
   }
-  std::vector<std::size_t> bodies;
-  for (std::size_t i = 0; i < of_object.size(); ++i) {
-    bodies.push_back(body_of.at(inside[i].value_or(of_object[i])));
+
+ private:
+  bool holds_corners(std::size_t outer, const Shell& inner) {
+    if (!trees_[outer]) {
+      trees_[outer] = std::make_unique<part::TriangleTree>(part_, shells_[outer].triangles);
+    }
+    const auto is_held = [&](std::uint32_t corner) {
+      const Vec3& place = part_.vertices[corner];
+      const auto windings = certificate::windings_by_ray(*trees_[outer], place);
+      return windings ? *windings != 0 : std::abs(winding(shells_[outer], place)) > 0.5;
+    };
+    std::set<std::uint32_t> corners;
+    for (const mesh::Triangle& t : triangles_of(part_, inner)) corners.insert(t.begin(), t.end());
+    return std::all_of(corners.begin(), corners.end(), is_held);
+  }
+
+  double winding(const Shell& shell, const Vec3& place) const {
+    double windings = 0;
+    for (const std::uint32_t t : shell.triangles) {
+      const auto [a, b, c] = part::triangle_piece(part_, t);
+      windings += certificate::triangle_winding(place, a, b, c);
+    }
+    return windings;
+  }
+
+  const part::Part& part_;
+  const std::vector<Shell>& shells_;
+  std::vector<std::unique_ptr<part::TriangleTree>> trees_;  // [shells] empty until asked for
+};
+
+// [shells] the number of the body of each, from 0 on. Those that point inwards are cavities.
+std::vector<std::uint32_t> bodies_among(const part::Part& part, const std::vector<Shell>& shells) {
+  Nesting nesting(part, shells);
+  std::vector<std::size_t> outward;
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    if (shells[n].volume_m3 >= 0) outward.push_back(n);
+  }
+  std::vector<std::vector<const part::Box*>> taken;  // of the bodies
+  std::vector<std::optional<std::size_t>> inside(shells.size());
+  std::vector<std::uint32_t> bodies(shells.size());
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    if (shells[n].volume_m3 < 0) inside[n] = nesting.around(outward, n);
+    if (inside[n]) continue;
+    const auto free = std::find_if(taken.begin(), taken.end(), [&](const auto& boxes) {
+      return std::none_of(boxes.begin(), boxes.end(),
+                          [&](const part::Box* box) { return meet(*box, shells[n].box); });
+    });
+    bodies[n] = static_cast<std::uint32_t>(free - taken.begin());
+    if (free == taken.end()) taken.emplace_back();
+    taken[bodies[n]].push_back(&shells[n].box);
+  }
+  for (std::size_t n = 0; n < shells.size(); ++n) {
+    if (inside[n]) bodies[n] = bodies[*inside[n]];
   }
   return bodies;
+}
+
+// Numbers that can be made one.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t of(std::size_t n) {
+    while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
+    return n;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[of(a)] = of(b); }
+  // [numbers] the group of each, from 0 on in the order of their first ones.
+  std::vector<std::uint32_t> numbers() {
+    std::map<std::size_t, std::uint32_t> numbers;
+    std::vector<std::uint32_t> all;
+    for (std::size_t n = 0; n < parent_.size(); ++n) {
+      const auto next = static_cast<std::uint32_t>(numbers.size());
+      all.push_back(numbers.try_emplace(of(n), next).first->second);
+    }
+    return all;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+// [pieces] the number of its shell: open pieces are joined where one has an open edge within
+// `reach_m` of an end of one of another.
+std::vector<std::uint32_t> joined_over_cracks(const part::Part& part,
+                                              const std::vector<std::uint32_t>& piece_of,
+                                              double reach_m) {
+  std::map<std::uint32_t, std::uint32_t> piece_at;  // [corner]
+  for (std::size_t t = 0; t < piece_of.size(); ++t) {
+    for (const std::uint32_t corner : part.triangles[t]) piece_at[corner] = piece_of[t];
+  }
+  part::Part edges;
+  edges.vertices = part.vertices;
+  for (const auto& [edge, balance] : part::open_edges_of(part.triangles)) {
+    edges.triangles.push_back({edge.first, edge.second, edge.second});
+  }
+  Groups groups(*std::max_element(piece_of.begin(), piece_of.end()) + std::size_t{1});
+  if (edges.triangles.empty()) return groups.numbers();
+  const part::TriangleTree tree(edges);
+  for (const mesh::Triangle& edge : edges.triangles) {
+    for (const std::uint32_t end : {edge[0], edge[1]}) {
+      const Vec3& place = part.vertices[end];
+      tree.visit_near(place, reach_m, [&](std::uint32_t number) {
+        const auto [a, b, c] = part::triangle_piece(edges, number);
+        const Vec3 foot = part::nearest_on_triangle(place, a, b, c);
+        if (part::length(foot - place) > reach_m) return;
+        groups.join(piece_at.at(end), piece_at.at(edges.triangles[number][0]));
+      });
+    }
+  }
+  return groups.numbers();
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> pieces_of(const Surface& surface) {
-  std::vector<std::size_t> parent(surface.triangles.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
+  Groups groups(surface.triangles.size());
   std::map<std::tuple<std::uint32_t, double, double, double>, std::size_t> first;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     for (const auto corner : surface.triangles[t]) {
       const glm::dvec3& p = surface.vertices_m[corner];
       const auto [at, is_new] = first.try_emplace({surface.object[t], p.x, p.y, p.z}, t);
-      if (!is_new) parent[root(t)] = root(at->second);
+      if (!is_new) groups.join(t, at->second);
     }
   }
-  std::map<std::size_t, std::uint32_t> numbers;
-  std::vector<std::uint32_t> pieces;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto number = static_cast<std::uint32_t>(numbers.size());
-    pieces.push_back(numbers.try_emplace(root(t), number).first->second);
-  }
-  return pieces;
+  return groups.numbers();
 }
 
-std::vector<std::uint32_t> shells_apart(const Surface& surface) {
+void turn_outwards(Surface& surface) {
   const std::vector<Shell> shells = shells_of(surface, pieces_of(surface));
-  const std::vector<mesh::Triangle> triangles = joined(surface);
-  std::map<std::uint32_t, std::vector<std::size_t>> by_object;
+  const part::Part part = joined(surface);
+  std::map<std::uint32_t, std::vector<std::size_t>> closed;  // by object
   for (std::size_t n = 0; n < shells.size(); ++n) {
-    by_object[surface.object[shells[n].triangles.front()]].push_back(n);
+    if (!part::is_closed(triangles_of(part, shells[n]))) continue;
+    closed[surface.object[shells[n].triangles.front()]].push_back(n);
   }
-  const auto is_closed = [&](std::size_t n) {
-    std::vector<mesh::Triangle> own;
-    for (const std::size_t t : shells[n].triangles) own.push_back(triangles[t]);
-    return part::is_closed(own);
-  };
-  std::vector<std::uint32_t> body_of(surface.triangles.size());
-  std::uint32_t count = 0;
-  for (const auto& [object, of_object] : by_object) {
-    std::vector<std::size_t> bodies(of_object.size());
-    if (of_object.size() > 1 && std::all_of(of_object.begin(), of_object.end(), is_closed)) {
-      bodies = bodies_among(surface, shells, of_object);
-    }
-    for (std::size_t i = 0; i < of_object.size(); ++i) {
-      for (const std::size_t t : shells[of_object[i]].triangles) {
-        body_of[t] = count + static_cast<std::uint32_t>(bodies[i]);
+  Nesting nesting(part, shells);
+  for (auto& [object, of_object] : closed) {
+    const auto is_inward = [&](std::size_t n) { return shells[n].volume_m3 < 0; };
+    if (std::none_of(of_object.begin(), of_object.end(), is_inward)) continue;
+    // The outer ones first.
+    std::stable_sort(of_object.begin(), of_object.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(shells[a].volume_m3) > std::abs(shells[b].volume_m3);
+    });
+    std::vector<bool> is_cavity(shells.size());
+    for (const std::size_t n : of_object) {
+      const auto outer = nesting.around(of_object, n);
+      is_cavity[n] = outer && !is_cavity[*outer] && is_inward(n) != is_inward(*outer);
+      if (is_inward(n) == is_cavity[n]) continue;
+      for (const std::uint32_t t : shells[n].triangles) {
+        std::swap(surface.triangles[t][1], surface.triangles[t][2]);
       }
     }
-    count += static_cast<std::uint32_t>(*std::max_element(bodies.begin(), bodies.end())) + 1;
   }
-  return body_of;
+}
+
+std::vector<std::uint32_t> shells_apart(const Surface& surface, double crack_m) {
+  const part::Part part = joined(surface);
+  std::vector<std::uint32_t> shell_of = pieces_of(surface);
+  if (!part::is_closed(part.triangles)) {
+    if (crack_m == 0) return std::vector<std::uint32_t>(shell_of.size());
+    // A crack is found by what it changes of the winding number: it may be wider than `crack_m`.
+    const auto joined = joined_over_cracks(part, shell_of, 2 * crack_m);
+    for (std::uint32_t& number : shell_of) number = joined[number];
+  }
+  const auto bodies = bodies_among(part, shells_of(surface, shell_of));
+  for (std::uint32_t& number : shell_of) number = bodies[number];
+  return shell_of;
 }
 
 }  // namespace forcelayer::exact

@@ -1,4 +1,4 @@
-// Shells of an object: the closed surfaces that its triangles make where corners meet.
+// Shells of an object: the closed surfaces that its triangles make where corners meet, or nearly.
 //
 // Where two shells run through each other, each has faces inside of the other. Those bound no
 // material, and so no depth.
@@ -15,9 +15,16 @@ namespace forcelayer::exact {
 // position, are of one piece; pieces are numbered in the order of their first triangles.
 std::vector<std::uint32_t> pieces_of(const Surface& surface);
 
-// [triangles] the number of its body, in the order of the objects. An object is one body, unless
-// each of its pieces is closed: then pieces whose boxes meet, or of which only one has normals that
-// point inwards, are bodies of their own. A cavity is of the body that it lies in.
-std::vector<std::uint32_t> shells_apart(const Surface& surface);
+// Turns each closed piece of which it is certain that its normals point to the wrong side: inwards,
+// unless it is a cavity. One that lies in another piece of its object is a cavity where the two are
+// turned to different sides, and the outer one is none.
+void turn_outwards(Surface& surface);
+
+// [triangles] the number of its body, from 0 on, for one object that turn_outwards() has seen. It
+// is one body, unless it has several shells: then shells whose boxes meet are bodies of their own.
+// A cavity is of the body that it lies in. Open pieces are one shell where their open edges are no
+// farther from each other than cracks of `crack_m` allow. Without cracks, an object with an open
+// piece is one body.
+std::vector<std::uint32_t> shells_apart(const Surface& surface, double crack_m);
 
 }  // namespace forcelayer::exact
