@@ -87,7 +87,7 @@ workbench/viewer/run:    formats formats/path runtime/coupling runtime/field run
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/command/verdict formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/command/spelling formats/command/verdict formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
-workbench/exact/surface: formats formats/command formats/mesh formats/mesh/sandbox formats/mesh/writers formats/path pointshell pointshell/part runtime/clearance runtime/forcelayer runtime/voxcheck
+workbench/exact/surface: formats formats/command formats/mesh formats/mesh/sandbox formats/mesh/writers formats/path pointshell pointshell/certificate pointshell/part runtime/clearance runtime/forcelayer runtime/voxcheck
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck workbench/exact/surface
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer workbench/exact

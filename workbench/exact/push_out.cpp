@@ -218,7 +218,7 @@ Sides sides_of(const Body& solid, const Hull& hull, double depth_m, const Bend& 
   double along = 1;
   std::vector<Vec3> normals;
   while (along >= kMinAlong) {
-    // What cracks hide counts as if it were that much deeper.
+    // Cracks may hide as much more depth.
     double deep_m = depth_m + rounding_m;
     const double near_m = hull.reach + bend.max_m + 2 / along * (deep_m + hidden_m);
     const bool is_crack_near = solid.crack_near_m(hull.center, near_m) > 0;
