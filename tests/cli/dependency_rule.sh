@@ -92,7 +92,7 @@ workbench/exact:         formats formats/command formats/mesh formats/mesh/sandb
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer workbench/exact
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
-workbench/voxplan:       formats formats/command formats/command/verdict formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
+workbench/voxplan:       formats formats/command formats/command/verdict formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
 workbench/pairs:         formats formats/command formats/command/spelling formats/command/verdict formats/mesh formats/mesh/sandbox formats/path workbench/exact workbench/exact/surface
 workbench/disassembly:   formats formats/command formats/command/verdict formats/digest formats/mesh formats/mesh/sandbox formats/path runtime/clearance runtime/forcelayer workbench/exact workbench/exact/surface workbench/pairs
 workbench/study:         formats formats/command formats/command/spelling formats/command/verdict formats/digest formats/path workbench/disassembly workbench/pairs

@@ -6,15 +6,31 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
+#include "runtime/clearance/front.h"
+#include "runtime/clearance/required_distance.h"
+
 namespace forcelayer::voxplan {
 namespace {
 
 constexpr double kBeside = 1e-6;  // of the part's radius; exceeds the rounding of a box
 
+// How far beside the box of the scene's voxels a part must be so that its clearance is proven, m.
+// Outside of this box all stored distances are at least the reach of the map. If more is required,
+// the gap between the boxes alone is enough: a voxel more, because distances are measured from
+// centers of voxels.
+double clear_beside_m(const Problem& problem) {
+  const double required =
+      clearance::RequiredDistance(problem.scene, problem.part, problem.clearance_m).voxels();
+  if (required <= clearance::reach_voxels(problem.scene.header())) return 0;
+  return (required + 1) * problem.scene.voxel_size_m();
+}
+
 }  // namespace
 
 Destination::Destination(const Problem& problem)
-    : problem_(problem), cropped_sides_(problem.scene.header().cropped_sides) {
+    : problem_(problem),
+      clear_m_(clear_beside_m(problem)),
+      cropped_sides_(problem.scene.header().cropped_sides) {
   const VoxmapHeader& h = problem.scene.header();
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
@@ -22,7 +38,8 @@ Destination::Destination(const Problem& problem)
     scene_.high[axis] = scene_.low[axis] + static_cast<double>(h.dims_voxels[i]) * h.voxel_size_m;
   }
   // Includes room to pass the scene and to turn beside it.
-  const double around_m = 3 * problem.part.header().bounding_radius_m + problem.clearance_m;
+  const double around_m =
+      3 * problem.part.header().bounding_radius_m + problem.clearance_m + clear_m_;
   const glm::dvec3& start = problem.world_from_start.position_m;
   bounds_ = {glm::min(scene_.low, start) - around_m, glm::max(scene_.high, start) + around_m};
 }
@@ -38,7 +55,9 @@ Destination Destination::at(const Problem& problem, const Pose& world_from_cente
 
 Destination Destination::out_of_scene(const Problem& problem) { return Destination(problem); }
 
-double Destination::beside() const { return kBeside * problem_.part.header().bounding_radius_m; }
+double Destination::beside() const {
+  return clear_m_ + kBeside * problem_.part.header().bounding_radius_m;
+}
 
 Box Destination::part_box(const Pose& pose) const {
   const PshellView& v = problem_.part.view();

@@ -40,11 +40,12 @@ class Destination {
 
   explicit Destination(const Problem& problem);
   Box part_box(const Pose& pose) const;
-  double beside() const;  // extra distance between the boxes, m
+  double beside() const;  // extra distance between the boxes at a goal, m
   bool ends_at(int axis, bool high) const { return !(cropped_sides_ >> (2 * axis + high) & 1u); }
 
   const Problem& problem_;
   std::optional<Pose> pose_;
+  double clear_m_ = 0;  // by so much the boxes must be apart for the clearance to be proven
   Box scene_, bounds_;
   std::uint32_t cropped_sides_;
 };

@@ -96,6 +96,22 @@ Pose worst_pose(const Problem& problem, const std::vector<PathRow>& rows,
   return path.world_from_center(path.at(checked.violations.front().worst.time_s));
 }
 
+// Whether the part moves in one direction and does not turn. Such a path is not made wider, which
+// would bend it.
+bool is_straight(const Problem& problem, const PlannedPath& path) {
+  PosePath poses = path.in_seat;
+  poses.insert(poses.end(), path.beyond.begin(), path.beyond.end());
+  const double length_m = travel_between_m(problem, poses.front(), poses.back());
+  const glm::dvec3 shift_m = poses.back().position_m - poses.front().position_m;
+  if (!(length_m > 0) || !(glm::length(shift_m) > 0)) return false;
+  return std::all_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+    const double fraction =
+        glm::length(pose.position_m - poses.front().position_m) / glm::length(shift_m);
+    const Pose on_line = pose_between(poses.front(), poses.back(), std::min(1.0, fraction));
+    return travel_between_m(problem, on_line, pose) <= kRoundingM;
+  });
+}
+
 // The seat by the meshes. Empty if the part starts clear of all objects.
 Result<std::unique_ptr<exact::SeatMeshes>> seat_of(const Problem& problem, const Options& options,
                                                    const exact::Meshes& meshes) {
@@ -170,29 +186,43 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   request.threads = options.threads;
   request.max_s = options.max_s;
   request.progress = progress;
+  // Whether the path is proven clear as a whole, as written.
+  const auto is_proven = [&](const PlannedPath& path) -> Result<bool> {
+    made.rows = rows_of(problem, path.in_seat, path.beyond, kSpeedMps);
+    if (meshes != nullptr) {
+      auto checked = settled(problem, made.rows, options, *meshes);
+      if (!checked) return checked.error();
+      made.checked = std::move(checked->checked);
+      made.exact = std::move(checked->exact);
+    } else {
+      auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
+      if (!checked) return checked.error();
+      made.checked = std::move(*checked);
+    }
+    return made.checked.clear();
+  };
   request.unproven_at = [&](const PosePath& in_seat,
                             const PosePath& beyond) -> Result<std::optional<Pose>> {
+    if (const PlannedPath path{in_seat, beyond}; is_straight(problem, path)) {
+      const auto is_clear = is_proven(path);
+      if (!is_clear) return is_clear.error();
+      if (*is_clear) return std::optional<Pose>();
+    }
     const auto wide = widened(problem, beyond, options.seed);
     if (!wide) return wide.error();
     const auto smooth = smoothed(problem, {in_seat, *wide});
     if (!smooth) return smooth.error();
     // If the smoothest variant is not proven clear as a whole, another may be.
     for (const PlannedPath& path : *smooth) {
-      made.rows = rows_of(problem, path.in_seat, path.beyond, kSpeedMps);
-      if (meshes != nullptr) {
-        auto checked = settled(problem, made.rows, options, *meshes);
-        if (!checked) return checked.error();
-        made.checked = std::move(checked->checked);
-        made.exact = std::move(checked->exact);
-      } else {
-        auto checked = proven(problem, made.rows, Rule::kInSeat, options.threads);
-        if (!checked) return checked.error();
-        made.checked = std::move(*checked);
-      }
-      if (made.checked.clear()) return std::optional<Pose>();
+      const auto is_clear = is_proven(path);
+      if (!is_clear) return is_clear.error();
+      if (*is_clear) return std::optional<Pose>();
     }
     return std::optional<Pose>(worst_pose(problem, made.rows, made.checked));
   };
+  if (meshes != nullptr) {
+    request.is_straight_proven = [&](const PosePath& path) { return is_proven({{}, path}); };
+  }
   auto found = search(problem, goal, request);
   if (!found) return found.error();
   made.search = std::move(*found);

@@ -14,6 +14,8 @@ namespace forcelayer::voxplan {
 namespace {
 
 constexpr std::uint64_t kPosesARound = 4000;  // that each worker tests
+// Straight paths by the meshes get no more than this of the time.
+constexpr double kStraightFraction = 0.25;
 // The objects that block the part get the last part of the time, and never less than so long.
 constexpr double kBlockersFraction = 0.1, kMinBlockersS = 1;
 
@@ -61,6 +63,33 @@ Status take_proven(const Problem& problem, const SearchWorkers& workers,
   return {};
 }
 
+// Takes the shortest path straight along an axis of the world that the meshes prove.
+Status take_straight(const Problem& problem, const Destination& goal, const SearchRequest& request,
+                     double begin_s, SearchResult& result) {
+  if (!request.is_straight_proven || goal.is_one_pose()) return {};
+  const Pose& start = problem.world_from_start;
+  std::vector<Pose> ends;
+  for (int axis = 0; axis < 6; ++axis) {
+    glm::dvec3 direction(0);
+    direction[axis / 2] = axis % 2 == 0 ? 1 : -1;
+    if (const auto there = goal.straight_from(start, direction)) ends.push_back(*there);
+  }
+  std::stable_sort(ends.begin(), ends.end(), [&](const Pose& a, const Pose& b) {
+    return travel_between_m(problem, start, a) < travel_between_m(problem, start, b);
+  });
+  for (const Pose& end : ends) {
+    Result<bool> is_proven = false;
+    const auto prove = [&] { is_proven = request.is_straight_proven({start, end}); };
+    if (!until(request, begin_s + kStraightFraction * request.max_s, prove)) return {};
+    if (!is_proven) return is_proven.error();
+    if (!*is_proven) continue;
+    result.found = true;
+    result.beyond = {start, end};
+    return {};
+  }
+  return {};
+}
+
 }  // namespace
 
 double steady_s() {
@@ -89,6 +118,9 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   };
   // All workers do the same work in a round, so the path does not depend on the clock.
   if (Status s = take_proven(problem, workers, request, begin_s, result); !s) return s.error();
+  if (!result.found && !result.is_start_refused) {
+    if (Status s = take_straight(problem, goal, request, begin_s, result); !s) return s.error();
+  }
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
   while (!result.found && !result.is_start_refused && request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kWorkers), workers.size(),

@@ -33,6 +33,9 @@ struct SearchRequest {
   // if that pose is the start, because every path begins there.
   std::function<Result<std::optional<Pose>>(const PosePath& in_seat, const PosePath& beyond)>
       unproven_at;
+  // Whether the meshes prove a straight path, of two poses. Asked before the planners begin, along
+  // the axes of the world, because the meshes prove more than the files. Empty without meshes.
+  std::function<Result<bool>(const PosePath& straight)> is_straight_proven;
 };
 
 struct SearchResult {

@@ -13,6 +13,7 @@
 #include <ompl/util/RandomNumbers.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -21,6 +22,7 @@
 #include <numbers>
 #include <optional>
 
+#include "runtime/model/principal_inertia.h"
 #include "workbench/exact/watch.h"
 #include "workbench/voxplan/pose_space.h"
 #include "workbench/voxplan/pose_tree.h"
@@ -256,6 +258,13 @@ std::vector<Pose> poses_of(const og::PathGeometric& path) {
   return poses;
 }
 
+// The principal axes of the part's inertia, in its frame: a shaft comes out along one of them.
+std::array<glm::dvec3, 3> principal_axes(const PshellHeader& header) {
+  const auto& [xx, yy, zz, xy, xz, yz] = header.inertia_m2;
+  const glm::dmat3 axes = model::principal_inertia({xx, xy, xz, xy, yy, yz, xz, yz, zz}).axes;
+  return {axes[0], axes[1], axes[2]};
+}
+
 // The path without the poses that can be left out.
 std::vector<Pose> without_needless(PoseCheck& check, const std::vector<Pose>& path) {
   std::vector<Pose> few{path.front()};
@@ -398,33 +407,53 @@ void SearchWorker::Parts::leave_seat(const std::vector<Pose>& path) {
   plan_beyond(in_seat.back());
 }
 
-// Finds a short straight motion out of the seat: the shortest along the axes of the world, because
-// people pull that way; else along the floors; else along the flat sides of the meshes, which are
-// many, and each takes time; else of slides in some directions. Returns whether it found one.
+// Finds a straight motion out of the seat: along the axes of the world, because people pull that
+// way; else along the floors and the part's principal axes; else along the flat sides of the
+// meshes, which are many, and each takes time; else of slides in some directions. Of these, takes
+// the shortest that leads straight on to the goal, else the shortest. Returns whether it found one.
 bool SearchWorker::Parts::leave_seat_straight() {
   const Pose& start = problem.world_from_start;
   const Box& bounds = goal.bounds();
   std::vector<Pose> nearest;
   double nearest_m = glm::length(bounds.high - bounds.low);
-  const auto go = [&](const Twist6& motion, Turns turns) {
-    std::vector<Pose> trail = slid(*check, start, motion, nearest_m, turns);
+  const auto go = [&](const Twist6& motion, Turns turns, double max_m) -> std::optional<Pose> {
+    std::vector<Pose> trail = slid(*check, start, motion, max_m, turns);
     if (is_farther(trail.back())) farthest = trail;
-    const double travel_m = travel_between_m(problem, start, trail.back());
-    if (travel_m >= nearest_m || !check->holds(Rule::kClear, trail.back())) return;
-    nearest = std::move(trail);
-    nearest_m = travel_m;
+    if (!check->holds(Rule::kClear, trail.back())) return {};
+    const Pose out = trail.back();
+    const double travel_m = travel_between_m(problem, start, out);
+    if (travel_m < nearest_m) nearest_m = travel_m, nearest = std::move(trail);
+    return out;
   };
   const auto along = [](const glm::dvec3& d) { return Twist6{d.x, d.y, d.z, 0, 0, 0}; };
   std::vector<glm::dvec3> axes;
   for (int n = 0; n < kAxes; ++n) axes.push_back(direction(n));
   std::vector<glm::dvec3> of_floors = free_directions(check->floors(start)), of_meshes;
+  for (const glm::dvec3& axis : principal_axes(problem.part.header())) {
+    for (const double sign : {1.0, -1.0}) of_floors.push_back(start.orientation * (sign * axis));
+  }
   if (problem.seat_meshes != nullptr) of_meshes = problem.seat_meshes->directions();
   check->test_meshes_every(kSlideVoxels);  // a part in its bore touches it all along
+  const auto is_clear = [&](const Pose& pose) { return check->holds(Rule::kClear, pose); };
+  double straight_m = nearest_m;
   for (const auto* directions : {&axes, &of_floors, &of_meshes}) {
-    for (const glm::dvec3& d : *directions) go(along(d), Turns::kNever);
+    for (const glm::dvec3& d : *directions) {
+      const auto out = go(along(d), Turns::kNever, goal.is_one_pose() ? nearest_m : straight_m);
+      if (!out || goal.is_one_pose()) continue;
+      const std::vector<Pose> path = up_to_first({start, *out}, problem, is_clear);
+      const double travel_m = travel_between_m(problem, start, path.back());
+      const std::optional<Pose> there = goal.straight_from(path.back(), d);
+      if (!there || travel_m >= straight_m) continue;
+      if (!check->is_kept(Rule::kClear, path.back(), *there)) continue;
+      in_seat = path;
+      beyond = {path.back(), *there};
+      straight_m = travel_m;
+      done = true;
+    }
     if (!nearest.empty()) break;
   }
   check->test_meshes_every(PoseCheck::kMeshStepVoxels);
+  if (done) return true;
   if (!nearest.empty()) {
     leave_seat({start, nearest.back()});
     return true;
@@ -432,7 +461,7 @@ bool SearchWorker::Parts::leave_seat_straight() {
   for (int n = 0; n < kDirections; ++n) {
     Twist6 motion = along(direction(n));
     if (n >= kAxes && n % 2 == 0) motion = slide_direction(*check, start, random);
-    go(motion, Turns::kToFloors);
+    go(motion, Turns::kToFloors, nearest_m);
   }
   if (nearest.empty()) return false;
   leave_seat(off_the_floors(without_needless(*check, nearest)));
