@@ -138,6 +138,22 @@ if [ -x "$bin/voxplan" ]; then
   no_foreign_options
 fi
 
+# A part that has room, in a box with a small window: the search says how far it moved, also where the clearance is larger
+# than what is stored around the box.
+if [ -x "$bin/voxplan" ]; then
+  python3 - <<'END'
+import json
+from boxes import boxes
+boxes("box.obj", ((-25, -25, -25), (25, 25, -20)), ((-25, -25, -20), (-20, 25, 20)), ((20, -25, -20), (25, 25, 20)), ((-20, -25, -20), (20, -20, 20)),
+      ((-20, 20, -20), (20, 25, 20)), ((-25, -25, 20), (-2, 25, 25)), ((2, -25, 20), (25, 25, 25)), ((-2, -25, 20), (2, -2, 25)), ((-2, 2, 20), (2, 25, 25)))
+json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("box", "cube")]}, open("box.json", "w"))
+END
+  for size in 1mm 2mm; do
+    study 6 'box.json#cube' --voxel-size $size --clearance 10mm --time 6s -o box
+    says box "no path found" '^No path found: in .* s the search moved the part at most ([3-9]|1[0-9])(\.[0-9]+)? mm from its start' 6
+  done
+fi
+
 # A search that finds nothing, and after it, in the same folder, a path that is clear.
 if [ -x "$bin/voxplan" ]; then
   study 6 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm --time 1s -o cover
@@ -200,6 +216,17 @@ stopped 137 KILL voxrun "${cover[@]}"
 says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped '
 study 6 "${cover[@]}" -o stoppedKILLvoxrun
 says stoppedKILLvoxrun "does not come out" '^Does not come out, '
+# A study with a voxel size of its own choice goes on with the files that are whole, and does not take its first look again.
+if [ -x "$bin/voxplan" ]; then
+  stopped 130 INT voxplan 'gearbox.glb#Pin' --clearance 1mm
+  study 0 'gearbox.glb#Pin' --clearance 1mm -o stoppedINTvoxplan
+  says stoppedINTvoxplan "comes out" '^Comes out, straight along '
+  ! grep -qE '^\$ (voxelize|pointshell)' out.txt || fail "whole files are baked again: $(cat out.txt)"
+  # It has a limit all the same, and says so, and where the time went.
+  grep -qE '^\$ voxplan .* --time 3[0-9](\.[0-9]+)?s$' out.txt || fail "a search without a limit: $(cat out.txt)"
+  grep -qE '^  time: [0-9.]+ of 120 s \(bakes [0-9.]+ s, checks [0-9.]+ s, search [0-9.]+ s\); --time changes the limit$' stoppedINTvoxplan/verdict.txt ||
+    fail "where the time went: $(cat stoppedINTvoxplan/verdict.txt)"
+fi
 # Where --time stops smaller voxels, the answer of larger ones stays, with all its files.
 if [ -x "$bin/voxplan" ]; then
   cat >slow/voxplan <<'END'
@@ -236,6 +263,12 @@ assert not os.path.exists("late/larger_voxels") and not os.path.exists("late/mot
 END
   done
   grep -q '^\$' out.txt && fail "the answer that stays is done again: $(cat out.txt)"
+  # Without --time, the sentence says which limit ended it, and how to change it.
+  rm -r searched late
+  status=0
+  bin=$bin slow/forcelayer study 'gearbox.glb#Cover' --clearance 1mm --no-pictures -o late >out.txt 2>err.txt || status=$?
+  [ $status = 6 ] && grep -q '; the default time (120s; --time changes it) ended before voxels of 0\.5 mm gave an answer$' late/verdict.txt ||
+    fail "a limit that was not given: $status $(cat late/verdict.txt err.txt)"
   rm slow/voxcheck
   # So it does where Ctrl-C stops smaller voxels, and the same command goes on with them.
   rm searched
@@ -263,6 +296,21 @@ assert not os.path.exists("ended/larger_voxels") and os.path.exists("ended/farth
 END
   rm slow/voxplan
 fi
+# Where reading the meshes takes long, no bake is begun that would leave too little time: the files of the first look serve.
+cat >slow/voxelize <<'END'
+#!/bin/bash
+# Says that it read the meshes for 30 s.
+"$bin/voxelize" "$@" || exit
+for word in "$@"; do
+  case $word in */scene.json) sed -i 's/"read": [0-9.e-]*/"read": 30/; s/"total": [0-9.e-]*/"total": 30.1/' "$word" ;; esac
+done
+END
+chmod +x slow/voxelize
+status=0
+bin=$bin slow/forcelayer study 'gearbox.glb#Cover' --pull 0,0,60mm --clearance 1mm --time 100s --no-pictures -o reading >out.txt 2>err.txt || status=$?
+[ $status = 6 ] && [ "$(grep -c '^\$ voxelize [^-]' out.txt)" = 1 ] &&
+  grep -q '^  voxels of .* mm, chosen: smaller voxels would leave too little of --time (100s)$' reading/verdict.txt || fail "a bake too many: $status $(cat out.txt err.txt)"
+rm slow/voxelize
 # A program that the system ends is no answer, and is tried again.
 printf '#!/bin/sh\nkill -s KILL $$\n' >slow/voxcheck
 chmod +x slow/voxcheck

@@ -73,9 +73,9 @@ OptionParser::OptionParser(CLI::App& study) {
                    "the part");
   study.add_option(
       "--time", options_.time,
-      "approximate time limit of the whole study; a bake that has begun is finished. If smaller "
-      "voxels are stopped, the answer of larger ones stays. Default: 60s for each search for a "
-      "path, and no limit for a check of the exact meshes");
+      "time limit of the whole study, default 120s. The study chooses the voxel size by it. A step "
+      "that has begun to read meshes is finished. If smaller voxels are stopped, the answer of "
+      "larger ones stays");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
   study.add_option(

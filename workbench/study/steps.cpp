@@ -1,6 +1,7 @@
 #include "workbench/study/steps.h"
 
 #include <cctype>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -170,7 +171,8 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
     if (outputs && (*last)["outputs"] == *outputs) {
       const std::string shown = last->value("command", line);
       say("unchanged: " + shown + "\n");
-      const StepEnd end{(*last)["status"], (*last)["output"], true};
+      const StepEnd end{(*last)["status"], (*last)["output"], true,
+                        is_own ? 0 : last->value("seconds", 0.0)};
       lines_.push_back({shown, end.status, true});
       if (!is_own) kept_[line] = *last;
       return end;
@@ -179,23 +181,26 @@ Result<StepEnd> Steps::run(const Step& step, const std::function<Status()>& begi
   const std::string shown = command_line(limited);
   say("$ " + shown + "\n");
   if (Status s = begins(); !s) return s.error();
+  const auto begun = std::chrono::steady_clock::now();
   const auto end = command::run_program(step.program, limited.arguments, "",
                                         command::ProgramOutput::kTaken, step.package);
   if (!end) return end.error();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  StepEnd ended{end->status, end->output, false, took.count()};
   if (step.shows) say(in_words_of_study(end->output));
   lines_.push_back({shown, end->status});
   // Where it failed, the files are those of an earlier step.
-  if (!command::is_answer(end->status)) return StepEnd{end->status, end->output};
+  if (!command::is_answer(end->status)) return ended;
   const auto outputs =
       digests_of(step.outputs, end->status == 0 ? Missing::kIsError : Missing::kIsNoted);
-  if (!outputs) return StepEnd{end->status == 0 ? 1 : end->status, end->output};
-  kept_[line] = {{"command", shown},
-                 {"status", end->status},
-                 {"output", end->output},
-                 {"inputs", *inputs},
-                 {"outputs", *outputs}};
+  if (!outputs) {
+    ended.status = end->status == 0 ? 1 : end->status;
+    return ended;
+  }
+  kept_[line] = {{"command", shown},         {"status", end->status}, {"output", end->output},
+                 {"seconds", ended.seconds}, {"inputs", *inputs},     {"outputs", *outputs}};
   if (Status written = write(); !written) return written.error();
-  return StepEnd{end->status, end->output};
+  return ended;
 }
 
 Status Steps::write() const {

@@ -28,6 +28,7 @@ struct StepEnd {
   int status = 0;
   std::string output;  // on the standard output
   bool again = false;  // not run: as the last time
+  double seconds = 0;  // that it took, now or in an earlier study; 0: earlier in this study
 };
 
 // "voxelize gearbox.glb --without Lid", as a shell takes it.

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -42,6 +43,9 @@ using nlohmann::json;
 
 constexpr const char* kPathHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 constexpr const char* kMeshesHelp = "leave out --files-alone: meshes can give an answer";
+const std::string kDefaultTime = "120s";  // for all of a study, without --time
+constexpr const char* kBakeReports[] = {"scene.json", "part.json"};
+constexpr int kCheckReadings = 2;  // a check may read the meshes twice
 constexpr int kAnswerIsNo = exit_status(ErrorCode::kAnswerIsNo);
 
 json read_json(const std::string& path) {
@@ -84,9 +88,8 @@ class Study {
       : options_(options),
         steps_(std::move(steps)),
         voxel_size_(options.voxel_size),
-        begun_(std::chrono::steady_clock::now()) {
-    if (!options.time.empty()) allowed_s_ = *command::parse_duration(options.time);
-  }
+        begun_(std::chrono::steady_clock::now()),
+        allowed_s_(*command::parse_duration(time_option())) {}
 
   Status make();
 
@@ -105,8 +108,13 @@ class Study {
   void add_reading(Step& step) const;
   void add_meshes(Step& step) const;
   void add_check_meshes(Step& step, double fraction) const;
-  void add_time(Step& step, double fraction) const;
+  void add_time(Step& step, double fraction, int readings) const;
   double left_s() const;
+  double reading_s() const;
+  const std::string& time_option() const {
+    return options_.time.empty() ? kDefaultTime : options_.time;
+  }
+  std::string limit_text() const;
   void add_bake_reading(Step& step) const;
   bool is_deep() const;
   Step scene_step() const;
@@ -120,7 +128,8 @@ class Study {
   Step installed_step() const;
 
   Status choose_voxel_size();
-  Status look();
+  Result<nlohmann::json> look();
+  void take_look(const nlohmann::json& look);
   Result<double> look_size() const;
   bool has_time_for(double voxel_size_m) const;
   bool is_out_of_time() const;
@@ -136,6 +145,8 @@ class Study {
   Play measured_play() const;
   nlohmann::ordered_json play_json() const;
   void note_voxel_size();
+  void add_seconds(const Step& step, const StepEnd& end);
+  std::string seconds_text() const;
 
   Status bake();
   Status find_path();
@@ -175,9 +186,8 @@ class Study {
   SizeChoice choice_;
   std::vector<json> tried_;  // sizes that left the answer open, and why
   std::chrono::steady_clock::time_point begun_;
-  std::optional<double> allowed_s_;  // of --time
-  std::optional<SizeCost> baked_;    // of the last bakes that ran, by the clock
-  bool finer_follows_ = false;       // smaller voxels may be tried after these
+  double allowed_s_;                       // for the whole study
+  std::map<std::string, double> seconds_;  // of the steps, by kind
   std::string no_finer_;  // why a smaller size gave no answer at all; empty: none was tried
   Answer answer_;
   std::optional<KeptAnswer> kept_;
@@ -239,6 +249,7 @@ Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   const auto begun = std::filesystem::file_time_type::clock::now();
   const auto end = steps_.run(step, [&] { return begin_step(step); });
   if (!end) return end;
+  add_seconds(step, *end);
   if (end->status != 0 && command::stop_signal() != 0) return stopped_error(step.program);
   const bool is_refused = end->status == exit_status(ErrorCode::kUsage);
   if (end->status == 0 || (may_end == MayEnd::kRefused && is_refused)) return end;
@@ -288,26 +299,46 @@ void Study::add_meshes(Step& step) const {
   add_reading(step);
 }
 
-// The time that is left of --time; negative where more was spent.
+// The time that is left for the study; negative where more was spent.
 double Study::left_s() const {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun_;
-  return *allowed_s_ - spent.count();
+  return allowed_s_ - spent.count();
 }
 
-// The last argument: so much of the time that is left for the whole study. A little is always
-// allowed: a question that is answered at once has an answer.
-void Study::add_time(Step& step, double fraction) const {
-  if (!allowed_s_) return;
+// "--time (60s)", or of a study to which none was given.
+std::string Study::limit_text() const {
+  return options_.time.empty() ? "the default time (" + kDefaultTime + "; --time changes it)"
+                               : "--time (" + options_.time + ")";
+}
+
+// How long the last bakes read the meshes: each step that measures between them does it again.
+double Study::reading_s() const {
+  if (options_.files_alone) return 0;
+  double seconds = 0;
+  for (const char* const name : kBakeReports) {
+    const json report = read_json(in(name));
+    if (report.is_object() && report.contains("seconds")) {
+      seconds += report["seconds"]["read"].get<double>();
+    }
+  }
+  return seconds;
+}
+
+// The last argument: so much of the time that is left for the whole study, when this and later
+// steps have read the meshes so often. A little is always allowed: a question that is answered at
+// once has an answer.
+void Study::add_time(Step& step, double fraction, int readings) const {
   constexpr double kLeastFraction = 0.02;
-  step.arguments.insert(step.arguments.end(), {"--time", options_.time});
-  step.left_s = std::max(kLeastFraction * *allowed_s_, fraction * left_s());
+  step.arguments.insert(step.arguments.end(), {"--time", time_option()});
+  step.left_s =
+      std::max(kLeastFraction * allowed_s_, fraction * (left_s() - readings * reading_s()));
 }
 
 // For voxcheck, which has the meshes measured for so much of the time that is left.
 void Study::add_check_meshes(Step& step, double fraction) const {
   if (options_.files_alone) return;
   add_meshes(step);
-  add_time(step, fraction);
+  add_time(step, fraction, kCheckReadings);
 }
 
 // The reports of the baked files.
@@ -380,9 +411,9 @@ Step Study::plan_step() const {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
   if (!options_.files_alone) add_meshes(step);
-  // A path that is found may take as long again to be proven. The rest is for smaller voxels.
-  constexpr double kBeforeFiner = 0.3, kLast = 0.45;
-  add_time(step, finer_follows_ ? kBeforeFiner : kLast);
+  // A path that is found may take as long again to be proven, and so may its check.
+  constexpr double kOfSearch = 1.0 / 3;
+  add_time(step, kOfSearch, 1 + kCheckReadings);
   return step;
 }
 
@@ -411,7 +442,7 @@ Step Study::check_step() const {
     add({"--report", "picture:" + in("worst.png")});
     step.outputs.push_back(in("worst.png"));
   }
-  if (!options_.files_alone) add_time(step, 1);
+  if (!options_.files_alone) add_time(step, 1, kCheckReadings);
   return step;
 }
 
@@ -455,14 +486,10 @@ Step Study::picture_step() const {
 
 // The part first: a wrong name of it is refused in words about the part.
 Status Study::bake() {
-  const auto begun = std::chrono::steady_clock::now();
   const auto part = run(part_step());
   if (!part) return part.error();
   const auto scene = run(scene_step());
   if (!scene) return scene.error();
-  if (part->again || scene->again) return {};
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
-  baked_ = {.voxel_size_m = *command::parse_length(voxel_size_), .thread_s = took.count()};
   return {};
 }
 
@@ -660,6 +687,7 @@ Status Study::draw() {
   const Step picture = picture_step();
   const auto drawn = steps_.run(picture, [&] { return begin_step(picture); });
   if (!drawn) return drawn.error();
+  add_seconds(picture, *drawn);
   if (command::stop_signal() != 0) return stopped_error(picture.program);
   answer_.draws = drawn->status == 0;
   if (!answer_.draws)
@@ -726,37 +754,52 @@ Result<double> Study::look_size() const {
   return look_size_m(std::min(part_m, scene_m), scene_m, required_m ? *required_m : 0);
 }
 
-// Bakes coarse files, and measures with them how near the part is to its neighbors.
-Status Study::look() {
+// Bakes coarse files, and measures with them how near the part is to its neighbors. Returns all
+// that take_look() needs.
+Result<json> Study::look() {
   if (options_.is_auto()) {
     if (const auto listed = run(list_step()); !listed) return listed.error();
     const auto size_m = look_size();
     if (!size_m) return size_m.error();
     voxel_size_ = size_option(*size_m);
   }
-  if (Status s = bake(); !s) return s;
-  if (Status s = write_path("installed.csv", {0}); !s) return s;
+  if (Status s = bake(); !s) return s.error();
+  if (Status s = write_path("installed.csv", {0}); !s) return s.error();
   auto installed = run(installed_step(), options_.is_auto() ? MayEnd::kRefused : MayEnd::kDone);
   if (installed && installed->status != 0) {
     is_deep_ = true;
-    if (Status s = bake(); !s) return s;
+    if (Status s = bake(); !s) return s.error();
     installed = run(installed_step());
   }
   if (!installed) return installed.error();
-  play_ = play_of(read_json(in("installed.json")));
   const json scene = read_json(in("scene.json")), part = read_json(in("part.json"));
   const json expected = scene.value("expected", json::object()), shell = part["expected"];
-  look_ = SizeCost{scene["voxel_size_m"], scene["zero_force_m"], part["points"],
-                   std::max(expected.value("bytes", 0.0), shell.value("bytes", 0.0)),
-                   expected.value("thread_s", 0.0) + shell.value("thread_s", 0.0)};
+  return json{{"voxel_size", voxel_size_},
+              {"is_deep", is_deep_},
+              {"installed", read_json(in("installed.json"))},
+              {"fits_m", scene["zero_force_m"]},
+              {"points", part["points"]},
+              {"bytes", std::max(expected.value("bytes", 0.0), shell.value("bytes", 0.0))},
+              {"thread_s", expected.value("thread_s", 0.0) + shell.value("thread_s", 0.0)},
+              {"part_m", 2 * part["bounding_radius_m"].get<double>()},
+              {"seconds", seconds_}};
+}
+
+// Chooses the voxel sizes by a look of this study, or of an earlier one that was stopped.
+void Study::take_look(const json& look) {
+  voxel_size_ = look["voxel_size"];
+  is_deep_ = look["is_deep"];
+  seconds_ = look["seconds"].get<std::map<std::string, double>>();
+  play_ = play_of(look["installed"]);
+  look_ = SizeCost{*command::parse_length(voxel_size_), look["fits_m"], look["points"],
+                   look["bytes"], look["thread_s"]};
   SizeQuestion question;
-  question.part_m = 2 * part["bounding_radius_m"].get<double>();
+  question.part_m = look["part_m"];
   question.required_m = *command::parse_length(options_.clearance);
-  question.time_s = options_.time.empty() ? 60 : *command::parse_duration(options_.time);
+  question.time_s = allowed_s_;
   question.memory_bytes =
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   choice_ = choose_size(question, *look_, play_);
-  return {};
 }
 
 // All that the answer depends on, and the files that hold it.
@@ -846,10 +889,25 @@ Status Study::choose_voxel_size() {
     no_finer_ = known["no_finer"];
     play_ = play_of(known["installed"]);
     choice_ = {known["first_m"], known["last_m"], known["why_first"], known["why_last"]};
-    return answer();
+    if (Status s = answer(); !s) return s;
+    seconds_ = known["seconds"].get<std::map<std::string, double>>();  // of all sizes
+    return {};
   }
-  if (Status s = look(); !s) return s;
-  const json installed = read_json(in("installed.json"));
+  const std::string look_key = "look: " + key;
+  json looked = steps_.recall(look_key, inputs);
+  if (looked.is_null()) {
+    auto made = look();
+    if (!made) return made.error();
+    looked = std::move(*made);
+    if (Status s = steps_.keep(look_key, inputs, looked); !s) return s;
+  }
+  take_look(looked);
+  const json& installed = looked["installed"];
+  // No bake is begun that leaves too little time for an answer: the files of the look serve, too.
+  if (choice_.first_m < look_->voxel_size_m * (1 - 1e-9) && !has_time_for(choice_.first_m)) {
+    choice_.first_m = look_->voxel_size_m;
+    choice_.why_first = "smaller voxels would leave too little of " + limit_text();
+  }
   double size_m = choice_.first_m;
   // Files with which the play was measured. They answer where no smaller voxels do.
   const bool has_look = look_->voxel_size_m > size_m * (1 + 1e-9);
@@ -858,7 +916,6 @@ Status Study::choose_voxel_size() {
     const std::string size_text = "voxels of " + command::length_text(size_m);
     const double next_m = smaller_size_m(size_m);
     const bool is_last = next_m < choice_.last_m * (1 - 1e-9);
-    finer_follows_ = !is_last;
     const Status answered = answer();
     if (const int signal = command::stop_signal(); !answered && signal != 0) {
       if (!kept_) return answered;
@@ -874,7 +931,7 @@ Status Study::choose_voxel_size() {
       break;
     }
     if (kept_ && is_out_of_time()) {
-      no_finer_ = "--time (" + options_.time + ") ended before " + size_text + " gave an answer";
+      no_finer_ = limit_text() + " ended before " + size_text + " gave an answer";
       break;
     }
     const std::string open =
@@ -887,7 +944,7 @@ Status Study::choose_voxel_size() {
       }
       if (!is_over) return keep_size(key, inputs, installed);
       no_finer_ = "voxels of " + command::length_text(next_m) +
-                  " were not tried, because too little of --time (" + options_.time + ") was left";
+                  " were not tried, because too little of " + limit_text() + " was left";
       if (!answered) break;
       return keep_size(key, inputs, installed);
     }
@@ -916,6 +973,7 @@ Status Study::keep_size(const std::string& key, const std::vector<std::string>& 
                       {"tried", tried_},
                       {"no_finer", no_finer_},
                       {"installed", installed},
+                      {"seconds", seconds_},
                       {"first_m", choice_.first_m},
                       {"last_m", choice_.last_m},
                       {"why_first", choice_.why_first},
@@ -970,13 +1028,19 @@ std::string Study::open_answer() const {
   }
 }
 
-// Whether the bakes of smaller voxels leave half of the time for the search and the check.
+// Whether the bakes of smaller voxels leave half of the time for the search and the check. Meshes
+// are read in much the same time whatever the voxels. A forecast is for one core, and of any
+// machine: what was measured here tells more.
 bool Study::has_time_for(double voxel_size_m) const {
-  if (!allowed_s_) return true;
-  // That of voxelize is for one core, and of any machine: what was measured here tells more.
-  const SizeCost& known = baked_ ? *baked_ : *look_;
-  const double forecast_s = cost_at(known, voxel_size_m).thread_s;
-  return forecast_s <= left_s() / 2;
+  double bakes_s = 0;
+  for (const char* const name : kBakeReports) {
+    const json report = read_json(in(name));
+    if (!report.is_object() || !report.contains("seconds")) continue;
+    const double read_s = report["seconds"]["read"], total_s = report["seconds"]["total"];
+    const SizeCost last{.voxel_size_m = report["voxel_size_m"], .thread_s = total_s - read_s};
+    bakes_s += read_s + cost_at(last, voxel_size_m).thread_s;
+  }
+  return bakes_s + kCheckReadings * reading_s() <= left_s() / 2;
 }
 
 // Whether the time was over before there was an answer.
@@ -1004,6 +1068,28 @@ nlohmann::ordered_json Study::play_json() const {
   return {{"smallest_m", any ? json(play.play_m) : json()},
           {"object", any ? json(play.object) : json()},
           {"in_contact_with", play.touched}};
+}
+
+// Notes how long a step took: now, or the last time where it is unchanged.
+void Study::add_seconds(const Step& step, const StepEnd& end) {
+  const std::string& program = step.program;
+  const char* const kind = program == "voxcheck"                              ? "checks"
+                           : program == "voxplan" || program == "voxrun"      ? "search"
+                           : program == "voxelize" || program == "pointshell" ? "bakes"
+                                                                              : "pictures";
+  seconds_[kind] += end.seconds;
+}
+
+// "time: 12.3 of 60 s (bakes 5.1 s, checks 3 s, search 4.2 s)".
+std::string Study::seconds_text() const {
+  double total_s = 0;
+  std::string kinds;
+  for (const auto& [kind, seconds] : seconds_) {
+    total_s += seconds;
+    kinds += (kinds.empty() ? "" : ", ") + kind + command::text(" %.3g s", seconds);
+  }
+  return command::text("time: %.3g of %.4g s (", total_s, allowed_s_) + kinds + ")" +
+         (options_.time.empty() ? "; --time changes the limit" : "");
 }
 
 // Lines behind the sentence: the voxels that were chosen, and why.
@@ -1130,6 +1216,7 @@ Status Study::report(int status) const {
     report["smallest_voxel_size_m"] = choice_.last_m;
     report["play"] = play_json();
   }
+  report["seconds"] = seconds_;
   for (const auto& line : steps_.lines()) {
     report["steps"].push_back(
         {{"command", line.command}, {"status", line.status}, {"unchanged", line.again}});
@@ -1211,14 +1298,15 @@ Status Study::make_all() {
     }
   }
   if (options_.plan) {
-    if (Status s = look(); !s) return s;
+    const auto looked = look();
+    if (!looked) return looked.error();
+    take_look(*looked);
     return plan();
   }
   if (Status s = options_.is_auto() ? choose_voxel_size() : answer(); !s) return s;
-  if (options_.is_auto()) {
-    note_voxel_size();
-    if (Status s = command::write_text(in("verdict.txt"), answer_.text); !s) return s;
-  }
+  if (options_.is_auto()) note_voxel_size();
+  answer_.text += "  " + seconds_text() + "\n";
+  if (Status s = command::write_text(in("verdict.txt"), answer_.text); !s) return s;
   if (Status s = report(); !s) return s;
   if (Status s = write_page(); !s) return s;
   if (command::stop_signal() != 0) return judge();  // the answer of an unfinished study
