@@ -457,7 +457,7 @@ grep -q '^  voxels of 1 mm, the smallest that gave an answer; voxels of 0\.2 mm 
 # Deeper distances are stored where the part overlaps a neighbor by more than half of a voxel: no step is refused then.
 study 7 'pressed.json#pressed' --pull 0,0,40mm --no-pictures -o pressed
 [ "$(wc -l <err.txt)" = 1 ] && grep -q '^Comes out, .*, if force overcomes its overlap with table (at least 0\.3 mm when installed): leaves table ' pressed/verdict.txt &&
-  grep -q '^  voxels of 0\.2 mm, chosen: ' pressed/verdict.txt || fail "0.3 mm of overlap: $(cat pressed/verdict.txt err.txt)"
+  grep -q '^  voxels of 0\.1 mm, chosen: ' pressed/verdict.txt || fail "0.3 mm of overlap: $(cat pressed/verdict.txt err.txt)"
 # A run of the same files has the same words and status.
 status=0
 "$bin/voxrun" pressed/scene.vox pressed/part.pshell --pull 0,0,40mm --as-fast-as-possible --json pulled.json >out.txt 2>err.txt || status=$?
