@@ -3,10 +3,10 @@
 #   scripts/test.sh            layout of the sources, a release build and its tests, and under address and
 #                              undefined-behavior sanitizers what reads baked files
 #   CI=true scripts/test.sh    the same, the stress tests, faults planted into the guard, the benchmarks compiled, the
-#                              runtime alone, and by clang under those sanitizers the commands and the unit tests of what
-#                              reads files of others or holds a motor; fails where a package is missing
-#   scripts/test.sh --full     the same, the other tests under those sanitizers, the thread sanitizer, the virtual machine
-#                              and the long runs
+#                              runtime alone, and by clang under those sanitizers the unit tests of what reads files of
+#                              others or holds a motor; fails where a package is missing
+#   scripts/test.sh --full     the same, all commands and tests under those sanitizers, the thread sanitizer, the virtual
+#                              machine and the long runs
 source "$(dirname "$0")/common.sh"
 
 more=no full=no
@@ -33,7 +33,7 @@ run_tests() {  # PRESET [ctest arguments ...]
     --test-output-size-passed 65536 --test-output-size-failed 1048576 "$@"
 }
 
-# The tests of what reads baked files: PRESET.
+# The tests that are run under sanitizers first: PRESET.
 test_safety() {
   build "$1" safety_tests
   run_tests "$1" -L safety
@@ -102,12 +102,14 @@ else
   build release
   run_tests release -LE vm
   plant_faults
-  # With --full, all but the stress tests: those judge motion, and are slow under sanitizers.
-  slow=OFF
-  [ "$full" = no ] || slow=ON
-  configure asan-clang -DFORCELAYER_STEP=ON -DFORCELAYER_SLOW_TESTS=$slow
-  build asan-clang
-  run_tests asan-clang -LE 'stress|vm'
+  if [ "$full" = no ]; then
+    configure asan-clang -DFORCELAYER_STEP=ON -DFORCELAYER_SLOW_TESTS=OFF
+    test_safety asan-clang
+  else
+    configure asan-clang -DFORCELAYER_STEP=ON
+    build asan-clang
+    run_tests asan-clang -LE 'stress|vm'  # the stress tests judge motion
+  fi
   check_runtime_only
 fi
 
