@@ -442,7 +442,8 @@ Step Study::check_step() const {
     add({"--report", "picture:" + in("worst.png")});
     step.outputs.push_back(in("worst.png"));
   }
-  if (!options_.files_alone) add_time(step, 1, kCheckReadings);
+  // The answer about a path is worth more than the default time.
+  if (!options_.files_alone && !options_.time.empty()) add_time(step, 1, kCheckReadings);
   return step;
 }
 

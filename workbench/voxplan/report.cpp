@@ -70,7 +70,8 @@ command::Verdict not_found_verdict(const Report& report) {
                     (result.out_m < 1e-6 ? "less than 0.001 mm"
                                          : "at most " + command::at_most_text(result.out_m)) +
                     " from its start";
-  if (result.refused > 0) {
+  if (result.refused == 1) verdict.finding += ", and a path that was found could not be proven";
+  if (result.refused > 1) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
