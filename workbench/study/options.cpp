@@ -73,7 +73,8 @@ OptionParser::OptionParser(CLI::App& study) {
                    "the part");
   study.add_option(
       "--time", options_.time,
-      "time limit of the whole study. The study chooses the voxel size by it. A step that has begun "
+      "time limit of the whole study. The study chooses the voxel size by it. A step that has "
+      "begun "
       "to read meshes is finished. If smaller voxels are stopped, the answer of larger ones stays. "
       "Default: 120s, but the last check of a path is finished");
   study.add_option("--clearance", options_.clearance,
