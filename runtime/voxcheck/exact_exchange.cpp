@@ -9,9 +9,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, wo
                                    pushed_into_seat, depth_m, max_depth_m, contact_s, contact_known,
                                    inside, passes_wall)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactHole, edges_m, place_m)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, hidden_m,
-                                   deepest_m, nearest_m, margin_m, soon_m, soon_s, settled,
-                                   part_hole, object_hole)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
+                                   nearest_m, margin_m, soon_m, soon_s, settled, part_hole,
+                                   object_hole)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,

@@ -92,11 +92,9 @@ struct ExactSeat {
   double gap_m = 0;        // how far it and the part are apart where that is installed
   double installed_m = 0;  // how deep they lie in each other there
   double allowed_m = 0;    // how deep they may
-  double margin_m = 0;   // deviations, rounding and cracks: so much of `installed_m` may be untrue
-  double hidden_m = 0;   // the same without cracks that are far from the places in contact: the
-                         // part may go so much deeper than installed
-  double deepest_m = 0;  // how deep they were found to lie while the part is in its seat
-  double nearest_m = 0;  // how near they come then; 0 where they touch
+  double margin_m = 0;     // deviations, rounding and cracks: what it may lie deeper than the truth
+  double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
+  double nearest_m = 0;    // how near they come then; 0 where they touch
   // Where the part has moved out of its seat by twice the required clearance and twice
   // `installed_m`: how far they are apart, and the time of the path. Where that is the required
   // clearance or more: the same at an earlier time, just before which it is less.
@@ -109,7 +107,7 @@ struct ExactSeat {
 
   // Whether they overlap where the part is installed, for certain.
   bool overlaps() const { return installed_m > margin_m; }
-  bool has_seat_depth() const { return allowed_m > installed_m + hidden_m; }
+  bool has_seat_depth() const { return allowed_m > installed_m + margin_m; }
 };
 
 // A stretch in which the part is in its seat by the meshes: the files prove less than there is, and

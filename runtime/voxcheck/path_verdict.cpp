@@ -341,16 +341,16 @@ HiddenDepth hidden_depth(const CheckedPath& checked) {
   HiddenDepth hidden;
   if (checked.exact == nullptr || checked.result.seated.empty()) return hidden;
   for (const ExactSeat& seat : checked.exact->seat) {
-    if (seat.hidden_m <= checked.exact->margin_m + kRoundingM) continue;
-    const double depth_m = seat.allowed_m - seat.installed_m - seat.hidden_m;  // --seat-depth
-    hidden.is_too_much |= seat.hidden_m > std::max(checked.required_m, depth_m) + kRoundingM;
-    if (hidden.seat == nullptr || seat.hidden_m > hidden.seat->hidden_m) hidden.seat = &seat;
+    if (seat.margin_m <= checked.exact->margin_m + kRoundingM) continue;
+    const double depth_m = seat.allowed_m - seat.installed_m - seat.margin_m;  // --seat-depth
+    hidden.is_too_much |= seat.margin_m > std::max(checked.required_m, depth_m) + kRoundingM;
+    if (hidden.seat == nullptr || seat.margin_m > hidden.seat->margin_m) hidden.seat = &seat;
   }
   return hidden;
 }
 
 std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat) {
-  return "the part may go up to " + command::at_most_text(seat.hidden_m) + " deeper into " +
+  return "the part may go up to " + command::at_most_text(seat.margin_m) + " deeper into " +
          name_of(checked, seat.object) +
          " than when installed, because cracks in a mesh hide such depths";
 }

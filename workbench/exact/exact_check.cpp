@@ -717,19 +717,12 @@ class ExactCheck {
     }
   }
 
-  // Cracks widen the margin only where they are near the places in contact: first it is tried
-  // without them.
   void settle(std::uint32_t number, Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
     seat.margin_m = seat_margin_m(part_bodies(), object.bodies(), margin_m_);
-    std::vector<SeatWalk::Stretch> deeper;
-    for (const double hidden_m : {margin_m_, seat.margin_m}) {
-      SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance,
-                    kSeatWithin * seat.margin_m);
-      seat.hidden_m = hidden_m;
-      deeper = deeper_in_seat(seat, object, walk, answer);
-      if (deeper.empty() || hidden_m == seat.margin_m) break;
-    }
+    SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance,
+                  kSeatWithin * seat.margin_m);
+    const auto deeper = deeper_in_seat(seat, object, walk, answer);
     for (const auto& stretch : deeper) answer.violations.push_back(pushed_in(seat, stretch));
     if (seat.gap_m > 0) seat.nearest_m = nearest_in_seat_m(object.walk);
     if (const auto soon_s = soon_out_s(2 * (request_.required_m + seat.installed_m))) {
@@ -769,7 +762,7 @@ class ExactCheck {
     if (seat.installed_m == 0) {
       seat.gap_m = object.distance.at(installed, voxcheck::kNothingM).distance_m;
     }
-    seat.allowed_m = seat.installed_m + seat.hidden_m + request_.seat_depth_m.value_or(0);
+    seat.allowed_m = seat.installed_m + seat.margin_m + request_.seat_depth_m.value_or(0);
     begin_stage(ExactStop::kContact, "measuring the depth in the seat", seat.object);
     walk.tell(shown(answer.seat.size(), request_.seat.size(), [&] { return walk.reached_s(); }));
     if (request_.seat_depth_m.value_or(0) > 0) walk.allow_passing();
