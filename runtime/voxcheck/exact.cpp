@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include "formats/command/program.h"
 
@@ -288,6 +290,35 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
       return ExactCheckResult{std::move(*checked), std::move(*answer)};
     }
   }
+}
+
+Result<std::vector<RuleGroup>> groups_by_rules(const Options& options,
+                                               const clearance::LeftOut& allowed,
+                                               const AskExactly& ask,
+                                               std::vector<std::string>& warnings) {
+  ExactRequest request;
+  static_cast<PathSource&>(request) = options;
+  name_meshes(options, request);
+  request.required_m = options.clearance_m;
+  request.rules = options.rules;
+  request.quiet = options.quiet;
+  const auto answer = ask(request);
+  if (!answer) return answer.error();
+  warnings.insert(warnings.end(), answer->warnings.begin(), answer->warnings.end());
+  std::map<double, std::vector<std::uint32_t>, std::greater<>> objects;  // by distance
+  clearance::LeftOut none(allowed.size(), 1);
+  none[0] = 0;
+  for (std::uint32_t object = 1; object < allowed.size(); ++object) {
+    const ExactRule& rule = answer->rules.at(object - 1);
+    if (!rule.ignored && allowed[object] == 0) objects[rule.required_m].push_back(object);
+  }
+  std::vector<RuleGroup> groups;
+  for (const auto& [required_m, counted] : objects) {
+    RuleGroup& group = groups.emplace_back(RuleGroup{required_m, none});
+    for (const std::uint32_t object : counted) group.left_out[object] = 0;
+  }
+  if (groups.empty()) groups.push_back({options.clearance_m, none});
+  return groups;
 }
 
 }  // namespace forcelayer::voxcheck

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "formats/result.h"
 #include "runtime/clearance/path_check.h"
@@ -33,5 +35,18 @@ Result<ExactCheckResult> check_with_meshes(const Voxmap& scene, const Pshell& pa
                                            const clearance::CenterPath& path,
                                            clearance::CheckRequest request, const Options& options,
                                            const AskExactly& ask);
+
+// Objects that must keep one distance from the part.
+struct RuleGroup {
+  double required_m = 0;
+  clearance::LeftOut left_out;  // all others, and those of --allow
+};
+// The objects by --rules, the largest distance first: each object that counts is of one group. One
+// group that leaves all out, where no object counts. Warnings of the rules are added to `warnings`.
+// Errors: those of `ask`.
+Result<std::vector<RuleGroup>> groups_by_rules(const Options& options,
+                                               const clearance::LeftOut& allowed,
+                                               const AskExactly& ask,
+                                               std::vector<std::string>& warnings);
 
 }  // namespace forcelayer::voxcheck

@@ -14,9 +14,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowe
                                    object_hole)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactRule, required_m, ignored)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,
                                    seated, beyond, beyond_clearance_m, enclosed_by, moments, stop,
-                                   warnings)
+                                   rules, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, min_m, max_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 
@@ -89,6 +90,7 @@ std::string text_of(const ExactRequest& r) {
               {"seat_depth_m", or_null(r.seat_depth_m)},
               {"max_s", or_null(r.max_s)},
               {"animation", bytes_of(r.animation)},
+              {"rules", bytes_of(r.rules)},
               {"quiet", r.quiet}}
       .dump();
 }
@@ -122,6 +124,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
         r.max_s = unless_null(json.at("max_s"));
         r.animation = text_from(json.at("animation"));
+        r.rules = text_from(json.at("rules"));
         json.at("quiet").get_to(r.quiet);
         return r;
       });

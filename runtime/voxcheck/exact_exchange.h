@@ -47,7 +47,10 @@ struct ExactRequest : PathSource {
   std::optional<double> seat_depth_m;
   std::optional<double> max_s;  // after which the measurement stops
   std::string animation;        // file to write the motion into; empty: none
-  bool quiet = false;           // no line of progress on the terminal
+  // A file of rules. Where there is one, the answer is ExactAnswer::rules and warnings alone, and
+  // `required_m` is the clearance where no rule says otherwise.
+  std::string rules;
+  bool quiet = false;  // no line of progress on the terminal
 };
 
 // The surfaces at one moment, as the meshes have them.
@@ -128,6 +131,12 @@ struct ExactStop {
   double settled_s = 0;      // until then the path was checked in this stage
 };
 
+// The distance that an object must keep from the part, by the rules.
+struct ExactRule {
+  double required_m = 0;
+  bool ignored = false;  // the object may be near, and may collide
+};
+
 struct ExactAnswer {
   double clearance_m = 0;  // that holds along the whole path, deviations and rounding taken off
   double margin_m = 0;     // deviations of scene and part, and rounding
@@ -139,8 +148,9 @@ struct ExactAnswer {
   double beyond_clearance_m = 0;  // and what it is at least
   // The object with a closed surface all around the part where the path begins; at most one.
   std::vector<std::uint32_t> enclosed_by;
-  std::uint64_t moments = 0;    // at which a distance was measured
-  std::vector<ExactStop> stop;  // at most one
+  std::uint64_t moments = 0;     // at which a distance was measured
+  std::vector<ExactStop> stop;   // at most one
+  std::vector<ExactRule> rules;  // [objects] of the scene
   std::vector<std::string> warnings;
 };
 

@@ -7,7 +7,9 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "formats/command/arguments.h"
@@ -43,6 +45,7 @@ double now_s() {
 Status prepare_outputs(Options& options) {
   using command::FileKind;
   std::vector<std::string> inputs{options.scene, options.part, options.path};
+  if (!options.rules.empty()) inputs.push_back(options.rules);
   inputs.insert(inputs.end(), options.meshes.begin(), options.meshes.end());
   inputs.insert(inputs.end(), options.part_meshes.begin(), options.part_meshes.end());
   const command::OutputFile outputs[] = {
@@ -58,15 +61,19 @@ Status prepare_outputs(Options& options) {
   return {};
 }
 
-Status write_reports(const Report& report) {
+// With --rules there are several reports, else one.
+Status write_reports(std::span<const Report> reports) {
+  const auto [told, verdict] = verdict_of(reports);
+  const Report& report = reports[told];
   const Options& options = report.options;
-  const command::Verdict verdict = verdict_of(report);
   const command::Subject subject = subject_of(options);
   if (!options.quiet) std::cout << command::terminal_text(verdict);
   if (options.github) std::cout << command::annotations(subject, verdict);
   std::cout.flush();
   if (!options.json.empty()) {
-    if (Status s = command::write_report(options.json, report_json(report, verdict)); !s) return s;
+    nlohmann::ordered_json json = report_json(report, verdict);
+    if (report.left_out != nullptr) json["rules"] = rules_json(reports);
+    if (Status s = command::write_report(options.json, json); !s) return s;
   }
   if (!options.csv.empty()) {
     if (Status s = write_curve(report); !s) return s;
@@ -114,17 +121,27 @@ double scenes_away(const Voxmap& scene, const Pshell& part, std::span<const Path
   return std::sqrt(away2 / across2);
 }
 
+// A check against the objects that must keep one distance: all of them, or a group of --rules.
+struct GroupCheck {
+  Options options;  // with the group's clearance
+  clearance::CheckResult result;
+  std::optional<ExactAnswer> exact;
+};
+
 // Warns of a seat that touches nothing, that is not on the path or that is the part itself, and of
 // a path that passes because it is of another scene, or in another unit.
 void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& part,
                     std::span<const PathRow> rows, const clearance::CenterPath& path,
-                    const clearance::CheckResult& result) {
+                    std::span<const GroupCheck> checks, bool is_far) {
   constexpr double kFarAway = 10;  // a path in meters that was meant in millimeters is farther
   const auto warn = [&](const std::string& text) { command::warn(text, options.quiet); };
   if (options.world_from_seat) {
     const double off_m = off_seat_m(*options.world_from_seat, part, path);
     const double reach_m = clearance::kSeatVoxels * scene.voxel_size_m();
-    if (result.seat_objects.empty()) {
+    const bool any_seat = std::any_of(checks.begin(), checks.end(), [](const GroupCheck& check) {
+      return !check.result.seat_objects.empty();
+    });
+    if (!any_seat) {
       warn("the part touches nothing where it is installed (--seat)");
     } else if (!(off_m < reach_m)) {
       warn(
@@ -134,11 +151,12 @@ void warn_of_places(const Options& options, const Voxmap& scene, const Pshell& p
     }
     const auto& c = part.header().center_m;
     const Pose installed = *options.world_from_seat * Pose{{c[0], c[1], c[2]}, {1, 0, 0, 0}};
-    if (const auto warning = part_in_scene_warning(scene, part, installed, result.seat_points)) {
+    if (const auto warning =
+            part_in_scene_warning(scene, part, installed, checks.front().result.seat_points)) {
       warn(*warning);
     }
   }
-  if (is_never_near(result, part, options.allow)) {
+  if (is_far) {
     warn(never_near_text("path"));
   } else if (const double times = scenes_away(scene, part, rows); times > kFarAway) {
     warn(
@@ -166,6 +184,46 @@ void warn_of_wide_step(const Options& options, const Voxmap& scene, const Pshell
       options.quiet);
 }
 
+// Whether each object is of some group.
+bool do_all_count(std::span<const RuleGroup> groups) {
+  for (std::size_t object = 1; object < groups.front().left_out.size(); ++object) {
+    const bool counts = std::any_of(groups.begin(), groups.end(), [&](const RuleGroup& group) {
+      return group.left_out[object] == 0;
+    });
+    if (!counts) return false;
+  }
+  return true;
+}
+
+// Checks the path against the objects that are not left out.
+Result<GroupCheck> check_group(const Options& options, const Voxmap& scene, const Pshell& part,
+                               const clearance::CenterPath& path,
+                               const clearance::LeftOut& left_out, command::ProgressLine& line) {
+  const auto show = [&](double fraction) { line.show("checking the path", fraction); };
+  const clearance::CheckRequest request{options.clearance_m,
+                                        options.threads,
+                                        left_out,
+                                        options.world_from_seat,
+                                        options.felt_seat,
+                                        {},
+                                        show};
+  if (options.meshes.empty()) {
+    auto checked = clearance::check_path(scene, part, path, request);
+    line.clear();
+    if (checked) return GroupCheck{options, std::move(*checked), std::nullopt};
+    Error error = checked.error();
+    if (error.file.empty()) error.file = options.scene;
+    return error;
+  }
+  auto settled = check_with_meshes(scene, part, path, request, options, [&](const auto& asked) {
+    line.clear();  // voxcheck-exact has its own
+    return ask_program(asked);
+  });
+  line.clear();
+  if (!settled) return settled.error();
+  return GroupCheck{options, std::move(settled->checked), std::move(settled->exact)};
+}
+
 Status check(const Options& options) {
   const double begin_s = now_s();
   const auto scene = open_scene(options.scene);
@@ -180,44 +238,44 @@ Status check(const Options& options) {
   warn_of_wide_step(options, *scene, *part, *rows);
   const clearance::CenterPath path(*rows, *part);
   const double read_s = now_s();
+  std::vector<RuleGroup> groups{{options.clearance_m, *allowed}};
+  std::vector<std::string> warnings;
+  if (!options.rules.empty()) {
+    auto found = groups_by_rules(options, *allowed, ask_program, warnings);
+    if (!found) return found.error();
+    groups = std::move(*found);
+  }
   command::ProgressLine line(options.quiet);
-  const auto show = [&](double fraction) { line.show("checking the path", fraction); };
-  clearance::CheckRequest request{options.clearance_m,
-                                  options.threads,
-                                  *allowed,
-                                  options.world_from_seat,
-                                  options.felt_seat,
-                                  {},
-                                  show};
-  std::optional<clearance::CheckResult> result;
-  std::optional<ExactAnswer> exact;
-  if (options.meshes.empty()) {
-    auto checked = clearance::check_path(*scene, *part, path, request);
-    line.clear();
-    if (!checked) {
-      Error error = checked.error();
-      if (error.file.empty()) error.file = options.scene;
-      return error;
-    }
-    result = std::move(*checked);
-  } else {
-    auto settled = check_with_meshes(*scene, *part, path, request, options, [&](const auto& asked) {
-      line.clear();  // voxcheck-exact has its own
-      return ask_program(asked);
-    });
-    line.clear();
-    if (!settled) return settled.error();
-    result = std::move(settled->checked);
-    exact = std::move(settled->exact);
+  std::vector<GroupCheck> checks;
+  for (const RuleGroup& group : groups) {
+    Options own = options;
+    own.clearance_m = group.required_m;
+    if (own.max_s) own.max_s = std::max(0.0, *own.max_s - (now_s() - read_s));
+    if (!checks.empty()) own.animation.clear();  // of all objects: written once
+    auto checked = check_group(own, *scene, *part, path, group.left_out, line);
+    if (!checked) return checked.error();
+    checks.push_back(std::move(*checked));
   }
-  warn_of_places(options, *scene, *part, *rows, path, *result);
-  if (exact) {
-    for (const std::string& warning : exact->warnings) command::warn(warning, options.quiet);
-  }
+  const bool is_far =
+      do_all_count(groups) && std::all_of(checks.begin(), checks.end(), [&](const GroupCheck& own) {
+        return is_never_near(own.result, *part, options.allow);
+      });
+  warn_of_places(options, *scene, *part, *rows, path, checks, is_far);
   const clearance::PathLength length(path, *part);
-  const CheckedPath checked{
-      *scene, *part, *rows, path, length, *result, exact ? &*exact : nullptr, options.clearance_m};
-  return write_reports({options, checked, exact, read_s - begin_s, now_s() - read_s});
+  std::vector<Report> reports;
+  for (std::size_t n = 0; n < checks.size(); ++n) {
+    const auto& [own, result, exact] = checks[n];
+    if (exact) warnings.insert(warnings.end(), exact->warnings.begin(), exact->warnings.end());
+    const CheckedPath checked{
+        *scene, *part, *rows, path, length, result, exact ? &*exact : nullptr, own.clearance_m};
+    reports.push_back({own, checked, exact, read_s - begin_s, now_s() - read_s,
+                       options.rules.empty() ? nullptr : &groups[n].left_out, is_far});
+  }
+  std::set<std::string> warned;  // each group reads the meshes
+  for (const std::string& warning : warnings) {
+    if (warned.insert(warning).second) command::warn(warning, options.quiet);
+  }
+  return write_reports(reports);
 }
 
 int run(int argc, char** argv) {
@@ -233,8 +291,8 @@ int run(int argc, char** argv) {
   command::arrange_help(
       app,
       {{"Question",
-        {"--clearance", "--center", "--seat", "--felt-seat", "--seat-depth", "--allow", "--fail-on",
-         "--threads"}},
+        {"--clearance", "--rules", "--center", "--seat", "--felt-seat", "--seat-depth", "--allow",
+         "--fail-on", "--threads"}},
        {"Meshes",
         {"--exact", "--part", "--without", "--units", "--part-units", "--allow-outside",
          "--sandbox", "--time"}},

@@ -28,6 +28,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
   app.add_option("--clearance", clearance_,
                  "required distance between the exact surfaces, default 1mm");
   app.add_option(
+      "--rules", options_.rules,
+      "with --exact: a CSV file with the columns part,object,clearance, as in forcelayer "
+      "pairs. Where no row names part and object, --clearance counts");
+  app.add_option(
       "--center", center_,
       "point x,y,z in the part's frame, such as 0,0,0m. Between two poses of the path, this point "
       "moves in a straight line and the part turns about it; default: the centroid");
@@ -89,6 +93,10 @@ Result<Options> OptionParser::finish() const {
   }
   options.clearance_m = *clearance;
   if (Status read = meshes_.finish(options); !read) return read.error();
+  if (!options.rules.empty() && options.meshes.empty()) {
+    return Error{ErrorCode::kUsage, "", "--rules", "needs the meshes",
+                 "add --exact SCENE_MESHES --part PART_MESHES"};
+  }
   if (!options.animation.empty() && options.meshes.empty()) {
     return Error{ErrorCode::kUsage, "", "--report animation", "needs the meshes",
                  "add --exact SCENE_MESHES --part PART_MESHES"};

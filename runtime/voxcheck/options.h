@@ -16,6 +16,7 @@ struct Options : MeshOptions, PathSource {
   double clearance_m = 0;
   std::optional<Pose> world_from_seat;  // of the part
   std::vector<std::string> allow;       // names of objects
+  std::string rules;                    // a file of clearances between parts; empty: none
   unsigned threads = 1;
   bool felt_seat = false;       // where shell points feel nothing the seat is clear
   std::string fail_on;          // "far", "nothing" or empty

@@ -129,10 +129,52 @@ std::string seat_mend(const Report& report) {
          seat_of(begins ? first : last);
 }
 
-// Whether nothing is too near, but only because nothing is near at all.
-bool is_refused_as_far(const Report& report) {
-  return report.options.fail_on == "far" &&
-         is_never_near(report.checked.result, report.checked.part, report.options.allow);
+// How bad an answer is: what collides first, then what is too near, then what is open. Of those
+// that are yes, the one that leaves the part in its seat first.
+int rank_of(command::VerdictKind kind) {
+  using command::VerdictKind;
+  switch (command::without_overlap(kind)) {
+    case VerdictKind::kCollides:
+    case VerdictKind::kDoesNotComeOut:
+      return 0;
+    case VerdictKind::kTooNear:
+      return 1;
+    case VerdictKind::kTooCloseToCall:
+      return 2;
+    case VerdictKind::kStaysInstalled:
+      return 4;
+    case VerdictKind::kComesOut:
+      return 5;
+    case VerdictKind::kKeepsClearance:
+      return 6;
+    default:
+      return 3;
+  }
+}
+
+// How much farther apart than required, where that is known.
+double slack_m(const command::Verdict& verdict) {
+  return verdict.nearest.known == command::VerdictDistance::Known::kNot
+             ? INFINITY
+             : verdict.nearest.distance_m - verdict.required_m;
+}
+
+// Adds the answer about other objects to that of `verdict`.
+void add_rule(const command::Verdict& other, command::Verdict& verdict) {
+  const auto add = [](const std::vector<std::string>& more, std::vector<std::string>& list) {
+    for (const std::string& one : more) {
+      if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
+    }
+  };
+  verdict.notes.push_back("by another rule: " + command::sentence(other));
+  add(other.remarks, verdict.remarks);
+  add(other.blocked_by, verdict.blocked_by);
+  if (!command::passes(other.kind)) verdict.more.push_back(command::gist(other));
+  if (!command::passes(verdict.kind) || other.overlapped.empty()) return;
+  verdict.kind = command::with_overlap(command::without_overlap(verdict.kind));
+  verdict.advice = command::kOverlapAdvice;
+  add(other.overlapped, verdict.overlapped);
+  verdict.overlap_m = std::max(verdict.overlap_m, other.overlap_m);
 }
 
 // How deep the part goes into the objects of its seat, as far as that is known.
@@ -248,7 +290,9 @@ command::Verdict verdict_of(const Report& report) {
   const CheckedPath& checked = report.checked;
   const CheckResult& r = checked.result;
   command::Verdict verdict = verdict_of(checked);
-  if (is_refused_as_far(report)) verdict.kind = command::VerdictKind::kNeverNear;
+  if (report.is_far && report.options.fail_on == "far") {
+    verdict.kind = command::VerdictKind::kNeverNear;
+  }
   verdict.advice = advice_of(report, verdict);
   verdict.remarks = overlap_texts(report);
   auto& notes = verdict.notes;
@@ -282,6 +326,21 @@ command::Verdict verdict_of(const Report& report) {
              static_cast<unsigned long long>(missing)));
   }
   return verdict;
+}
+
+RulesVerdict verdict_of(std::span<const Report> reports) {
+  std::vector<command::Verdict> verdicts;
+  for (const Report& report : reports) verdicts.push_back(verdict_of(report));
+  const auto worst =
+      std::min_element(verdicts.begin(), verdicts.end(), [](const auto& a, const auto& b) {
+        const int rank_a = rank_of(a.kind), rank_b = rank_of(b.kind);
+        return rank_a != rank_b ? rank_a < rank_b : slack_m(a) < slack_m(b);
+      });
+  RulesVerdict all{static_cast<std::size_t>(worst - verdicts.begin()), *worst};
+  for (const command::Verdict& other : verdicts) {
+    if (&other != &*worst) add_rule(other, all.verdict);
+  }
+  return all;
 }
 
 std::vector<std::string> picture_title(const command::Verdict& verdict) {
@@ -370,6 +429,35 @@ Json report_json(const Report& report, const command::Verdict& verdict) {
                      {"check", report.check_s},
                      {"total", report.read_s + report.check_s}};
   return json;
+}
+
+Json rules_json(std::span<const Report> reports) {
+  Json list = Json::array();
+  const Voxmap& scene = reports.front().checked.scene;
+  const auto names_of = [&](const auto& is_meant) {
+    Json names = Json::array();
+    for (std::uint32_t object = 1; object <= scene.header().object_count; ++object) {
+      if (is_meant(object)) names.push_back(object_name(scene, object));
+    }
+    return names;
+  };
+  for (const Report& report : reports) {
+    const command::Verdict verdict = verdict_of(report);
+    const auto is_counted = [&](std::uint32_t object) { return (*report.left_out)[object] == 0; };
+    list.push_back({{"required_clearance_m", verdict.required_m},
+                    {"objects", names_of(is_counted)},
+                    {"verdict", command::verdict_word(verdict)},
+                    {"kind", command::to_text(verdict.kind)},
+                    {"sentence", command::sentence(verdict)}});
+  }
+  Json ignored = names_of([&](std::uint32_t object) {
+    return std::all_of(reports.begin(), reports.end(),
+                       [&](const Report& report) { return (*report.left_out)[object] != 0; });
+  });
+  if (!ignored.empty()) {
+    list.push_back({{"required_clearance_m", nullptr}, {"objects", std::move(ignored)}});
+  }
+  return list;
 }
 
 Status write_curve(const Report& report) {

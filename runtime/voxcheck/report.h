@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,23 @@ struct Report {
   const CheckedPath checked;
   const std::optional<ExactAnswer>& exact;  // of --exact: violations are then in the same order
   double read_s = 0, check_s = 0;
+  const clearance::LeftOut* left_out = nullptr;  // of --rules: objects that another report is about
+  bool is_far = false;                           // nothing of the scene is near
 };
 
 // The verdict with advice and notes; all that follows is written from it.
 command::Verdict verdict_of(const Report& report);
+
+// The verdict of several reports, each about objects that must keep another distance by --rules: no
+// where one of them is no, and else a yes of all. `told`: the report that it speaks of, the worst.
+struct RulesVerdict {
+  std::size_t told = 0;
+  command::Verdict verdict;
+};
+RulesVerdict verdict_of(std::span<const Report> reports);
+
+// The key `rules` of --json: a list of those reports, and of the objects that no report is about.
+nlohmann::ordered_json rules_json(std::span<const Report> reports);
 
 // The words above a picture: the verdict, and what is drawn.
 std::vector<std::string> picture_title(const command::Verdict& verdict);

@@ -87,15 +87,16 @@ workbench/viewer/run:    formats formats/path runtime/coupling runtime/field run
 runtime/doctor:         formats formats/command runtime/loop runtime/machine runtime/query
 runtime/voxrun:         formats formats/command formats/command/verdict formats/digest formats/path runtime/devices runtime/devices/hid runtime/devices/plugin runtime/forcelayer runtime/guard runtime/loop runtime/machine runtime/model runtime/query runtime/run runtime/stream
 runtime/voxcheck:       formats formats/command formats/command/spelling formats/command/verdict formats/path runtime/clearance runtime/forcelayer runtime/model runtime/query runtime/run runtime/stream
-workbench/exact/surface: formats formats/command formats/mesh formats/mesh/sandbox formats/mesh/writers formats/path pointshell pointshell/certificate pointshell/part runtime/clearance runtime/forcelayer runtime/voxcheck
+workbench/pairs/rules:   formats formats/command formats/command/spelling formats/mesh formats/path
+workbench/exact/surface: formats formats/command formats/mesh formats/mesh/sandbox formats/mesh/writers formats/path pointshell pointshell/certificate pointshell/part runtime/clearance runtime/forcelayer runtime/voxcheck workbench/pairs/rules
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck workbench/exact/surface
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer workbench/exact
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check
 workbench/voxplan:       formats formats/command formats/command/verdict formats/mesh/sandbox formats/path runtime/clearance runtime/coupling runtime/field runtime/forcelayer runtime/model runtime/run runtime/voxcheck workbench/exact workbench/voxplan/nearest workbench/voxplan/check workbench/voxplan/smooth
-workbench/pairs:         formats formats/command formats/command/spelling formats/command/verdict formats/mesh formats/mesh/sandbox formats/path workbench/exact workbench/exact/surface
-workbench/disassembly:   formats formats/command formats/command/verdict formats/digest formats/mesh formats/mesh/sandbox formats/path runtime/clearance runtime/forcelayer workbench/exact workbench/exact/surface workbench/pairs
-workbench/study:         formats formats/command formats/command/spelling formats/command/verdict formats/digest formats/path workbench/disassembly workbench/pairs
+workbench/pairs:         formats formats/command formats/command/spelling formats/command/verdict formats/mesh formats/mesh/sandbox formats/path workbench/exact workbench/exact/surface workbench/pairs/rules
+workbench/disassembly:   formats formats/command formats/command/verdict formats/digest formats/mesh formats/mesh/sandbox formats/path runtime/clearance runtime/forcelayer workbench/exact workbench/exact/surface workbench/pairs workbench/pairs/rules
+workbench/study:         formats formats/command formats/command/spelling formats/command/verdict formats/digest formats/path workbench/disassembly workbench/pairs workbench/pairs/rules
 workbench/viewer/plan:   formats formats/command formats/command/spelling formats/mesh formats/mesh/sandbox formats/path runtime/forcelayer runtime/stream workbench/viewer/run workbench/viewer/surface
 workbench/viewer/vtk:    formats formats/command runtime/forcelayer workbench/viewer/plan workbench/viewer/run workbench/viewer/surface
 workbench/viewer:        formats formats/command formats/mesh/sandbox workbench/viewer/plan workbench/viewer/run workbench/viewer/vtk

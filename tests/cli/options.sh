@@ -4,7 +4,7 @@
 # an option that several subcommands of forcelayer have under one name, with one meaning, counts once.
 set -euo pipefail
 bin=$FORCELAYER_BIN_DIR
-limit=139
+limit=140
 
 # options_of COMMAND [SUBCOMMAND]: the first spelling of each of its options, a line each.
 options_of() { "$bin/$1" "${@:2}" --help | sed -nE 's/^  (-[^ ]+).*/\1/p' | grep -vE -- '--(json|quiet|help|version)$' || true; }

@@ -4,6 +4,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -13,7 +14,7 @@
 #include "tests/support/random_numbers.h"
 #include "tests/support/scratch_folder.h"
 #include "workbench/pairs/near_boxes.h"
-#include "workbench/pairs/rules.h"
+#include "workbench/pairs/rules/rules.h"
 
 namespace forcelayer::pairs {
 namespace {
@@ -154,6 +155,71 @@ TEST(PairsRules, AreThoseOfABruteForceMatcherInRandomFiles) {
   }
   EXPECT_GT(named, 5000);
   EXPECT_GT(unnamed, 5000);
+}
+
+// How much a requirement asks: nothing of what is ignored.
+double strictness(const Requirement& requirement) {
+  return requirement.kind == Requirement::Kind::kIgnore ? -1 : requirement.clearance_m;
+}
+
+// A part moves as one with all of its bodies: the strictest of their rules counts.
+TEST(PartRules, AreTheStrictestOfABruteForceMatcherInRandomFiles) {
+  int ignored = 0, touching = 0, apart = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    test::ScratchFolder folder;
+    const auto random_parts = [&](std::int64_t count) {
+      std::vector<PartName> parts;
+      for (std::int64_t n = 0; n < count; ++n) {
+        const std::string path = random_path(random);
+        parts.push_back({path, path});
+      }
+      return parts;
+    };
+    const std::vector<PartName> objects = random_parts(8);
+    const std::vector<PartName> bodies = random_parts(test::integer(random, 1, 3));
+    struct Row {
+      std::string part, object;
+      Requirement requirement;
+    };
+    std::vector<Row> rows;
+    std::ostringstream text;
+    text << "part,object,clearance\n";
+    for (auto n = test::integer(random, 1, 6); n > 0; --n) {
+      const std::string cells[] = {"touch", "ignore", std::to_string(n) + "mm"};
+      const std::string& cell = cells[test::integer(random, 0, 2)];
+      rows.push_back({random_name(random), random_name(random), *parse_requirement(cell)});
+      text << '"' << rows.back().part << "\",\"" << rows.back().object << "\"," << cell << "\n";
+    }
+    const std::string file = folder / "rules.csv";
+    std::ofstream(file) << text.str();
+    const Requirement otherwise = *parse_requirement(seed % 2 == 0 ? "touch" : "2.5mm");
+    const auto rules = read_part_rules(file, bodies, objects, otherwise);
+    ASSERT_TRUE(rules) << to_line(rules.error()) << text.str();
+    ASSERT_EQ(rules->of_object.size(), objects.size());
+    for (std::size_t object = 0; object < objects.size(); ++object) {
+      double expected = -1;
+      for (const PartName& body : bodies) {
+        Requirement own = otherwise;
+        for (const Row& row : rows) {
+          const bool names_both =
+              (brute_means(row.part, body) && brute_means(row.object, objects[object])) ||
+              (brute_means(row.part, objects[object]) && brute_means(row.object, body));
+          if (!names_both) continue;
+          own = row.requirement;
+          break;
+        }
+        expected = std::max(expected, strictness(own));
+      }
+      EXPECT_EQ(strictness(rules->of_object[object]), expected) << objects[object].path << "\n"
+                                                                << text.str();
+      (expected < 0 ? ignored : expected == 0 ? touching : apart) += 1;
+    }
+  }
+  EXPECT_GT(ignored, 50);
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(apart, 200);
 }
 
 class RuleFile {

@@ -918,6 +918,17 @@ class ExactCheck {
   std::optional<Side> side_;  // of the part, found last
 };
 
+// ExactAnswer::rules alone.
+Result<ExactAnswer> answer_rules(const ExactRequest& request) {
+  const auto voxmap = open_scene(request.scene);
+  if (!voxmap) return voxmap.error();
+  const auto shell = open_part(request.part);
+  if (!shell) return shell.error();
+  command::ProgressLine line(request.quiet);
+  line.show("reading the rules", 0);
+  return read_rules(request, *voxmap, *shell);
+}
+
 }  // namespace
 
 Result<Meshes> read_meshes(const ExactRequest& request, bool quiet) {
@@ -947,6 +958,7 @@ Result<ExactAnswer> check_exactly(const Meshes& meshes, const std::vector<PathRo
 }
 
 Result<ExactAnswer> check_exactly(const ExactRequest& request) {
+  if (!request.rules.empty()) return answer_rules(request);
   auto meshes = read_meshes(request, request.quiet);
   if (!meshes) return meshes.error();
   const auto rows = voxcheck::read_part_path(request, meshes->shell);

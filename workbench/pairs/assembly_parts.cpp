@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <span>
 #include <utility>
 
 #include "formats/command/verdict/verdict.h"
-#include "formats/mesh/node_names.h"
 #include "formats/mesh/sandbox/sandbox.h"
 #include "workbench/exact/mesh_distance.h"
 
@@ -17,27 +15,6 @@ namespace {
 // baked_deflection_m() of voxels of this size is the deflection.
 constexpr double kVoxelSizeM = 1e-3;
 static_assert(mesh::baked_deflection_m(kVoxelSizeM) == kDeflectionM);
-
-// The names of an assembly's nodes in a listing, by their paths.
-using ListedNames = std::map<std::string, std::string>;
-
-ListedNames listed_names(const mesh::Assembly& assembly) {
-  const std::vector<std::string> numbered = mesh::numbered_paths(assembly.nodes);
-  ListedNames names;
-  for (std::size_t n = 0; n < numbered.size(); ++n) names[assembly.nodes[n].path] = numbered[n];
-  return names;
-}
-
-// An object of a manifest has the manifest's name before the path of its node.
-std::string listed_name(const std::string& path, const ListedNames& names) {
-  for (std::size_t start = 0;;) {
-    const auto found = names.find(path.substr(start));
-    if (found != names.end()) return path.substr(0, start) + found->second;
-    const std::size_t slash = path.find('/', start);
-    if (slash == std::string::npos) return path;
-    start = slash + 1;
-  }
-}
 
 // The rounding of a file's numbers: of vertices, and of the factors by which they are placed.
 double rounding_of(const mesh::Mesh& mesh, const mesh::Affine& world_from_mesh) {
@@ -65,14 +42,13 @@ Result<AssemblyParts> read_parts(const std::string& assembly, std::optional<doub
     return error;
   }
   AssemblyParts read{std::move(*scene), {}};
-  std::vector<ListedNames> names;
-  for (const mesh::Assembly& one : read.scene.assemblies) names.push_back(listed_names(one));
+  const std::vector<PartName> names = part_names(read.scene);
   for (std::size_t n = 0; n < read.scene.objects.size(); ++n) {
     const mesh::MeshObject& object = read.scene.objects[n];
     const mesh::Mesh& mesh = read.scene.mesh_of(object);
     if (mesh.triangles.empty()) continue;
     AssemblyPart& part = read.parts.emplace_back();
-    part.name = {object.name, listed_name(object.name, names[object.assembly])};
+    part.name = names[n];
     part.object = n;
     part.box_m = mesh::box_of(mesh, object.world_from_mesh);
     part.deviation_m = object.deviation_m;

@@ -8,7 +8,7 @@
 #include "formats/mesh/scene.h"
 #include "formats/result.h"
 #include "workbench/exact/surface/surfaces.h"
-#include "workbench/pairs/rules.h"
+#include "workbench/pairs/rules/rules.h"
 
 namespace forcelayer::pairs {
 

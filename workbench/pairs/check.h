@@ -10,7 +10,7 @@
 #include "formats/command/verdict/verdict.h"
 #include "workbench/pairs/assembly_parts.h"
 #include "workbench/pairs/pair_check.h"
-#include "workbench/pairs/rules.h"
+#include "workbench/pairs/rules/rules.h"
 
 namespace forcelayer::pairs {
 

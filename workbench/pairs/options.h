@@ -6,7 +6,7 @@
 #include <string>
 
 #include "formats/result.h"
-#include "workbench/pairs/requirement.h"
+#include "workbench/pairs/rules/requirement.h"
 
 namespace CLI {
 class App;

@@ -11,6 +11,7 @@
 #include "formats/mesh/up_axis.h"
 #include "pointshell/part/part_files.h"
 #include "pointshell/report.h"
+#include "workbench/pairs/rules/rules.h"
 
 namespace forcelayer::exact {
 namespace {
@@ -58,6 +59,13 @@ Surface surface_of(const mesh::Scene& scene) {
     surface.object.resize(surface.triangles.size(), static_cast<std::uint32_t>(n + 1));
   }
   return surface;
+}
+
+Result<mesh::Scene> read_scene(const voxcheck::ExactRequest& request, const Voxmap& voxmap) {
+  auto reading = reading_of(request, voxmap.voxel_size_m(), voxmap.provenance());
+  if (!reading) return reading.error();
+  reading->without = request.without;
+  return mesh::read_scene(request.meshes, request.unit_m, *reading);
 }
 
 // About an origin; each body is an object of its own.
@@ -122,10 +130,7 @@ Surface those_of(const Surface& surface, const IsChosen& is_chosen) {
 
 Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const Voxmap& voxmap,
                                    std::vector<std::string>& warnings) {
-  auto reading = reading_of(request, voxmap.voxel_size_m(), voxmap.provenance());
-  if (!reading) return reading.error();
-  reading->without = request.without;
-  const auto scene = mesh::read_scene(request.meshes, request.unit_m, *reading);
+  const auto scene = read_scene(request, voxmap);
   if (!scene) return scene.error();
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   Surface surface = surface_of(*scene);
@@ -172,6 +177,36 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
   Surface surface = surface_of(part, {c[0], c[1], c[2]});
   surface.deviation_m = header.part_deviation_m;
   return surface;
+}
+
+Result<voxcheck::ExactAnswer> read_rules(const voxcheck::ExactRequest& request,
+                                         const Voxmap& voxmap, const Pshell& shell) {
+  if (voxmap.objects() == nullptr) {
+    return Error{ErrorCode::kUsage, request.scene, "--rules",
+                 "the scene stores no objects, so rules cannot tell them apart",
+                 "bake the scene without --kind lean or paper"};
+  }
+  const auto scene = read_scene(request, voxmap);
+  if (!scene) return scene.error();
+  if (Status same = check_names(request.scene, *scene, voxmap); !same) return same.error();
+  const auto reading = reading_of(request, shell.header().voxel_size_m, shell.provenance());
+  if (!reading) return reading.error();
+  const auto part = mesh::read_scene(request.part_meshes, request.part_unit_m, *reading);
+  if (!part) return part.error();
+  using pairs::Requirement;
+  const Requirement otherwise = request.required_m > 0
+                                    ? Requirement{Requirement::Kind::kClearance, request.required_m}
+                                    : Requirement{};
+  auto rules = pairs::read_part_rules(request.rules, pairs::part_names(*part),
+                                      pairs::part_names(*scene), otherwise);
+  if (!rules) return rules.error();
+  voxcheck::ExactAnswer answer;
+  for (const Requirement& requirement : rules->of_object) {
+    answer.rules.push_back(
+        {requirement.clearance_m, requirement.kind == Requirement::Kind::kIgnore});
+  }
+  answer.warnings = std::move(rules->warnings);
+  return answer;
 }
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {

@@ -32,6 +32,10 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
 Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const Pshell& shell,
                                   std::vector<std::string>& warnings);
 
+// ExactAnswer::rules, by the names of the request's meshes, and warnings.
+Result<voxcheck::ExactAnswer> read_rules(const voxcheck::ExactRequest& request,
+                                         const Voxmap& voxmap, const Pshell& shell);
+
 // The triangles of those objects that are not among `left_out`.
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out);
 

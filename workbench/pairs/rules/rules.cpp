@@ -1,4 +1,4 @@
-#include "workbench/pairs/rules.h"
+#include "workbench/pairs/rules/rules.h"
 
 #include <algorithm>
 #include <array>
@@ -181,6 +181,27 @@ class Meaning {
   Labels named_, labels_, listed_;
 };
 
+// The names of an assembly's nodes in a listing, by their paths.
+using ListedNames = std::map<std::string, std::string>;
+
+ListedNames listed_names(const mesh::Assembly& assembly) {
+  const std::vector<std::string> numbered = mesh::numbered_paths(assembly.nodes);
+  ListedNames names;
+  for (std::size_t n = 0; n < numbered.size(); ++n) names[assembly.nodes[n].path] = numbered[n];
+  return names;
+}
+
+// An object of a manifest has the manifest's name before the path of its node.
+std::string listed_name(const std::string& path, const ListedNames& names) {
+  for (std::size_t start = 0;;) {
+    const auto found = names.find(path.substr(start));
+    if (found != names.end()) return path.substr(0, start) + found->second;
+    const std::size_t slash = path.find('/', start);
+    if (slash == std::string::npos) return path;
+    start = slash + 1;
+  }
+}
+
 bool means_one(const std::string& name, const PartName& part) { return Meaning(name, part).fits(); }
 
 }  // namespace
@@ -216,6 +237,16 @@ Result<std::vector<Rule>> read_rules(const std::string& path) {
   std::vector<Rule> rules = reader.take();
   if (rules.empty()) return wrong("the file has no rules", kMend);
   return rules;
+}
+
+std::vector<PartName> part_names(const mesh::Scene& scene) {
+  std::vector<ListedNames> listed;
+  for (const mesh::Assembly& one : scene.assemblies) listed.push_back(listed_names(one));
+  std::vector<PartName> names;
+  for (const mesh::MeshObject& object : scene.objects) {
+    names.push_back({object.name, listed_name(object.name, listed[object.assembly])});
+  }
+  return names;
 }
 
 bool means(const std::string& name, const PartName& part) {
@@ -318,6 +349,31 @@ std::string RuleTable::warning_of(std::size_t rule) const {
            parts_[meant[0].front()].listed;
   }
   return "the row decides about no pair, because earlier rows name all pairs that it names";
+}
+
+Result<PartRules> read_part_rules(const std::string& path, std::span<const PartName> part,
+                                  std::span<const PartName> objects, const Requirement& otherwise) {
+  const auto rules = read_rules(path);
+  if (!rules) return rules.error();
+  std::vector<PartName> names(objects.begin(), objects.end());
+  names.insert(names.end(), part.begin(), part.end());
+  if (Status s = check_siblings(*rules, names, path); !s) return s.error();
+  const RuleTable table(*rules, names);
+  const auto strictness = [](const Requirement& requirement) {
+    return requirement.kind == Requirement::Kind::kIgnore ? -1 : requirement.clearance_m;
+  };
+  PartRules read;
+  for (std::size_t object = 0; object < objects.size(); ++object) {
+    Requirement strictest{Requirement::Kind::kIgnore, 0};
+    for (std::size_t body = objects.size(); body < names.size(); ++body) {
+      const std::size_t rule = table.first_rule(body, object);
+      const Requirement& own = rule < rules->size() ? (*rules)[rule].requirement : otherwise;
+      if (strictness(own) > strictness(strictest)) strictest = own;
+    }
+    read.of_object.push_back(strictest);
+  }
+  read.warnings = table.warnings(path);
+  return read;
 }
 
 }  // namespace forcelayer::pairs

@@ -1,4 +1,4 @@
-#include "workbench/pairs/requirement.h"
+#include "workbench/pairs/rules/requirement.h"
 
 #include "formats/command/quantity.h"
 #include "formats/path/path_columns.h"

@@ -13,8 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/mesh/scene.h"
 #include "formats/result.h"
-#include "workbench/pairs/requirement.h"
+#include "workbench/pairs/rules/requirement.h"
 
 namespace forcelayer::pairs {
 
@@ -32,6 +33,9 @@ Result<std::vector<Rule>> read_rules(const std::string& path);
 struct PartName {
   std::string path, listed;
 };
+
+// [objects] Their names.
+std::vector<PartName> part_names(const mesh::Scene& scene);
 
 // Whether a name in a rule means this part.
 bool means(const std::string& name, const PartName& part);
@@ -66,5 +70,17 @@ class RuleTable {
   std::vector<std::size_t> first_;       // [classes][classes]
   std::vector<bool> decides_;            // [rules] about a pair
 };
+
+// The requirements for a part that moves among the objects of a scene.
+struct PartRules {
+  std::vector<Requirement> of_object;  // [objects]
+  std::vector<std::string> warnings;   // those of RuleTable
+};
+// Reads the rules at `path`. `part`: one body, or several that move as one, of which the strictest
+// requirement counts: a larger clearance before a smaller one, that before touch, and ignore last.
+// `otherwise` counts where no rule names a pair. Errors: those of read_rules() and
+// check_siblings().
+Result<PartRules> read_part_rules(const std::string& path, std::span<const PartName> part,
+                                  std::span<const PartName> objects, const Requirement& otherwise);
 
 }  // namespace forcelayer::pairs
