@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# --rules of voxcheck: each object keeps the distance of the first row that names it and the part.
+# --rules of voxcheck and study: each object keeps the distance of the first row that names it and the part.
 source "$FORCELAYER_SOURCE_DIR/tests/support/command_test.sh"
 [ -x "$bin/voxcheck-exact" ] || { echo "no meshes in this build"; exit 0; }
 cp "$data/gearbox.glb" .
@@ -99,4 +99,24 @@ rules 'Cover,Nobody,1mm'
 check 6 "${exact[@]}" --rules rules.csv
 grep -q "warning: rules.csv: line 2: no part has the name 'Nobody'" err.txt || fail "$(cat err.txt)"
 
+# A study: the clearance alone is too much beside the housing, and a rule allows less there.
+study() {  # STATUS ARGUMENTS...
+  local wanted=$1 status=0
+  shift
+  "$bin/forcelayer" study gearbox.glb#Cover --without Lid --voxel-size 1mm --no-pictures "$@" >out.txt 2>err.txt || status=$?
+  [ "$status" = "$wanted" ] || fail "status $status, not $wanted: study $*: $(cat out.txt err.txt)"
+}
+printf 't_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0.003\n2,0,0,0.06\n' >down.csv
+study 6 --path down.csv --seat none --clearance 3.2mm -o strict
+rules '"{Pin,Clip/*}",Cover,ignore' 'Cover,Housing,2mm'
+study 0 --path down.csv --seat none --clearance 3.2mm --rules rules.csv -o ruled
+grep -q '>by the rules<' ruled/report.html || fail "the page has no rules"
+grep -q -- '--rules rules.csv' out.txt || fail "voxcheck had no rules: $(cat out.txt)"
+# A search keeps the largest distance, and ignores what is ignored.
+if [ -x "$bin/voxplan" ]; then
+  study 0 --clearance 0.5mm --rules rules.csv -o searched
+  grep -q -- '^\$ voxplan .* --clearance 0.002.*m .*--allow Gearbox/Pin' out.txt || fail "the search has no rules: $(cat out.txt)"
+fi
+study 2 --files-alone --rules rules.csv -o none
+[ ! -e none ] || fail "something was baked for rules without meshes"
 finish

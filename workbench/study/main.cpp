@@ -97,14 +97,15 @@ int run_other(const char* subcommand, const char* program, const OptionParser& p
 forcelayer::Status check_folder(const forcelayer::study::Options& options) {
   using forcelayer::command::FileKind;
   constexpr std::pair<const char*, FileKind> kWritten[] = {
-      {"scene.vox", FileKind::kVoxmap},      {"part.pshell", FileKind::kPshell},
-      {"scene.json", FileKind::kReport},     {"part.json", FileKind::kReport},
-      {"run.json", FileKind::kReport},       {"plan.json", FileKind::kReport},
-      {"list.json", FileKind::kReport},      {"installed.json", FileKind::kReport},
-      {"hand.json", FileKind::kReport},      {"installed.csv", FileKind::kTable},
-      {"path.csv", FileKind::kTable},        {"straight.csv", FileKind::kTable},
-      {"trace.csv", FileKind::kTable},       {"curve.csv", FileKind::kTable},
-      {"installed.png", FileKind::kPicture}, {"worst.png", FileKind::kPicture}};
+      {"scene.vox", FileKind::kVoxmap},    {"part.pshell", FileKind::kPshell},
+      {"scene.json", FileKind::kReport},   {"part.json", FileKind::kReport},
+      {"run.json", FileKind::kReport},     {"plan.json", FileKind::kReport},
+      {"list.json", FileKind::kReport},    {"installed.json", FileKind::kReport},
+      {"hand.json", FileKind::kReport},    {"rules.json", FileKind::kReport},
+      {"installed.csv", FileKind::kTable}, {"path.csv", FileKind::kTable},
+      {"straight.csv", FileKind::kTable},  {"trace.csv", FileKind::kTable},
+      {"curve.csv", FileKind::kTable},     {"installed.png", FileKind::kPicture},
+      {"worst.png", FileKind::kPicture}};
   for (const auto& [name, kind] : kWritten) {
     std::string path = (std::filesystem::path(options.folder) / name).string();
     std::error_code failure;
@@ -153,8 +154,8 @@ int main(int argc, char** argv) {
   command::arrange_help(
       *made,
       {{"Question",
-        {"--voxel-size", "--path", "--center", "--pull", "--time", "--clearance", "--seat",
-         "--seat-depth", "--allow"}},
+        {"--voxel-size", "--path", "--center", "--pull", "--time", "--clearance", "--rules",
+         "--seat", "--seat-depth", "--allow"}},
        {"Meshes", {"--without", "--missing-faces", "--units", "--up", "--sandbox"}},
        {"Output", {"--output", "--plan", "--files-alone", "--no-pictures"}}},
       "  forcelayer study 'gearbox.glb#Pin' --clearance 1mm -o out\n"

@@ -79,6 +79,10 @@ OptionParser::OptionParser(CLI::App& study) {
       "Default: 120s, but the last check of a path is finished");
   study.add_option("--clearance", options_.clearance,
                    "required distance between the exact surfaces, default 1mm");
+  study.add_option("--rules", options_.rules,
+                   "a CSV file with the columns part,object,clearance, as in forcelayer pairs. "
+                   "Where no row names part and object, --clearance counts. A search for a path "
+                   "keeps the largest distance from all objects");
   study.add_option(
       "--seat", options_.seat,
       "pose world_from_part in which the part is installed, or the word none; default 0,0,0m");
@@ -142,6 +146,9 @@ Result<Options> OptionParser::finish() const {
   if (Status sound = check_numbers(options); !sound) return sound.error();
   if (options.files_alone && !options.seat_depth.empty()) {
     return usage("--seat-depth", "needs the meshes", "leave out --files-alone");
+  }
+  if (options.files_alone && !options.rules.empty()) {
+    return usage("--rules", "needs the meshes", "leave out --files-alone");
   }
   if (options.seat == "none") options.seat.clear();
   return options;

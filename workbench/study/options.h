@@ -17,7 +17,7 @@ struct Options {
   std::string assembly;  // before "#": the file, or manifest
   std::string node;      // behind it: the part
   std::string voxel_size, clearance, units, up, path, center, pull, time, seat, seat_depth, folder,
-      missing_faces;
+      missing_faces, rules;
   std::vector<std::string> allow, without;
   bool searches() const { return path.empty() && pull.empty(); }
   bool no_pictures = false;

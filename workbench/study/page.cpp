@@ -93,6 +93,15 @@ std::string facts_table(const Page& page) {
                                     along(v["path_m"]) + "; " + clearance(s) + " to " +
                                     name_of(s["object"]));
   }
+  for (const Json& rule : v.value("rules", Json::array())) {
+    std::string objects;
+    for (const Json& object : rule["objects"])
+      objects += (objects.empty() ? "" : ", ") + name_of(object);
+    table +=
+        row("by the rules", objects + ": " +
+                                (rule.contains("sentence") ? rule["sentence"].get<std::string>()
+                                                           : std::string("ignored")));
+  }
   if (v.contains("hidden_within_m")) {
     table += row("not checked", "hidden objects less than " + mm(v["hidden_within_m"]) +
                                     " behind an object of the seat or of --allow");

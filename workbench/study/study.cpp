@@ -123,6 +123,9 @@ class Study {
   Step plan_step() const;
   Step check_step() const;
   Step hand_step() const;
+  Step rules_step() const;
+  Status read_search_rules();
+  void add_rules(Step& step) const;
   Step picture_step() const;
   Step list_step() const;
   Step installed_step() const;
@@ -180,7 +183,10 @@ class Study {
   const Options& options_;
   Steps steps_;
   std::string voxel_size_;  // of the bakes
-  bool is_deep_ = false;    // the first look was refused because the part overlaps too deep
+  // With --rules: the largest clearance that an object requires, and those that none is asked of.
+  std::string search_clearance_;
+  std::vector<std::string> search_allow_;
+  bool is_deep_ = false;  // the first look was refused because the part overlaps too deep
   std::optional<SizeCost> look_;
   Play play_;
   SizeChoice choice_;
@@ -400,14 +406,16 @@ Step Study::pull_step() const {
 }
 
 Step Study::plan_step() const {
+  const bool has_rules = !search_clearance_.empty();
   Step step{"voxplan",
-            {in("scene.vox"), in("part.pshell"), "--clearance", options_.clearance, "--seat",
-             options_.seat, "-o", in("path.csv"), "--json", in("plan.json")},
+            {in("scene.vox"), in("part.pshell"), "--clearance",
+             has_rules ? search_clearance_ : options_.clearance, "--seat", options_.seat, "-o",
+             in("path.csv"), "--json", in("plan.json")},
             {in("scene.vox"), in("part.pshell")},
             {in("path.csv"), in("plan.json")},
             "forcelayer-tools",
             false};
-  for (const std::string& object : options_.allow) {
+  for (const std::string& object : has_rules ? search_allow_ : options_.allow) {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
   if (!options_.files_alone) add_meshes(step);
@@ -432,6 +440,7 @@ Step Study::check_step() const {
   if (!options_.seat.empty()) add({"--seat", options_.seat});
   for (const std::string& object : options_.allow) add({"--allow", object});
   if (!options_.files_alone) add_meshes(step);
+  add_rules(step);
   add({"--json", in("check.json"), "--report", "csv:" + in("curve.csv"), "--report",
        "junit:" + in("verdict.xml")});
   if (!options_.files_alone) {
@@ -462,8 +471,51 @@ Step Study::hand_step() const {
   for (const std::string& object : options_.allow) {
     step.arguments.insert(step.arguments.end(), {"--allow", object});
   }
+  add_rules(step);
   add_check_meshes(step, 1);
   return step;
+}
+
+void Study::add_rules(Step& step) const {
+  if (options_.rules.empty()) return;
+  step.arguments.insert(step.arguments.end(), {"--rules", options_.rules});
+  step.inputs.push_back(options_.rules);
+}
+
+// The requirement of each object, from a check of the installed part.
+Step Study::rules_step() const {
+  Step step{
+      "voxcheck",
+      {in("scene.vox"), in("part.pshell"), in("installed.csv"), "--clearance", options_.clearance,
+       "--seat", options_.seat, "--fail-on", "nothing", "--json", in("rules.json")},
+      {in("scene.vox"), in("part.pshell"), in("installed.csv")},
+      {in("rules.json")},
+      "forcelayer-runtime",
+      false};
+  for (const std::string& object : options_.allow) {
+    step.arguments.insert(step.arguments.end(), {"--allow", object});
+  }
+  add_rules(step);
+  add_meshes(step);
+  return step;
+}
+
+// A search knows one clearance: the largest is enough for every object.
+Status Study::read_search_rules() {
+  if (Status s = write_path("installed.csv", {0}); !s) return s;
+  if (const auto asked = run(rules_step()); !asked) return asked.error();
+  double largest_m = 0;
+  search_allow_.clear();
+  const json report = read_json(in("rules.json"));
+  for (const json& rule : report.at("rules")) {
+    if (rule.at("required_clearance_m").is_number()) {
+      largest_m = std::max<double>(largest_m, rule.at("required_clearance_m"));
+    } else {
+      search_allow_ = rule.at("objects").get<std::vector<std::string>>();
+    }
+  }
+  search_clearance_ = command::text("%.17gm", largest_m);
+  return {};
 }
 
 // Where the part is installed.
@@ -499,6 +551,9 @@ Status Study::find_path() {
   if (!answer_.path.empty()) return {};
   answer_.path = in("path.csv");
   if (!options_.searches()) return pull();
+  if (!options_.rules.empty()) {
+    if (Status s = read_search_rules(); !s) return s;
+  }
   const auto planned = run(plan_step(), MayEnd::kAnswered);
   if (!planned) return planned.error();
   if (planned->status == kAnswerIsNo) answer_.path.clear();
@@ -808,9 +863,10 @@ Step Study::question() const {
   Step question;
   question.program = "study";
   question.arguments = {options_.assembly, options_.node, options_.clearance};
-  for (const std::string* text : {&options_.voxel_size, &options_.units, &options_.up,
-                                  &options_.path, &options_.center, &options_.pull, &options_.time,
-                                  &options_.seat, &options_.seat_depth, &options_.missing_faces}) {
+  for (const std::string* text :
+       {&options_.voxel_size, &options_.units, &options_.up, &options_.path, &options_.center,
+        &options_.pull, &options_.time, &options_.seat, &options_.seat_depth,
+        &options_.missing_faces, &options_.rules}) {
     question.arguments.push_back(*text);
   }
   for (const auto* list : {&options_.allow, &options_.without}) {
@@ -820,6 +876,7 @@ Step Study::question() const {
   question.arguments.push_back(options_.files_alone ? "files" : "meshes");
   question.inputs = with_references(options_.assembly);
   if (!options_.path.empty()) question.inputs.push_back(options_.path);
+  if (!options_.rules.empty()) question.inputs.push_back(options_.rules);
   question.outputs = {in("report.html"), in("verdict.json"), in("verdict.xml"), in("verdict.txt")};
   return question;
 }
