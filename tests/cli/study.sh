@@ -199,6 +199,10 @@ grep -q '^forcelayer: pointshell: ended with status 3' err.txt || fail "$(cat er
 
 # Neither a path nor a pull: voxplan finds the way; where it finds none, all files and the page say so.
 if [ -x "$bin/voxplan" ]; then
+  # Files of voxels that are far too large prove no distance to the cover, 9 mm away: the meshes do, along a straight path.
+  study 0 'gearbox.glb#Pin' --voxel-size 5mm --clearance 1mm --no-pictures -o coarse
+  grep -q '^Comes out, straight along +z: passes .* with a gap of 0\.0978 mm for ' coarse/verdict.txt ||
+    fail "the pin at voxels of 5 mm: $(cat coarse/verdict.txt)"
   study 0 'gearbox.glb#Pin' --voxel-size 1mm --clearance 1mm -o found --json found.json
   grep -q '^\$ voxplan found/scene.vox' out.txt && grep -q '"verdict": "clear"' found.json || fail "found: $(cat out.txt)"
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost

@@ -99,5 +99,21 @@ TEST(StudyVoxels, PlayIsTheSmallestGapThatIsNoContact) {
   EXPECT_FALSE(play_of(nlohmann::json::object()).is_measured);
 }
 
+// What was not measured is no gap that is large.
+TEST(StudyVoxels, PlaySaysWhereTheTimeEndedTheMeasurement) {
+  nlohmann::json report = {{"exact", nlohmann::json::object()}};
+  EXPECT_EQ(play_text(play_of(report)),
+            "when installed, no object is nearer than the required clearance");
+  report["violations"] = {{{"out_of_time", false}}, {{"out_of_time", true}}};
+  EXPECT_EQ(play_text(play_of(report)), "when installed, not all gaps were measured in time");
+  report["seat_depths"] = {{{"object", "flush"}, {"gap_m", 0}, {"installed_m", 0}}};
+  EXPECT_EQ(play_text(play_of(report)),
+            "when installed: in contact with flush; not all gaps were measured in time");
+  report["seat_depths"].push_back({{"object", "near"}, {"gap_m", 1e-4}, {"installed_m", 0}});
+  EXPECT_EQ(play_text(play_of(report)),
+            "smallest gap measured when installed: 0.1 mm, to near; in contact with flush; not all "
+            "gaps were measured in time");
+}
+
 }  // namespace
 }  // namespace forcelayer::study

@@ -65,6 +65,9 @@ Play play_of(const nlohmann::json& report) {
   Play play;
   const auto objects = report.value("seat_depths", nlohmann::json::array());
   play.is_measured = report.contains("exact");
+  for (const auto& violation : report.value("violations", nlohmann::json::array())) {
+    play.is_whole &= !violation.value("out_of_time", false);
+  }
   for (const auto& object : objects) {
     const std::string name = object.value("object", "");
     const std::string shown = object.value("shown_as", escaped(name));
@@ -127,21 +130,22 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
 
 std::string play_text(const Play& play) {
   if (!play.is_measured) return "no gap was measured, because the meshes were not used";
-  std::string line = play.object.empty()
-                         ? "no other object is nearer than the required clearance"
-                         : "smallest gap when installed: " + length_text(play.play_m + kDecimalM) +
-                               ", to " + play.shown_object;
   std::string touched;
   const std::vector<std::string>& names = play.shown_touched;
   for (std::size_t n = 0; n < names.size() && n <= kListed; ++n) {
     touched += n == kListed ? text(" and %zu more", names.size() - n)
                             : (n == 0 ? "in contact with " : ", ") + names[n];
   }
-  if (play.object.empty() && touched.empty())
-    return "when installed, no object is nearer than the required clearance";
-  if (play.object.empty()) return "when installed: " + touched + "; " + line;
-  if (!touched.empty()) line += "; " + touched;
-  return line;
+  const std::string others = !play.is_whole ? "not all gaps were measured in time"
+                             : touched.empty()
+                                 ? "no object is nearer than the required clearance"
+                                 : "no other object is nearer than the required clearance";
+  if (play.object.empty()) {
+    return "when installed" + (touched.empty() ? ", " : ": " + touched + "; ") + others;
+  }
+  return "smallest gap " + std::string(play.is_whole ? "" : "measured ") +
+         "when installed: " + length_text(play.play_m + kDecimalM) + ", to " + play.shown_object +
+         (touched.empty() ? "" : "; " + touched) + (play.is_whole ? "" : "; " + others);
 }
 
 std::vector<SizeCost> sizes_of(const SizeChoice& choice, const SizeCost& look) {

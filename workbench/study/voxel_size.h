@@ -31,6 +31,7 @@ struct Play {
   std::vector<std::string> touched;                         // objects without any
   double overlap_m = 0;                                     // with one of these, at most
   bool is_measured = true;                                  // between the meshes
+  bool is_whole = true;                                     // all were, before the time ended
   std::string shown_object = {};                            // both as sentences show them
   std::vector<std::string> shown_touched = {};
 };

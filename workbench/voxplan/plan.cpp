@@ -43,23 +43,11 @@ Result<voxcheck::ExactCheckResult> settled(const Problem& problem, const std::ve
       [&](const auto& question) { return exact::check_exactly(meshes, rows, question); });
 }
 
-// An error if the part cannot be at an end of its path: in its seat, or clear of everything.
-Status check_end(const Problem& problem, const Pose& pose, const char* option, Rule rule,
-                 const Options& options, const exact::Meshes* meshes) {
-  const std::vector<PathRow> rows = rows_of(problem, {}, {pose}, 1);
-  auto checked = proven(problem, rows, rule, 1);
-  if (checked && checked->seat_too_deep) {
-    auto exact = settled(problem, rows, options, *meshes);
-    if (!exact) return exact.error();
-    checked = std::move(exact->checked);
-  }
-  if (!checked) return checked.error();
-  if (const auto warning =
-          part_in_scene_warning(problem.scene, problem.part, pose, checked->seat_points)) {
-    command::warn(*warning, options.quiet);
-  }
-  if (checked->clear()) return {};
-  const clearance::Violation& worst = checked->violations.front();
+// Why the part cannot be at a pose, which was checked; none if it can.
+std::optional<Error> refusal_of(const Problem& problem, const clearance::CheckResult& checked,
+                                const char* option) {
+  if (checked.clear()) return std::nullopt;
+  const clearance::Violation& worst = checked.violations.front();
   if (worst.worst.beyond_side) {
     return Error{ErrorCode::kUsage, "", option,
                  "the part is nearer to a cropped side of the scene than --clearance, and nothing "
@@ -79,6 +67,29 @@ Status check_end(const Problem& problem, const Pose& pose, const char* option, R
                "use a smaller --clearance, name this object in --allow, or bake with smaller "
                "voxels: the proven distance to an object of the seat is up to 1.7 voxels less than "
                "the true distance"};
+}
+
+// An error if the part cannot be at an end of its path: in its seat, or clear of everything. With
+// `meshes` the meshes settle what the files refuse: then returns why they do.
+Result<std::optional<Error>> check_end(const Problem& problem, const Pose& pose, const char* option,
+                                       Rule rule, const Options& options,
+                                       const exact::Meshes* meshes) {
+  const std::vector<PathRow> rows = rows_of(problem, {}, {pose}, 1);
+  auto checked = proven(problem, rows, rule, 1);
+  if (!checked) return checked.error();
+  std::optional<Error> by_files;
+  if (!checked->seat_too_deep) by_files = refusal_of(problem, *checked, option);
+  if (meshes != nullptr && (checked->seat_too_deep || by_files)) {
+    auto exact = settled(problem, rows, options, *meshes);
+    if (!exact) return exact.error();
+    checked = std::move(exact->checked);
+  }
+  if (const auto warning =
+          part_in_scene_warning(problem.scene, problem.part, pose, checked->seat_points)) {
+    command::warn(*warning, options.quiet);
+  }
+  if (auto refusal = refusal_of(problem, *checked, option)) return *std::move(refusal);
+  return by_files;
 }
 
 std::vector<std::uint32_t> numbers_of(const clearance::LeftOut& left_out) {
@@ -152,10 +163,9 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
       return made;
     }
   }
-  const auto check_at = [&](const Pose& pose, const char* option, Rule rule) {
-    return check_end(problem, pose, option, rule, options, meshes);
-  };
-  if (Status s = check_at(problem.world_from_start, "--seat", Rule::kInSeat); !s) return s.error();
+  const auto start =
+      check_end(problem, problem.world_from_start, "--seat", Rule::kInSeat, options, meshes);
+  if (!start) return start.error();
   std::optional<Pose> end;
   if (options.world_from_goal) {
     end = *options.world_from_goal * part_from_center(problem.part);
@@ -164,7 +174,9 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
       return Error{ErrorCode::kUsage, "", "--goal", "is more than a million voxels from the seat",
                    "check the unit of --goal"};
     }
-    if (Status s = check_at(*end, "--goal", Rule::kClear); !s) return s.error();
+    const auto there = check_end(problem, *end, "--goal", Rule::kClear, options, meshes);
+    if (!there) return there.error();
+    if (*there) return **there;
   }
   const Destination goal =
       end ? Destination::at(problem, *end) : Destination::out_of_scene(problem);
@@ -222,10 +234,12 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
   };
   if (meshes != nullptr) {
     request.is_straight_proven = [&](const PosePath& path) { return is_proven({{}, path}); };
+    request.is_straight_only = start->has_value();
   }
   auto found = search(problem, goal, request);
   if (!found) return found.error();
   made.search = std::move(*found);
+  if (request.is_straight_only && !made.search.found) return **start;
   if (!made.search.found) made.rows = rows_of(problem, {}, made.search.farthest, kSpeedMps);
   made.seconds = steady_s() - begin_s;
   return made;

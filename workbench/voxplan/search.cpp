@@ -122,7 +122,8 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     if (Status s = take_straight(problem, goal, request, begin_s, result); !s) return s.error();
   }
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
-  while (!result.found && !result.is_start_refused && request.clock_s() < end_s) {
+  while (!result.found && !result.is_start_refused && !request.is_straight_only &&
+         request.clock_s() < end_s) {
     clearance::share_out(std::min<unsigned>(request.threads, kWorkers), workers.size(),
                          [&](std::size_t, std::size_t n) {
                            const auto is_over = [&] {

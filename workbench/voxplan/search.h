@@ -36,6 +36,8 @@ struct SearchRequest {
   // Whether the meshes prove a straight path, of two poses. Asked before the planners begin, along
   // the axes of the world, because the meshes prove more than the files. Empty without meshes.
   std::function<Result<bool>(const PosePath& straight)> is_straight_proven;
+  // The files do not prove the start: no planner can begin, and only straight paths are tried.
+  bool is_straight_only = false;
 };
 
 struct SearchResult {
