@@ -129,7 +129,10 @@ Result<Folder> Folder::open(const std::string& folder, const pairs::AssemblyPart
   const command::OutputFile output[] = {{"--output", &sequence, command::FileKind::kReport}};
   if (Status s = command::check_outputs(output); !s) return s.error();
   if (Status s = opened.check_target(); !s) return s.error();
-  if (Status s = opened.mark_unfinished(); !s) return s.error();
+  // A path without that file is not of a disassembly: it is there first.
+  if (Status s = is_known ? opened.mark_unfinished() : opened.write({}, false, 0); !s) {
+    return s.error();
+  }
   return opened;
 }
 
