@@ -263,12 +263,13 @@ assert not os.path.exists("late/larger_voxels") and not os.path.exists("late/mot
 END
   done
   grep -q '^\$' out.txt && fail "the answer that stays is done again: $(cat out.txt)"
-  # Without --time, the sentence says which limit ended it, and how to change it.
+  # Without --time, the last check is finished, and the verdict says how to change the limit of the rest.
   rm -r searched late
   status=0
   bin=$bin slow/forcelayer study 'gearbox.glb#Cover' --clearance 1mm --no-pictures -o late >out.txt 2>err.txt || status=$?
-  [ $status = 6 ] && grep -q '; the default time (120s; --time changes it) ended before voxels of 0\.5 mm gave an answer$' late/verdict.txt ||
-    fail "a limit that was not given: $status $(cat late/verdict.txt err.txt)"
+  [ $status = 6 ] && grep -q '^Does not come out, straight along +z: ' late/verdict.txt &&
+    grep -qE '^  time: [0-9.]+ of 120 s \(.*\); --time changes the limit$' late/verdict.txt ||
+    fail "a check without a limit: $status $(cat late/verdict.txt err.txt)"
   rm slow/voxcheck
   # So it does where Ctrl-C stops smaller voxels, and the same command goes on with them.
   rm searched
