@@ -237,9 +237,9 @@ Sides sides_of(const Body& solid, const Hull& hull, double depth_m, const Bend& 
     });
     if (!may_have) return Sides::kBoth;
     if (normals.empty()) return Sides::kOne;
-    const auto [direction, found] = along_all(normals);
+    const auto [nearest, found] = along_all(normals);
     if (found >= along) {
-      const Vec3 out = (2 / along * deep_m) * direction;
+      const Vec3 direction = nearest, out = (2 / along * deep_m) * direction;
       // The ways that lead out beyond what is near lie in this ball.
       const double wide_m = std::hypot(1, 0.5 / along) * deep_m;
       const bool is_one =
