@@ -99,7 +99,7 @@ TEST(StudyVoxels, PlayIsTheSmallestGapThatIsNoContact) {
   EXPECT_FALSE(play_of(nlohmann::json::object()).is_measured);
 }
 
-// What was not measured is no gap that is large.
+// A gap that was not measured is not called large.
 TEST(StudyVoxels, PlaySaysWhereTheTimeEndedTheMeasurement) {
   nlohmann::json report = {{"exact", nlohmann::json::object()}};
   EXPECT_EQ(play_text(play_of(report)),
