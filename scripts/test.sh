@@ -83,7 +83,7 @@ list_skipped() {
 if [ "$full" = yes ]; then
   echo "This takes days: the long runs simulate 24 hours. FORCELAYER_LONG_HOURS=1 makes them one."
 elif [ "$more" = yes ]; then
-  echo "This should take about an hour on two cores where nothing is compiled yet (estimated from processor time)."
+  echo "This should take about 70 minutes on two cores where nothing is compiled yet (estimated from processor time)."
 else
   echo "This takes about 15 minutes on two cores where nothing is compiled yet."
 fi
