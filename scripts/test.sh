@@ -5,8 +5,8 @@
 #   CI=true scripts/test.sh    the same, the stress tests, faults planted into the guard, the benchmarks compiled, the
 #                              runtime alone, and by clang under those sanitizers the unit tests of what reads files of
 #                              others or holds a motor; fails where a package is missing
-#   scripts/test.sh --full     the same, all commands and tests under those sanitizers, the thread sanitizer, the virtual
-#                              machine and the long runs
+#   scripts/test.sh --full     the same, all commands and tests under those sanitizers, the thread sanitizer, the
+#                              virtual machine and the long runs
 source "$(dirname "$0")/common.sh"
 
 more=no full=no
