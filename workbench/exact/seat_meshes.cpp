@@ -109,6 +109,7 @@ SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part,
     auto object = std::make_unique<Object>(number, surface, part, part_, path_, deviations_m);
     const Depth depth = object->walk.at_pose(installed, std::nullopt);
     object->allowed_m = std::max(0.0, depth.found_m) + object->margin_m + depth_m;
+    if (depth.found_m > object->margin_m) overlaps_.emplace_back(number, depth.found_m);
     if (!object->walk.is_settled() &&
         object->distance.at(installed, voxcheck::kNothingM).distance_m <= deviations_m) {
       never_settled_.push_back(number);
@@ -146,6 +147,16 @@ double SeatMeshes::leeway_m(const Pose& world_from_center) const {
     if (leeway_m < 0) break;
   }
   return leeway_m;
+}
+
+double SeatMeshes::leeway_m(std::uint32_t object, const Pose& world_from_center) const {
+  return -beyond_m(*find(object), world_from_center, false);
+}
+
+const SeatMeshes::Object* SeatMeshes::find(std::uint32_t number) const {
+  const auto found = std::find_if(objects_.begin(), objects_.end(),
+                                  [&](const auto& object) { return object->number == number; });
+  return found == objects_.end() ? nullptr : found->get();
 }
 
 std::optional<std::uint32_t> SeatMeshes::blocked_by(const Pose& world_from_center) const {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "forcelayer/pose.h"
@@ -43,6 +44,9 @@ class SeatMeshes {
   // than it may; 0 where it touches one. Negative: it is deeper, or not proven to be no deeper. For
   // many threads at a time.
   double leeway_m(const Pose& world_from_center) const;
+  // The same of one object of the seat.
+  double leeway_m(std::uint32_t object, const Pose& world_from_center) const;
+  bool has(std::uint32_t object) const { return find(object) != nullptr; }
 
   // The object that it is deepest in beyond what is allowed there; none where it may be there.
   std::optional<std::uint32_t> blocked_by(const Pose& world_from_center) const;
@@ -51,18 +55,23 @@ class SeatMeshes {
   // is installed.
   const std::vector<std::uint32_t>& never_settled() const { return never_settled_; }
 
+  // Objects that it overlaps for certain where it is installed, and by how much at least, m.
+  const std::vector<std::pair<std::uint32_t, double>>& overlaps() const { return overlaps_; }
+
   // Directions in which a part may go straight, by its facets and those of its seat: along the
   // normals of the largest, and along where two of them meet. In the world, at the installed pose.
   const std::vector<glm::dvec3>& directions() const { return directions_; }
 
  private:
   struct Object;
+  const Object* find(std::uint32_t number) const;
   double beyond_m(const Object& object, const Pose& world_from_center, bool closely) const;
 
   clearance::CenterPath path_;  // of one pose: a SeatWalk has one
   Bodies part_;
   std::vector<std::unique_ptr<Object>> objects_;
   std::vector<std::uint32_t> never_settled_;
+  std::vector<std::pair<std::uint32_t, double>> overlaps_;
   std::vector<glm::dvec3> directions_;
 };
 

@@ -42,6 +42,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kPathHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+const std::string kSmallerOnes = "with smaller ones, down to ";
 constexpr const char* kMeshesHelp = "leave out --files-alone: meshes can give an answer";
 const std::string kDefaultTime = "120s";  // for all of a study, without --time
 constexpr const char* kBakeReports[] = {"scene.json", "part.json"};
@@ -63,8 +64,9 @@ constexpr const char* kAnswerFiles[] = {
 
 // The answer with the files of one voxel size.
 struct Answer {
-  std::string path;  // that is checked; empty where the search found none
-  json checked;      // report of voxcheck; null where there is no path
+  std::string path;    // that is checked; empty where the search found none,
+  double moved_m = 0;  // which then moved the part so far
+  json checked;        // report of voxcheck; null where there is no path
   command::Verdict verdict;
   std::string heading;   // the first words of the sentence
   std::string sentence;  // the first one
@@ -611,6 +613,7 @@ Result<StepEnd> Study::check_path(const std::string& path) {
 Status Study::check() {
   answer_.checked = nullptr;
   answer_.verdict = {};
+  answer_.moved_m = 0;
   std::remove(in("farthest.csv").c_str());  // of an earlier search
   if (answer_.path.empty()) return say_that_no_path_was_found();
   auto checked = check_path(answer_.path);
@@ -666,6 +669,9 @@ Status Study::say_that_no_path_was_found() {
     answer_.verdict.kind = command::verdict_kind(found.value("kind", ""));
     answer_.verdict.finding = found["finding"];
     answer_.verdict.blocked_by = found["blocked_by"].get<std::vector<std::string>>();
+    const json best = found.value("best", json::object());
+    answer_.moved_m = best.value("out_m", 0.0);
+    answer_.verdict.notes = best.value("notes", std::vector<std::string>());
   } else {  // refused before the search
     answer_.verdict.finding =
         found.value("error", json::object()).value("what", "the search did not begin");
@@ -930,9 +936,11 @@ void Study::drop_kept() {
   std::filesystem::remove(folder, failure);  // where it is empty
 }
 
-// A path whose check is open says more than a search that found none.
+// A path whose check is open says more than a search that found none. Of searches, that says most
+// which moved the part farthest: smaller voxels leave less time.
 bool Study::is_kept_better() const {
-  return kept_ && !kept_->answer.path.empty() && answer_.path.empty();
+  if (!kept_ || !answer_.path.empty()) return false;
+  return !kept_->answer.path.empty() || answer_.moved_m <= kept_->answer.moved_m;
 }
 
 // Takes the size that an earlier study of the same inputs chose: its files are still there.
@@ -996,13 +1004,19 @@ Status Study::choose_voxel_size() {
         answered ? open_answer() : "the proven clearance of the installed part is too small";
     const bool is_over = !open.empty() && !is_last && !has_time_for(next_m);
     if (open.empty() || is_last || is_over) {
+      const std::string no_time = "voxels of " + command::length_text(next_m) +
+                                  " were not tried, because too little of " + limit_text() +
+                                  " was left";
       if (answered && is_kept_better()) {
-        no_finer_ = "with " + size_text + " " + open;
+        tried_.push_back({{"voxel_size_m", size_m}, {"open", open}});
+        no_finer_ = kept_->answer.path.empty() ? kSmallerOnes + command::length_text(size_m) +
+                                                     ", no path was found either; " +
+                                                     (is_over ? no_time : choice_.why_last)
+                                               : "with " + size_text + " " + open;
         break;
       }
       if (!is_over) return keep_size(key, inputs, installed);
-      no_finer_ = "voxels of " + command::length_text(next_m) +
-                  " were not tried, because too little of " + limit_text() + " was left";
+      no_finer_ = no_time;
       if (!answered) break;
       return keep_size(key, inputs, installed);
     }
@@ -1153,15 +1167,17 @@ std::string Study::seconds_text() const {
 // Lines behind the sentence: the voxels that were chosen, and why.
 void Study::note_voxel_size() {
   const double size_m = *command::parse_length(voxel_size_);
-  std::string line = "voxels of " + command::length_text(size_m) + ", ";
-  if (!no_finer_.empty()) {
+  std::string line = "voxels of " + command::length_text(size_m);
+  if (no_finer_.starts_with(kSmallerOnes)) {
+    line += "; " + no_finer_;
+  } else if (!no_finer_.empty()) {
     // Where the meshes have settled the answer, smaller voxels would not change it.
     const bool matters = options_.files_alone || !open_answer().empty();
-    line += "the smallest that gave an answer" + (matters ? "; " + no_finer_ : "");
+    line += ", the smallest that gave an answer" + (matters ? "; " + no_finer_ : "");
   } else if (tried_.empty()) {
-    line += "chosen: " + choice_.why_first;
+    line += ", chosen: " + choice_.why_first;
   } else {
-    line += "refined from " + command::length_text(tried_.front()["voxel_size_m"]) + ": " +
+    line += ", refined from " + command::length_text(tried_.front()["voxel_size_m"]) + ": " +
             tried_.back()["open"].get<std::string>();
   }
   answer_.text += "  " + play_text(measured_play()) + "\n  " + line + "\n";

@@ -13,6 +13,7 @@
 #include "runtime/voxcheck/words.h"
 #include "workbench/exact/enclosure.h"
 #include "workbench/voxplan/check/pose_check.h"
+#include "workbench/voxplan/check/straight_blocks.h"
 #include "workbench/voxplan/destination.h"
 #include "workbench/voxplan/pose_path.h"
 #include "workbench/voxplan/search_worker.h"
@@ -192,6 +193,7 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
     if (!read) return read.error();
     seat = std::move(*read);
     problem.seat_meshes = seat.get();
+    if (seat != nullptr) made.overlaps = seat->overlaps();
   }
   SearchRequest request;
   request.seed = options.seed;
@@ -232,8 +234,21 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
     }
     return std::optional<Pose>(worst_pose(problem, made.rows, made.checked));
   };
+  std::optional<StraightBlocks> straight;
   if (meshes != nullptr) {
-    request.is_straight_proven = [&](const PosePath& path) { return is_proven({{}, path}); };
+    straight.emplace(problem, meshes->scene, meshes->part);
+    request.straight_way = [&](const Pose& to) -> Result<StraightWay> {
+      StraightBlock block = straight->along(to);
+      if (!block.objects.empty()) return StraightWay{{}, false, block.at_m, block.objects};
+      const auto is_free = is_proven({{}, {problem.world_from_start, to}});
+      if (!is_free) return is_free.error();
+      StraightWay way;
+      way.is_proven = *is_free;
+      for (const clearance::Violation& violation : made.checked.violations) {
+        way.blocked_by.push_back(violation.worst.object);
+      }
+      return way;
+    };
     request.is_straight_only = start->has_value();
   }
   auto found = search(problem, goal, request);

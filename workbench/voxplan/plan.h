@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "formats/path/path_file.h"
@@ -20,6 +21,8 @@ struct Plan {
   std::vector<PathRow> rows;       // of the path that was found, else of SearchResult::farthest
   clearance::CheckResult checked;  // the proof of the path that was found
   std::optional<voxcheck::ExactAnswer> exact;  // the same by the meshes, where they are given
+  // Objects that the installed part overlaps for certain, and by how much at least, m.
+  std::vector<std::pair<std::uint32_t, double>> overlaps;
   double seconds = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "workbench/voxplan/report.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/text.h"
@@ -14,6 +16,8 @@ namespace {
 
 using command::text;
 using Json = nlohmann::ordered_json;
+
+constexpr double kAtOnceM = 1e-6;  // a shorter motion is none
 
 double hidden_within_m(const Report& report) {
   return voxcheck::hidden_within_m(report.problem.scene, report.plan.checked, report.options.allow);
@@ -51,6 +55,66 @@ command::Verdict found_verdict(const Report& report) {
   return verdict;
 }
 
+// "+z" of a direction along an axis.
+std::string axis_text(const glm::dvec3& direction) {
+  const int axis = direction.x != 0 ? 0 : direction.y != 0 ? 1 : 2;
+  return std::string(direction[axis] > 0 ? "+" : "-") + "xyz"[axis];
+}
+
+// The straight way that is blocked last; none where one is not seen to be blocked.
+const StraightWay* farthest_straight(const SearchResult& result) {
+  const auto by_length = [](const StraightWay& a, const StraightWay& b) {
+    return a.blocked_at_m < b.blocked_at_m;
+  };
+  const auto farthest = std::max_element(result.straight.begin(), result.straight.end(), by_length);
+  const bool is_known = result.knows_straight && farthest != result.straight.end() &&
+                        std::isfinite(farthest->blocked_at_m);
+  return is_known ? &*farthest : nullptr;
+}
+
+// To a micrometer: what is seen at poses is not proven.
+std::string straight_text(const StraightWay& way) {
+  return command::length_text(std::round(1e6 * way.blocked_at_m) / 1e6);
+}
+
+std::string moved_text(double length_m) {
+  return length_m < kAtOnceM ? "by less than 0.001 mm"
+                             : "by at most " + command::at_most_text(length_m);
+}
+
+// "straight along x, y and z it is blocked after at most 0.25 mm, and a search of 38 s found no
+// other way"
+std::string not_found_text(const SearchResult& result) {
+  const std::string search = text("a search of %.3g s ", result.seconds);
+  const StraightWay* const straight = farthest_straight(result);
+  if (straight == nullptr) return search + "moved it " + moved_text(result.out_m);
+  const bool is_at_once = straight->blocked_at_m < kAtOnceM;
+  const bool is_moved = result.out_m > straight->blocked_at_m + kAtOnceM;
+  return "straight along " +
+         std::string(result.straight.size() == 6 ? "x, y and z" : "the axes that lead out") +
+         " it is blocked " + (is_at_once ? "at once" : "after " + straight_text(*straight)) +
+         ", and " + search + (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") +
+         "found no other way";
+}
+
+// How far the part goes straight, and what it overlaps where it is installed.
+std::vector<std::string> not_found_notes(const Voxmap& scene, const Plan& plan) {
+  std::vector<std::string> notes;
+  const StraightWay* const straight = farthest_straight(plan.search);
+  if (straight != nullptr && straight->blocked_at_m >= kAtOnceM) {
+    const std::string name = voxcheck::shown_name(scene, straight->blocked_by.front());
+    notes.push_back("it goes farthest straight along " + axis_text(straight->direction) +
+                    ": after " + straight_text(*straight) + ", " +
+                    (name.empty() ? "the scene" : name) + " is in the way");
+  }
+  for (const auto& [object, depth_m] : plan.overlaps) {
+    notes.push_back("where the part is installed, it overlaps " +
+                    voxcheck::shown_name(scene, object) + " by at least " +
+                    command::length_text(depth_m));
+  }
+  return notes;
+}
+
 command::Verdict not_found_verdict(const Report& report) {
   const SearchResult& result = report.plan.search;
   command::Verdict verdict;
@@ -66,19 +130,17 @@ command::Verdict not_found_verdict(const Report& report) {
                       command::at_most_text(result.out_m) + " straight along the axes x, y and z";
     return verdict;
   }
-  verdict.finding = text("in %.3g s the search moved the part ", result.seconds) +
-                    (result.out_m < 1e-6 ? "less than 0.001 mm"
-                                         : "at most " + command::at_most_text(result.out_m)) +
-                    " from its start";
+  verdict.finding = not_found_text(result);
   if (result.refused == 1) verdict.finding += ", and a path that was found could not be proven";
   if (result.refused > 1) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
-  if (!result.knows_blockers) {
+  if (!result.knows_blockers && !result.knows_straight) {
     verdict.finding +=
         ", and the time limit (--time) ended before all objects that block it were known";
   }
+  verdict.notes = not_found_notes(report.problem.scene, report.plan);
   verdict.advice = "this does not prove that there is no path: try " +
                    std::string(result.is_out_of_time ? "a longer --time, " : "") +
                    "another --seed, a smaller --clearance or smaller voxels";
@@ -130,6 +192,18 @@ Json report_json(const Report& report) {
     for (const std::uint32_t object : result.blocked_by) {
       json["best"]["blocked_by"].push_back(voxcheck::object_name(scene, object));
     }
+    json["best"]["straight"] = Json::array();
+    for (const StraightWay& way : result.straight) {
+      Json names = Json::array();
+      for (const std::uint32_t object : way.blocked_by) {
+        names.push_back(voxcheck::object_name(scene, object));
+      }
+      json["best"]["straight"].push_back(
+          {{"direction", axis_text(way.direction)},
+           {"blocked_at_m", std::isfinite(way.blocked_at_m) ? Json(way.blocked_at_m) : Json()},
+           {"blocked_by", names}});
+    }
+    json["best"]["notes"] = report.verdict.notes;
     // The columns of a path: t_s, x_m, y_m, z_m, qw, qx, qy, qz.
     json["best"]["path"] = Json::array();
     for (const PathRow& row : report.plan.rows) {

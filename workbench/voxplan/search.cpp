@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <glm/geometric.hpp>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -63,31 +64,52 @@ Status take_proven(const Problem& problem, const SearchWorkers& workers,
   return {};
 }
 
-// Takes the shortest path straight along an axis of the world that the meshes prove.
+// Takes the shortest path straight along an axis of the world that the meshes prove, or notes what
+// is in the way.
 Status take_straight(const Problem& problem, const Destination& goal, const SearchRequest& request,
                      double begin_s, SearchResult& result) {
-  if (!request.is_straight_proven || goal.is_one_pose()) return {};
+  if (!request.straight_way || goal.is_one_pose()) return {};
   const Pose& start = problem.world_from_start;
-  std::vector<Pose> ends;
+  std::vector<std::pair<Pose, glm::dvec3>> ends;
   for (int axis = 0; axis < 6; ++axis) {
     glm::dvec3 direction(0);
     direction[axis / 2] = axis % 2 == 0 ? 1 : -1;
-    if (const auto there = goal.straight_from(start, direction)) ends.push_back(*there);
+    if (const auto there = goal.straight_from(start, direction)) {
+      ends.emplace_back(*there, direction);
+    }
   }
-  std::stable_sort(ends.begin(), ends.end(), [&](const Pose& a, const Pose& b) {
-    return travel_between_m(problem, start, a) < travel_between_m(problem, start, b);
+  std::stable_sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) {
+    return travel_between_m(problem, start, a.first) < travel_between_m(problem, start, b.first);
   });
-  for (const Pose& end : ends) {
-    Result<bool> is_proven = false;
-    const auto prove = [&] { is_proven = request.is_straight_proven({start, end}); };
-    if (!until(request, begin_s + kStraightFraction * request.max_s, prove)) return {};
-    if (!is_proven) return is_proven.error();
-    if (!*is_proven) continue;
-    result.found = true;
-    result.beyond = {start, end};
-    return {};
+  for (const auto& [end, direction] : ends) {
+    Result<StraightWay> way = StraightWay();
+    const auto ask = [&] { way = request.straight_way(end); };
+    if (!until(request, begin_s + kStraightFraction * request.max_s, ask)) return {};
+    if (!way) return way.error();
+    if (way->is_proven) {
+      result.found = true;
+      result.beyond = {start, end};
+      return {};
+    }
+    way->direction = direction;
+    result.straight.push_back(std::move(*way));
   }
+  result.knows_straight = true;
   return {};
+}
+
+// The objects that block straight ways: those of the most ways first.
+std::vector<std::uint32_t> blockers_of(const std::vector<StraightWay>& ways) {
+  std::map<std::uint32_t, std::size_t> times;
+  std::vector<std::uint32_t> objects;
+  for (const StraightWay& way : ways) {
+    for (const std::uint32_t object : way.blocked_by) {
+      if (object != 0 && ++times[object] == 1) objects.push_back(object);
+    }
+  }
+  std::stable_sort(objects.begin(), objects.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return times.at(a) > times.at(b); });
+  return objects;
 }
 
 }  // namespace
@@ -101,6 +123,12 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   const double begin_s = request.clock_s();
   const double end_s = begin_s + (1 - kBlockersFraction) * request.max_s;
   seed_planners(request.seed);
+  SearchResult result;
+  if (Status s = take_straight(problem, goal, request, begin_s, result); !s) return s.error();
+  if (result.found) {
+    result.seconds = request.clock_s() - begin_s;
+    return result;
+  }
   SearchWorkers workers;
   for (std::size_t n = 0; n < kWorkers; ++n) {
     auto check = request.make_check(problem);
@@ -109,7 +137,6 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
         std::make_unique<SearchWorker>(problem, goal, n, request.seed, std::move(*check)));
     if (!until(request, end_s, [&] { workers.back()->begin(); })) break;
   }
-  SearchResult result;
   std::mutex reporting;
   const auto report = [&](double now_s) {
     const std::unique_lock lock(reporting, std::try_to_lock);
@@ -118,9 +145,6 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
   };
   // All workers do the same work in a round, so the path does not depend on the clock.
   if (Status s = take_proven(problem, workers, request, begin_s, result); !s) return s.error();
-  if (!result.found && !result.is_start_refused) {
-    if (Status s = take_straight(problem, goal, request, begin_s, result); !s) return s.error();
-  }
   std::uint64_t round = 0, next_note = 0, last_tested = 0;
   while (!result.found && !result.is_start_refused && !request.is_straight_only &&
          request.clock_s() < end_s) {
@@ -162,8 +186,14 @@ Result<SearchResult> search(const Problem& problem, const Destination& goal,
     result.farthest = (*farthest)->farthest();
     Blockers blockers;
     until(request, last_s, [&] { blockers = (*farthest)->blocked_by(); });
-    result.blocked_by = std::move(blockers.objects);
     result.knows_blockers = blockers.is_complete;
+    result.blocked_by = blockers_of(result.straight);
+    for (const std::uint32_t object : blockers.objects) {
+      const auto& known = result.blocked_by;
+      if (std::find(known.begin(), known.end(), object) == known.end()) {
+        result.blocked_by.push_back(object);
+      }
+    }
   }
   for (const auto& worker : workers) {
     result.poses_tested += worker->poses_tested();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,6 +18,16 @@ namespace forcelayer::voxplan {
 double steady_s();  // the steady clock, s
 
 constexpr std::size_t kWorkers = 4;  // does not depend on the number of threads
+
+// A straight way from the start, along an axis of the world.
+struct StraightWay {
+  glm::dvec3 direction{0};
+  bool is_proven = false;  // the whole way is free
+  // Where it was seen to be blocked, m from the start, and the objects in the way. Infinite where
+  // no such place was seen: then it is not proven to be free.
+  double blocked_at_m = std::numeric_limits<double>::infinity();
+  std::vector<std::uint32_t> blocked_by;
+};
 
 struct SearchRequest {
   std::uint64_t seed = 1;  // one seed gives one path, however many threads there are
@@ -33,9 +45,10 @@ struct SearchRequest {
   // if that pose is the start, because every path begins there.
   std::function<Result<std::optional<Pose>>(const PosePath& in_seat, const PosePath& beyond)>
       unproven_at;
-  // Whether the meshes prove a straight path, of two poses. Asked before the planners begin, along
-  // the axes of the world, because the meshes prove more than the files. Empty without meshes.
-  std::function<Result<bool>(const PosePath& straight)> is_straight_proven;
+  // Whether a straight way is free by the meshes, and else what is in the way. Asked before the
+  // planners begin, along the axes of the world: the meshes prove more than the files, and what
+  // blocks the part does not depend on the voxels. Empty without meshes.
+  std::function<Result<StraightWay>(const Pose& end)> straight_way;
   // The files do not prove the start: no planner can begin, and only straight paths are tried.
   bool is_straight_only = false;
 };
@@ -50,6 +63,9 @@ struct SearchResult {
   double out_m = 0;
   PosePath farthest;  // the path by which it came there; only that, where none was found
   std::vector<std::uint32_t> blocked_by;
+  // Those that were asked for, where none of them is free; all of them: the time was enough.
+  std::vector<StraightWay> straight;
+  bool knows_straight = false;
   bool knows_blockers = true;   // all of them: the time was enough
   bool is_out_of_time = false;  // no path was found before the time was over
   std::uint64_t poses_tested = 0;

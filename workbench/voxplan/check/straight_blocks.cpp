@@ -1,0 +1,112 @@
+#include "workbench/voxplan/check/straight_blocks.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vector_relational.hpp>
+#include <utility>
+
+namespace forcelayer::voxplan {
+namespace {
+
+// Steps are at least so long: a fraction of the way, and less near its beginning, where a seat
+// ends.
+constexpr double kMaxStep = 1.0 / 32, kMinStep = 0x1p-20;
+constexpr int kBisections = 12;  // of the last step
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+StraightBlocks::StraightBlocks(const Problem& problem, const exact::Surface& scene,
+                               const exact::Surface& part)
+    : problem_(problem),
+      scene_(scene),
+      part_box_{glm::dvec3(kFar), glm::dvec3(-kFar)},
+      part_mesh_(exact::MeshPair::mesh_of(part)) {
+  const Pose& start = problem.world_from_start;
+  double largest_m = std::max(scene.largest_m, part.largest_m);
+  for (int axis = 0; axis < 3; ++axis) {
+    largest_m = std::max(largest_m, std::abs(start.position_m[axis]) + part.largest_m);
+  }
+  near_m_ =
+      problem.clearance_m - exact::kRounding * largest_m - scene.deviation_m - part.deviation_m;
+  for (const glm::dvec3& vertex_m : part.vertices_m) {
+    const glm::dvec3 place_m = start.position_m + start.orientation * vertex_m;
+    part_box_.low_m = glm::min(part_box_.low_m, place_m);
+    part_box_.high_m = glm::max(part_box_.high_m, place_m);
+  }
+  for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+    const std::uint32_t object = scene.object[t];
+    if (object < problem.allowed.size() && problem.allowed[object] != 0) continue;
+    Box& box = objects_.try_emplace(object, Box{glm::dvec3(kFar), glm::dvec3(-kFar)}).first->second;
+    for (const auto corner : scene.triangles[t]) {
+      box.low_m = glm::min(box.low_m, scene.vertices_m[corner]);
+      box.high_m = glm::max(box.high_m, scene.vertices_m[corner]);
+    }
+  }
+}
+
+// Whether the box through which the part's box moves is as near to the object's as the clearance.
+bool StraightBlocks::may_meet(std::uint32_t object, const Pose& end) const {
+  const Box& box = objects_.at(object);
+  const glm::dvec3 shift_m = end.position_m - problem_.world_from_start.position_m;
+  const glm::dvec3 low_m =
+      glm::min(part_box_.low_m, part_box_.low_m + shift_m) - problem_.clearance_m;
+  const glm::dvec3 high_m =
+      glm::max(part_box_.high_m, part_box_.high_m + shift_m) + problem_.clearance_m;
+  return glm::all(glm::lessThanEqual(low_m, box.high_m)) &&
+         glm::all(glm::lessThanEqual(box.low_m, high_m));
+}
+
+// How far each point of the part may travel until this object is in the way; negative where it is.
+double StraightBlocks::leeway_m(std::uint32_t object, const Pose& world_from_center) {
+  if (problem_.seat_meshes != nullptr && problem_.seat_meshes->has(object)) {
+    return problem_.seat_meshes->leeway_m(object, world_from_center);
+  }
+  auto pair = pairs_.find(object);
+  if (pair == pairs_.end()) {
+    const exact::Surface surface = exact::only(scene_, {&object, 1});
+    pair = pairs_.emplace(object, exact::MeshPair(exact::MeshPair::mesh_of(surface), part_mesh_))
+               .first;
+  }
+  const double distance_m = pair->second.at(world_from_center, voxcheck::kNothingM).distance_m;
+  return distance_m > 0 ? distance_m - near_m_ : -1;
+}
+
+// Where this object is first seen in the way; infinite where it is not.
+double StraightBlocks::first_m(std::uint32_t object, const Pose& end) {
+  const Pose& start = problem_.world_from_start;
+  const double way_m = travel_between_m(problem_, start, end);
+  const auto leeway_at_m = [&](double fraction) {
+    return leeway_m(object, pose_between(start, end, fraction));
+  };
+  double free = 0, at = 0;  // fractions of the way
+  for (double free_m = leeway_at_m(0); free_m >= 0;) {
+    if (at >= 1) return kFar;
+    free = at;
+    at = std::min(1.0, at + std::max(free_m / way_m, std::clamp(at, kMinStep, kMaxStep)));
+    free_m = leeway_at_m(at);
+  }
+  for (int n = 0; n < kBisections && at > 0; ++n) {
+    const double middle = (free + at) / 2;
+    (leeway_at_m(middle) < 0 ? at : free) = middle;
+  }
+  return at * way_m;
+}
+
+StraightBlock StraightBlocks::along(const Pose& end) {
+  std::vector<std::pair<double, std::uint32_t>> met;
+  for (const auto& [object, box] : objects_) {
+    if (!may_meet(object, end)) continue;
+    const double at_m = first_m(object, end);
+    if (at_m < kFar) met.emplace_back(at_m, object);
+  }
+  std::sort(met.begin(), met.end());
+  StraightBlock block;
+  if (!met.empty()) block.at_m = met.front().first;
+  for (const auto& [at_m, object] : met) block.objects.push_back(object);
+  return block;
+}
+
+}  // namespace forcelayer::voxplan
