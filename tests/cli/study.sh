@@ -210,7 +210,7 @@ if [ -x "$bin/voxplan" ]; then
   study 6 'gearbox.glb#Cover' --voxel-size 1mm --clearance 1mm --time 1s -o lost
   grep -qE '^voxplan: .*: no path found: (a search of .* s moved it by .* mm(, and the time limit \(--time\) ended before all objects that block it were known)?|straight along x, y and z it is blocked after 0\.1 mm, and a search of .* s found no other way) \(1 mm of clearance required\); blocked by ' err.txt || fail "lost: $(cat err.txt)"
   grep -q 'class="verdict open"><strong>No path found' lost/report.html && grep -q '"kind": "no path found"' lost/verdict.json &&
-    grep -q '"verdict": "not clear"' lost/verdict.json && grep -q '^No path found: .* a search of .* (1 mm of clearance required); blocked by .*\.$' lost/verdict.txt || fail "the page of a search that found none"
+    grep -q '"verdict": "not clear"' lost/verdict.json && grep -q '^No path found: .*a search of .* (1 mm of clearance required); blocked by .*\.$' lost/verdict.txt || fail "the page of a search that found none"
   says_no lost/verdict.xml Cover
   ! grep -q 'blocked by .*/' lost/verdict.txt || fail "a sentence has whole names: $(cat lost/verdict.txt)"
   # It leaves the path by which the search moved the part farthest, which voxview plays.
@@ -228,7 +228,7 @@ END
     "$bin/voxview" draw gearbox.glb lost/scene.vox lost/part.pshell --trace lost/farthest.csv --size 64x64 --plain --json shown.json \
       --screenshot farthest.png && grep -q '"t_s"' shown.json || fail "voxview shows no search: $(cat shown.json)"
   fi
-  grep -q '^forcelayer: gearbox.glb: Cover: No path found: in .*; this does not prove that there is no path: try a longer' \
+  grep -q '^forcelayer: gearbox.glb: Cover: No path found: .*; this does not prove that there is no path: try a longer' \
     err.txt && ! grep -q 'goes on' err.txt || fail "no path is an answer: $(cat err.txt)"
   # However a study ends, the command that it waits for ends too.
   for signal in TERM KILL; do

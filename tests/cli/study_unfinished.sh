@@ -47,7 +47,7 @@ says pin "comes out" '^Comes out, '
 
 # After a study that comes out, each one that fails in the same folder says so, in the words of its command.
 study 3 'gearbox.glb#Pim' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o pin --json pim.json
-says pin refused "^Refused: the study is not finished: pointshell ended with status 3: .*#Pim: no node has this name.* \(1 mm of clearance required\)\.$" 3
+says pin refused "^Refused: the study is not finished: pointshell ended with status 3: .*#Pim: no node has this name; the nearest names are: [^()]*\.$" 3
 python3 -c 'import json; r = json.load(open("pim.json")); assert r["exit_status"] == 3 and r["kind"] == "refused" and r["error"]["code"] // 100 == 3, r' ||
   fail "the report of a study that failed"
 [ ! -e pin/curve.csv ] || fail "the curve of another answer stays"
@@ -203,17 +203,17 @@ stopped() {
 cover=('gearbox.glb#Cover' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm)
 for program in voxelize pointshell voxrun voxcheck; do
   stopped 143 TERM $program "${cover[@]}"
-  says stoppedTERM$program undecided "^Undecided: the study is not finished: SIGTERM stopped the step $program " 143
+  says stoppedTERM$program undecided "^Undecided: the study is not finished: SIGTERM stopped the step $program\\.$" 143
 done
 stopped 130 INT voxelize "${cover[@]}"
-says stoppedINTvoxelize undecided 'SIGINT stopped the step voxelize ' 130
+says stoppedINTvoxelize undecided 'SIGINT stopped the step voxelize\.$' 130
 grep -q 'contains the finished steps; the same command continues from there$' err.txt || fail "no line says how to go on: $(cat err.txt)"
 if [ -x "$bin/voxplan" ]; then
   stopped 129 HUP voxplan 'gearbox.glb#Cover' --voxel-size 2mm --clearance 1mm
-  says stoppedHUPvoxplan undecided 'SIGHUP stopped the step voxplan ' 129
+  says stoppedHUPvoxplan undecided 'SIGHUP stopped the step voxplan\.$' 129
 fi
 stopped 137 KILL voxrun "${cover[@]}"
-says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped '
+says stoppedKILLvoxrun undecided '^Undecided: the study is not finished: the step voxrun is running, or was stopped\.$'
 study 6 "${cover[@]}" -o stoppedKILLvoxrun
 says stoppedKILLvoxrun "does not come out" '^Does not come out, '
 # A study with a voxel size of its own choice goes on with the files that are whole, and does not take its first look again.

@@ -233,6 +233,11 @@ std::optional<Error> written_error(const Step& step, std::filesystem::file_time_
   return error;
 }
 
+// Without its full stop.
+std::string bare_sentence(const std::string& sentence) {
+  return sentence.substr(0, sentence.size() - 1);
+}
+
 std::string end_text(int status) {
   if (status <= 128) return "ended with status " + std::to_string(status);
   const char* const name = sigabbrev_np(status - 128);
@@ -722,6 +727,7 @@ command::Verdict Study::unfinished(const std::string& why) const {
   command::Verdict verdict;
   const auto required_m = command::parse_length(options_.clearance);
   verdict.required_m = required_m ? *required_m : 0;
+  verdict.is_asked = false;  // nothing was checked
   verdict.finding = "the study is not finished: " + why;
   return verdict;
 }
@@ -733,7 +739,7 @@ Status Study::begin_step(const Step& step) {
       unfinished("the step " + step.program + " is running, or was stopped");
   if (!is_checked_) {
     answer_.verdict = verdict;
-    const Error error{ErrorCode::kInternal, "", "", verdict.finding, ""};
+    const Error error{ErrorCode::kInternal, "", "", bare_sentence(command::sentence(verdict)), ""};
     if (Status s = write_verdict(command::junit_text(subject(), error), nullptr); !s) return s;
   }
   return write_bare_page(verdict);
@@ -1329,7 +1335,7 @@ Status Study::judge() const {
   std::string mend = advice();
   if (!answer_.path.empty()) mend += (mend.empty() ? "" : "; ") + ("see " + in("report.html"));
   return Error{command::error_code(answer_.verdict.kind), options_.assembly, options_.node,
-               answer_.sentence.substr(0, answer_.sentence.size() - 1), mend};
+               bare_sentence(answer_.sentence), mend};
 }
 
 // The answer is not known: the page says why, in the words of the command that failed.
@@ -1339,12 +1345,12 @@ void Study::say_that_it_failed(const Error& error) {
   answer_.path.clear();
   answer_.checked = nullptr;
   answer_.verdict = unfinished(failure_.empty() ? to_line(error) : failure_);
-  const Error told{error.code, "", "", answer_.verdict.finding, ""};
   const int stopped = command::stop_signal();
   const int status = stopped != 0 ? 128 + stopped : exit_status(error.code);
   const bool is_refused =
       status >= exit_status(ErrorCode::kUsage) && status <= exit_status(ErrorCode::kNotThisFormat);
   if (is_refused) answer_.verdict.kind = command::VerdictKind::kRefused;
+  const Error told{error.code, "", "", bare_sentence(command::sentence(answer_.verdict)), ""};
   Status written = write_verdict(command::junit_text(subject(), told), status);
   if (written) written = write_bare_page(answer_.verdict);
   if (written) written = report(status);
