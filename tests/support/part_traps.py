@@ -80,10 +80,8 @@ def make_threads(folder, _):
     return [folder / "threads.stl", "--units", "mm", "--voxel-size", "1.5mm"]
 
 
-def make_touching(folder, _):
-    """Fifty-six cubes of 20 mm, each touching its neighbors; voxels of 2 mm."""
-    bodies = [box((20 * i, 20 * j, 20 * k), (20 * i + 20, 20 * j + 20, 20 * k + 20))
-              for i in range(7) for j in range(4) for k in range(2)]
+def write_bodies(path, bodies):
+    """An assembly with a mesh for each body, whose corners are in mm."""
     meshes, binary = [], b""
     accessors, views, nodes = [], [], []
     for n, triangles in enumerate(bodies):
@@ -92,11 +90,18 @@ def make_touching(folder, _):
         views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)})
         accessors.append({"bufferView": n, "componentType": 5126, "count": len(corners), "type": "VEC3"})
         meshes.append({"primitives": [{"attributes": {"POSITION": n}}]})
-        nodes.append({"mesh": n, "name": f"box{n}"})
+        nodes.append({"mesh": n, "name": f"body{n}"})
         binary += data
-    write_glb(folder / "touching.glb", {
+    write_glb(path, {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "meshes": meshes,
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}]}, binary)
+
+
+def make_touching(folder, _):
+    """Fifty-six cubes of 20 mm, each touching its neighbors; voxels of 2 mm."""
+    bodies = [box((20 * i, 20 * j, 20 * k), (20 * i + 20, 20 * j + 20, 20 * k + 20))
+              for i in range(7) for j in range(4) for k in range(2)]
+    write_bodies(folder / "touching.glb", bodies)
     return [folder / "touching.glb", "--voxel-size", "2mm"]
 
 
@@ -125,6 +130,15 @@ def make_bodies(folder, _):
     """Three thousand boxes of 6 mm; voxels of 2 mm."""
     write_boxes(folder / "bodies.glb", False)
     return [folder / "bodies.glb", "--voxel-size", "2mm"]
+
+
+def make_overlapping(folder, _):
+    """Eight balls of 22 mm, 12 mm apart, so that half of their surface is inside others; voxels of 0.55 mm, one thread."""
+    profile = [(0 if n in (0, 24) else 11 * math.sin(math.pi * n / 24), -11 * math.cos(math.pi * n / 24)) for n in range(25)]
+    bodies = [[tuple(tuple(c + 12 * (n >> axis & 1) for axis, c in enumerate(corner)) for corner in t) for t in turned(profile, 50)]
+              for n in range(8)]
+    write_bodies(folder / "overlapping.glb", bodies)
+    return [folder / "overlapping.glb", "--voxel-size", "0.55mm", "--threads", "1"]
 
 
 def make_copies(folder, _):
@@ -193,7 +207,8 @@ def make_stray(folder, _):
 
 
 PARTS = {"grooves": make_grooves, "threads": make_threads, "touching": make_touching, "instances": make_instances, "stray": make_stray,
-         "bodies": make_bodies, "copies": make_copies, "fan": make_fan, "solid": make_solid, "ball": make_ball, "engine": make_engine}
+         "bodies": make_bodies, "copies": make_copies, "overlapping": make_overlapping,
+         "fan": make_fan, "solid": make_solid, "ball": make_ball, "engine": make_engine}
 
 
 def row_of(part, name, binary, call, folder):
@@ -205,11 +220,13 @@ def row_of(part, name, binary, call, folder):
     took = json.loads(usage.read_text())
     facts = json.loads(report.read_text()) if report.exists() else {}
     expected = facts.get("expected", {})
+    stages = facts.get("seconds", {})
     told = lambda key, unit: f"{expected[key] / unit:.3g}" if expected else ""
     row = {"part": part, "program": name, "status": run.returncode, "cpu_s": f"{took['cpu_s']:.3g}",
            "peak_mb": f"{took['peak_rss_bytes'] / 1e6:.0f}", "triangles": facts.get("triangles", ""), "points": facts.get("points", ""),
            "certificate_pieces": facts.get("certificate_pieces", ""), "told_cpu_s": told("thread_s", 1), "told_mb": told("bytes", 1e6),
-           "told_points": told("points", 1)}
+           "told_points": told("points", 1), "points_s": stages.get("points", ""),
+           "hidden_s": sum(stages.get(stage, 0) for stage in ("hidden", "corners", "weights"))}
     print(row, file=sys.stderr)
     return row
 
