@@ -367,9 +367,10 @@ Result<Scene> SceneReader::finish() {
   const Status named = check_left_out(without_, scene_.assemblies, scene_.parts_left_out, parts);
   if (!named) return named.error();
   if (scene_.objects.empty() && !scene_.parts_left_out.empty()) {
-    return Error{ErrorCode::kMeshEmpty, "", "--without",
-                 "leaves out all parts of the manifest, so the scene would be empty",
-                 "leave out fewer parts, or add a part"};
+    return Error{
+        ErrorCode::kMeshEmpty, "", "--without",
+        "leaves out all parts of the manifest, so the scene would be empty",
+        "leave out fewer parts, or add a part; nothing can block the last part of an assembly"};
   }
   // A name that occurs again gets a number: "bolt", "bolt#2", ...
   std::map<std::string, int> seen;

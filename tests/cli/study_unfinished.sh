@@ -70,6 +70,13 @@ says pin undecided 'pointshell ended with status 1: .*part.pshell: cannot be wri
 study 0 'gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o pin
 says pin "comes out" '^Comes out, '
 
+# The last part of an assembly has nothing that could block it, whichever way the others were left out.
+for words in 'bore.json#pin --without plate' 'gearbox.glb#Gearbox'; do
+  # shellcheck disable=SC2086  # words
+  study 3 $words --voxel-size 2mm --pull 0,0,60mm -o last
+  says last refused 'not finished: voxelize ended with status 3: .*; nothing can block the last part of an assembly' 3
+done
+
 # A mesh that is broken, and a part that lies deeper in its neighbor than is stored.
 head -c 3000 "$data/gearbox.glb" >broken.glb
 study 3 'broken.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o broken

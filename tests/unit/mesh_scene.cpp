@@ -72,7 +72,8 @@ TEST_F(SceneOfNodes, WithoutSomeOfThem) {
   reading_.without = {"?"};
   EXPECT_EQ(names({path_}),
             Names{path_ + ": --without leaves out all nodes of this file that have a mesh; "
-                          "keep at least one node of this file, or leave out the whole file"});
+                          "keep at least one node of this file, or leave out the whole file; "
+                          "nothing can block the last part of an assembly"});
   reading_.without = {"e"};
   EXPECT_TRUE(names({path_})[0].starts_with(
       "--without: no file has a node called 'e'; the nearest names are: top/a, "));

@@ -234,7 +234,8 @@ class GltfReader {
                          : "no node with a mesh in this file",
                      nodes_.left_out().empty()
                          ? "export a surface mesh"
-                         : "keep at least one node of this file, or leave out the whole file");
+                         : "keep at least one node of this file, or leave out the whole file; "
+                           "nothing can block the last part of an assembly");
     }
     add_warnings();
     assembly_.left_out = nodes_.left_out();

@@ -124,7 +124,8 @@ class StepReader {
                                            : "--without leaves out all faces of this file",
                 to_read.left_out.empty() || !missing_.empty()
                     ? "export the file again"
-                    : "keep at least one node of this file, or leave out the whole file");
+                    : "keep at least one node of this file, or leave out the whole file; nothing "
+                      "can block the last part of an assembly");
     }
     for (std::string& line : node_warnings_.lines()) {
       assembly_.warnings.push_back(std::move(line));
