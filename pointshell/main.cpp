@@ -205,10 +205,10 @@ void print_summary(const Arguments& arguments, const BakedShell& shell, const pa
   const PshellHeader& header = shell.header;
   if (arguments.quiet) return;
   std::printf(
-      "%s: %s (%s), proven covering radius %.6g m (%.4f voxels), %.3f times the fewest points "
+      "%s: %s (%s), proven covering radius %.6g mm (%.4f voxels), %.3f times the fewest points "
       "that could cover a flat surface of the same area\n",
       escaped(arguments.output).c_str(), mesh::counted(header.point_count, "point").c_str(),
-      arguments.method.c_str(), header.covering_radius_m,
+      arguments.method.c_str(), 1e3 * header.covering_radius_m,
       header.covering_radius_m / header.voxel_size_m,
       points_over_bound(header, shell.covered_area_m2));
   std::printf(
@@ -303,10 +303,10 @@ Error open_surface(const Arguments& arguments, const Pshell& shell,
   const auto& center = shell.header().center_m;
   char what[200];
   std::snprintf(what, sizeof what,
-                "the surface at (%.6g, %.6g, %.6g) m is not proven to be within the covering "
-                "radius %.6g m of a shell point",
-                deepest->position.x + center[0], deepest->position.y + center[1],
-                deepest->position.z + center[2], shell.header().covering_radius_m);
+                "the surface at x %.6g, y %.6g, z %.6g mm is not proven to be within the covering "
+                "radius %.6g mm of a shell point",
+                1e3 * (deepest->position.x + center[0]), 1e3 * (deepest->position.y + center[1]),
+                1e3 * (deepest->position.z + center[2]), 1e3 * shell.header().covering_radius_m);
   return {ErrorCode::kFilesDoNotMatch, arguments.shell, "", what,
           "bake the part again from this mesh in this unit"};
 }
@@ -356,11 +356,11 @@ Status verify_command(const Arguments& arguments) {
   if (!losses.proven) return lossy_surface(arguments, *shell, losses);
   if (!arguments.quiet) {
     std::printf(
-        "%s: proven: every surface point is within %.6g m of one of %llu shell points, and within "
-        "%.6g m of a convex combination of shell points (convex radius %.6g m)\n",
-        escaped(arguments.shell).c_str(), shell->header().covering_radius_m,
-        static_cast<unsigned long long>(shell->header().point_count), shell->header().convex_gap_m,
-        shell->header().convex_radius_m);
+        "%s: proven: every surface point is within %.6g mm of one of %llu shell points, and within "
+        "%.6g mm of a convex combination of shell points (convex radius %.6g mm)\n",
+        escaped(arguments.shell).c_str(), 1e3 * shell->header().covering_radius_m,
+        static_cast<unsigned long long>(shell->header().point_count),
+        1e3 * shell->header().convex_gap_m, 1e3 * shell->header().convex_radius_m);
   }
   return {};
 }

@@ -97,8 +97,9 @@ std::string sheet_warning(const BakedShell& shell) {
   for (std::size_t n = 0; n < std::min(sheets.size(), kListed); ++n) {
     const normals::Sheet& sheet = sheets[n];
     char place[160];
-    std::snprintf(place, sizeof place, ", %.3g m across, about (%.6g, %.6g, %.6g) m", sheet.size_m,
-                  sheet.middle.x, sheet.middle.y, sheet.middle.z);
+    std::snprintf(place, sizeof place, ", %.3g mm across, about x %.6g, y %.6g, z %.6g mm",
+                  1e3 * sheet.size_m, 1e3 * sheet.middle.x, 1e3 * sheet.middle.y,
+                  1e3 * sheet.middle.z);
     text += (n == 0 ? "" : "; ") + sheet.body + ", " + mesh::counted(sheet.triangles, "triangle") +
             place;
   }

@@ -45,6 +45,7 @@ done
 pin=('gearbox.glb#Pin' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm)
 study 0 "${pin[@]}" -o pin --json pin.json
 grep -q '^\$ voxelize gearbox.glb --without Pin' out.txt || fail "commands are not shown: $(cat out.txt)"
+! grep -hE '[0-9)] m([,;:. ]|$)' out.txt err.txt || fail "meters beside millimeters"
 grep -q '^unchanged' out.txt && fail "something was known before"
 for file in scene.vox part.pshell path.csv trace.csv verdict.json verdict.txt verdict.xml curve.csv curve.svg report.html; do
   [ -s "pin/$file" ] || fail "no pin/$file"
@@ -137,6 +138,10 @@ grep -q '^\$' out.txt && fail "auto chooses again: $(cat out.txt)"
 study 0 'bore.json#pin' --plan --clearance 1mm -o plan --json plan.json
 [ ! -e plan/report.html ] || fail "--plan leaves a page"
 grep -q '^smallest gap when installed: 0\.098 mm, to plate$' out.txt && grep -q '^ *voxel  *play needed ' out.txt || fail "the plan: $(cat out.txt)"
+# The table is of voxels. Where a gap is smaller than the play needed, the plan says that the meshes can still prove a path.
+study 0 'bore.json#pin' --plan --clearance 1mm --voxel-size 3mm
+grep -qE '^ *3 mm +[1-9][.0-9]* mm ' out.txt && grep -q '^play needed: in less play, voxels hold a simulated hand; meshes can still prove a path$' out.txt ||
+  fail "a plan at voxels of 3 mm: $(cat out.txt)"
 python3 - <<'END' || fail "the same answer at each size: $(cat bore*/verdict.txt)"
 import csv, json, re
 from bore import PLAY_MM
@@ -277,6 +282,19 @@ sides_mm = 110, 70, 60
 assert all(0 <= value <= side for column, side in zip(columns, sides_mm) for value in column), places
 assert all(max(column) - min(column) > side / 2 for column, side in zip(columns[:2], sides_mm)) and min(columns[2]) > 30, places
 END
+[ -s held/trace.csv ] && [ -s held/motion.glb ] || fail "no trace of what is held: $(ls held)"
+# Its picture says what the verdict says, and shows one of the bolts.
+cp "$bin/forcelayer" drawn
+printf '#!/bin/bash\nprintf "%%s\\n" "$@" >drawn/words.txt\nwhile [ "$1" != --screenshot ]; do shift; done\ntouch "$2"\n' >drawn/voxview
+rm held/curve.csv
+PATH=$bin:$PATH drawn/forcelayer study 'gearbox.glb#Cover' --voxel-size 1mm --pull 0,0,60mm --clearance 1mm -o held >out.txt 2>&1
+python3 - <<'END' || fail "the picture of what is held: $(cat out.txt drawn/words.txt)"
+import json
+words, verdict = open("drawn/words.txt").read().splitlines(), json.load(open("held/verdict.json"))
+told = lambda option: words[words.index(option) + 1]
+assert told("--title").startswith("Does not come out, straight along +z"), told("--title")
+assert told("--measure-object") == verdict["told_moment"]["object"] and verdict["told_moment"]["object"] in verdict["blocked_by"], verdict["told_moment"]
+END
 printf 't_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0,0.06\n' >up.csv
 # At 3 mm the bolt heads are too narrow to be felt: the meshes tell. Without meshes it stays open what passes in a seat.
 study 6 'gearbox.glb#Cover' --voxel-size 3mm --path up.csv --clearance 1mm -o given
@@ -401,9 +419,11 @@ assert [(r["kind"], r["verdict"], r["exit_status"]) for r in (report, verdict)] 
 assert f'class="verdict force"><strong>{verdict["heading"]}</strong>' in open("press/report.html").read(), "the page"
 END
 if [ -x "$bin/voxplan" ]; then
-  study 0 'beside.json#left' --clearance 0.2mm --no-pictures -o beside
-  grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to near, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
-    fail "0.345 mm beside another object: $(cat out.txt beside/verdict.txt)"
+  for size in auto 0.3mm; do
+    study 0 'beside.json#left' --clearance 0.2mm --voxel-size $size --no-pictures -o beside
+    grep -q '^\$ voxplan ' out.txt && grep -q '^Comes out, .*: stays 0\.345 mm away or more (measured to near, .*; 0\.2 mm required)\.$' beside/verdict.txt ||
+      fail "0.345 mm beside another object, voxels of $size: $(cat out.txt beside/verdict.txt)"
+  done
   # Where the files prove too little to search at all (0.58 mm are 2.9 voxels), the meshes prove a straight path.
   study 0 'apart.json#left' --clearance 0.534mm --no-pictures -o apart --json apart_report.json
   python3 - <<'END' || fail "where the files prove too little: $(cat apart_report.json)"
@@ -518,4 +538,6 @@ grep -q '^forcelayer: pointshell: ended with status 3, so the study is not finis
   fail "a name that is wrong stays wrong: $(cat err.txt)"
 study 1 'gearbox.glb#Pin' --voxel-size 1mm --path none.csv -o nowhere
 [ ! -s out.txt ] && [ ! -e nowhere ] || fail "something was baked for a path that is not there: $(cat out.txt)"
+# All verdicts have lengths and places in mm. Times are only those of the computation.
+! grep -nE '[0-9)] [ms]([,;:). ]|$)' */verdict.txt | grep -vE ':(  time: |  voxels of |  the answer is still open |No path found: in )' || fail "meters or seconds in a verdict"
 finish
