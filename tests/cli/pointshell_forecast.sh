@@ -12,8 +12,10 @@ traps --csv overlapping.csv --parts overlapping || fail "$(cat err)"
 python3 - 2>err <<'END' || fail "$(cat err told.csv overlapping.csv)"
 import csv
 rows = {row["part"]: row for name in ("told", "overlapping") for row in csv.DictReader(open(name + ".csv"))}
+off = {part: float(row["cpu_s"]) / float(row["told_cpu_s"]) for part, row in rows.items() if row["told_cpu_s"]}
+typical = max(off[part] for part in ("touching", "copies", "solid", "ball"))  # of this machine
 for part in "threads", "grooves":  # nine times as told, if each sliver takes pieces of its own
-    assert float(rows[part]["cpu_s"]) < 5 * float(rows[part]["told_cpu_s"]), part
+    assert off[part] < 5 * typical, (part, off)
 # A third of the time that the points take. Twice that time, if each place asks for a winding number.
 assert 0 < float(rows["overlapping"]["hidden_s"]) < float(rows["overlapping"]["points_s"]), "surface inside other bodies"
 END
