@@ -24,7 +24,7 @@ TEST(StudyVoxels, FirstSizeComesFromThePartOrItsPlay) {
   const SizeChoice part = choose_size(question, kLook, {});
   EXPECT_EQ(size_option(part.first_m), "1mm");  // a hundredth of it
   // A play of 2.867 voxels of 0.2 mm, a little more, and a little less.
-  Play play{0.2 * 2.867e-3, "plate", {}, true};
+  Play play{0.2 * 2.867e-3, "plate", {}, 0, true};
   EXPECT_EQ(size_option(choose_size(question, kLook, play).first_m), "0.2mm");
   play.play_m *= 1 + 1e-6;
   EXPECT_EQ(size_option(choose_size(question, kLook, play).first_m), "0.2mm");
@@ -35,8 +35,18 @@ TEST(StudyVoxels, FirstSizeComesFromThePartOrItsPlay) {
             "0.1mm");  // the part fits, and smaller voxels are for nothing
 }
 
+TEST(StudyVoxels, FilesStoreHowDeepThePartOverlaps) {
+  const SizeQuestion question{0.1, 1e-3, 1e6, 1e15};
+  Play play{0.2 * 2.867e-3, "plate", {"table"}, 0.2e-3 * (kDeepestVoxels - 4), true};
+  EXPECT_EQ(size_option(choose_size(question, kLook, play).first_m), "0.2mm");
+  play.overlap_m *= 1 + 1e-6;
+  const SizeChoice deep = choose_size(question, kLook, play);
+  EXPECT_EQ(size_option(deep.first_m), "0.5mm");
+  EXPECT_NE(deep.why_first.find("how deep the part overlaps"), std::string::npos);
+}
+
 TEST(StudyVoxels, TimeLimitsBothSizesOnBothSidesOfTheBound) {
-  const Play play{1e-6, "plate", {}, true};  // the smaller the better
+  const Play play{1e-6, "plate", {}, 0, true};  // the smaller the better
   for (const double off : {1 - 1e-6, 1 + 1e-6}) {
     // Voxels of 0.5 mm take 0.4 s, and of 0.2 mm 2.5 s.
     const SizeChoice first = choose_size({0.1, 0, 4 * off, 1e15}, kLook, play);
@@ -61,7 +71,7 @@ TEST(StudyVoxels, NoChoiceTakesMoreThanIsAllowed) {
     question.time_s = between(0.1, 1e4);
     question.memory_bytes = between(1e8, 1e12);
     Play play;
-    if (n % 2 == 0) play = {between(1e-6, 0.1), "plate", {}, true};
+    if (n % 2 == 0) play = {between(1e-6, 0.1), "plate", {}, 0, true};
     SizeCost look;
     look.voxel_size_m = look_size_m(question.part_m, 2 * question.part_m, question.required_m);
     look.fits_m = 2.867 * look.voxel_size_m;

@@ -43,6 +43,7 @@ using nlohmann::json;
 
 constexpr const char* kPathHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
 const std::string kSmallerOnes = "with smaller ones, down to ";
+constexpr const char* kTooDeep = "the part starts ";  // more than so deep inside of something
 constexpr const char* kMeshesHelp = "leave out --files-alone: meshes can give an answer";
 const std::string kDefaultTime = "120s";  // for all of a study, without --time
 constexpr const char* kBakeReports[] = {"scene.json", "part.json"};
@@ -146,6 +147,7 @@ class Study {
   bool is_kept_better() const;
   Status plan() const;
   Status answer();
+  Status answer_once();
   std::string open_answer() const;
   Play measured_play() const;
   nlohmann::ordered_json play_json() const;
@@ -188,7 +190,8 @@ class Study {
   // With --rules: the largest clearance that an object requires, and those that none is asked of.
   std::string search_clearance_;
   std::vector<std::string> search_allow_;
-  bool is_deep_ = false;  // the first look was refused because the part overlaps too deep
+  bool is_deep_ = false;      // files were refused because the part overlaps too deep,
+  bool is_too_deep_ = false;  // as were those of the last step
   std::optional<SizeCost> look_;
   Play play_;
   SizeChoice choice_;
@@ -223,7 +226,7 @@ std::optional<Error> written_error(const Step& step, std::filesystem::file_time_
   error.mend = known;
   if (error.what.find("lies inside the part") != std::string::npos) {
     error.mend = "leave this object out (--without)";
-  } else if (is_of_start && (known.empty() || error.what.starts_with("the part starts "))) {
+  } else if (is_of_start && (known.empty() || error.what.starts_with(kTooDeep))) {
     // Voxels fill a closed cavity, and the distances that they store end at some depth.
     error.what = error.what.substr(0, error.what.find("; the stored distances"));
     error.mend =
@@ -258,6 +261,7 @@ bool is_refused_search(const Error& error) {
 
 Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   failure_.clear();
+  is_too_deep_ = false;
   if (command::stop_signal() != 0) return stopped_error(step.program);
   const auto begun = std::filesystem::file_time_type::clock::now();
   const auto end = steps_.run(step, [&] { return begin_step(step); });
@@ -269,7 +273,8 @@ Result<StepEnd> Study::run(const Step& step, MayEnd may_end) {
   const std::optional<Error> error = written_error(step, begun);
   // That force is needed is said once, by the study.
   const bool needs_force = end->status == exit_status(ErrorCode::kNeedsForce);
-  if (error && !needs_force) command::print_error(step.program.c_str(), *error);
+  is_too_deep_ = error && error->what.starts_with(kTooDeep) && !is_deep() && !options_.files_alone;
+  if (error && !needs_force && !is_too_deep_) command::print_error(step.program.c_str(), *error);
   if (may_end != MayEnd::kDone && command::is_answer(end->status)) return end;
   failure_ = step.program + " " + end_text(end->status) + (error ? ": " + to_line(*error) : "");
   ErrorCode code = ErrorCode::kInternal;
@@ -379,7 +384,6 @@ Step Study::scene_step() const {
   step.arguments.insert(step.arguments.end(), {"--voxel-size", voxel_size_, "-o", in("scene.vox"),
                                                "--json", in("scene.json")});
   if (is_deep()) {
-    constexpr double kDeepestVoxels = 32;
     const double voxel_m = *command::parse_length(voxel_size_);
     step.arguments.insert(step.arguments.end(), {"--range", size_option(kDeepestVoxels * voxel_m)});
   }
@@ -1058,8 +1062,17 @@ Status Study::keep_size(const std::string& key, const std::vector<std::string>& 
                       {"why_last", choice_.why_last}});
 }
 
-// All steps with the files of one voxel size.
+// With files of one voxel size. Where the part overlaps a neighbor by more than is usually stored,
+// with others.
 Status Study::answer() {
+  Status made = answer_once();
+  if (made || !is_too_deep_) return made;
+  is_deep_ = true;
+  return answer_once();
+}
+
+// All steps with the same files.
+Status Study::answer_once() {
   steps_.forget_lines();
   is_checked_ = false;
   if (Status s = bake(); !s) return s;

@@ -104,18 +104,23 @@ SizeChoice choose_size(const SizeQuestion& question, const SizeCost& look, const
       question.required_m / kClearanceVoxels,
       "with smaller voxels the required clearance would have too many voxels to search"};
   const Bound fits{play.play_m * s / look.fits_m, "small enough for the smallest gap"};
+  constexpr double kReserveVoxels = 4;  // voxcheck needs more than the overlap
+  const Bound overlap{play.overlap_m / (kDeepestVoxels - kReserveVoxels),
+                      "smaller voxels could not store how deep the part overlaps a neighbor"};
   const Bound part{question.part_m / kPartVoxels, "a hundredth of the part's size"};
   const Bound wish = fits.size_m < part.size_m ? fits : part;
   const Bound lowest = larger_of(
       {{size_for_m(s, look.thread_s, kFirstFraction * question.time_s),
         "with smaller voxels the bakes would take more than a tenth of the " + time + " allowed"},
        memory,
-       clearance});
+       clearance,
+       overlap});
   const Bound limit =
       larger_of({{size_for_m(s, look.thread_s, question.time_s),
                   "with smaller voxels the bakes would take more than the " + time + " allowed"},
                  memory,
-                 clearance});
+                 clearance,
+                 overlap});
   SizeChoice choice;
   const double wish_m = round_down_m(wish.size_m), lowest_m = round_up_m(lowest.size_m);
   // No larger than those of the first look, which are there.

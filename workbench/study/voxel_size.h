@@ -24,6 +24,9 @@ struct SizeCost {
 // The same at another size: surfaces outweigh all else.
 SizeCost cost_at(const SizeCost& known, double voxel_size_m);
 
+// So many voxels deep the distances reach that are stored for a part that overlaps a neighbor.
+inline constexpr double kDeepestVoxels = 32;
+
 // The part as installed.
 struct Play {
   double play_m = std::numeric_limits<double>::infinity();  // the smallest that is not contact
