@@ -61,15 +61,28 @@ std::string axis_text(const glm::dvec3& direction) {
   return std::string(direction[axis] > 0 ? "+" : "-") + "xyz"[axis];
 }
 
-// The straight way that is blocked last; none where one is not seen to be blocked.
-const StraightWay* farthest_straight(const SearchResult& result) {
-  const auto by_length = [](const StraightWay& a, const StraightWay& b) {
-    return a.blocked_at_m < b.blocked_at_m;
-  };
-  const auto farthest = std::max_element(result.straight.begin(), result.straight.end(), by_length);
-  const bool is_known = result.knows_straight && farthest != result.straight.end() &&
-                        std::isfinite(farthest->blocked_at_m);
-  return is_known ? &*farthest : nullptr;
+// The straight ways that are seen to be blocked.
+std::vector<StraightWay> blocked_ways(const SearchResult& result) {
+  std::vector<StraightWay> ways = result.straight;
+  std::erase_if(ways, [](const StraightWay& way) { return !std::isfinite(way.blocked_at_m); });
+  return ways;
+}
+
+// That which is blocked last, of some.
+const StraightWay& farthest_of(const std::vector<StraightWay>& ways) {
+  return *std::max_element(
+      ways.begin(), ways.end(),
+      [](const StraightWay& a, const StraightWay& b) { return a.blocked_at_m < b.blocked_at_m; });
+}
+
+// "x, y and z" of all six ways, or "+x, -x and +z".
+std::string axes_text(const std::vector<StraightWay>& ways) {
+  if (ways.size() == 6) return "x, y and z";
+  std::string line;
+  for (std::size_t n = 0; n < ways.size(); ++n) {
+    line += (n == 0 ? "" : n + 1 == ways.size() ? " and " : ", ") + axis_text(ways[n].direction);
+  }
+  return line;
 }
 
 // To a micrometer: what is seen at poses is not proven.
@@ -82,29 +95,28 @@ std::string moved_text(double length_m) {
                              : "by at most " + command::at_most_text(length_m);
 }
 
-// "straight along x, y and z it is blocked after at most 0.25 mm, and a search of 38 s found no
-// other way"
+// "straight along x, y and z it is blocked after 0.25 mm, and a search of 38 s found no other way"
 std::string not_found_text(const SearchResult& result) {
   const std::string search = text("a search of %.3g s ", result.seconds);
-  const StraightWay* const straight = farthest_straight(result);
-  if (straight == nullptr) return search + "moved it " + moved_text(result.out_m);
-  const bool is_at_once = straight->blocked_at_m < kAtOnceM;
-  const bool is_moved = result.out_m > straight->blocked_at_m + kAtOnceM;
-  return "straight along " +
-         std::string(result.straight.size() == 6 ? "x, y and z" : "the axes that lead out") +
-         " it is blocked " + (is_at_once ? "at once" : "after " + straight_text(*straight)) +
-         ", and " + search + (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") +
-         "found no other way";
+  const std::vector<StraightWay> ways = blocked_ways(result);
+  if (ways.empty()) return search + "moved it " + moved_text(result.out_m);
+  const StraightWay& farthest = farthest_of(ways);
+  const bool is_at_once = farthest.blocked_at_m < kAtOnceM;
+  const bool is_moved = result.out_m > farthest.blocked_at_m + kAtOnceM;
+  return "straight along " + axes_text(ways) + " it is blocked " +
+         (is_at_once ? "at once" : "after " + straight_text(farthest)) + ", and " + search +
+         (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") + "found no other way";
 }
 
 // How far the part goes straight, and what it overlaps where it is installed.
 std::vector<std::string> not_found_notes(const Voxmap& scene, const Plan& plan) {
   std::vector<std::string> notes;
-  const StraightWay* const straight = farthest_straight(plan.search);
-  if (straight != nullptr && straight->blocked_at_m >= kAtOnceM) {
-    const std::string name = voxcheck::shown_name(scene, straight->blocked_by.front());
-    notes.push_back("it goes farthest straight along " + axis_text(straight->direction) +
-                    ": after " + straight_text(*straight) + ", " +
+  const std::vector<StraightWay> ways = blocked_ways(plan.search);
+  if (!ways.empty() && farthest_of(ways).blocked_at_m >= kAtOnceM) {
+    const StraightWay& farthest = farthest_of(ways);
+    const std::string name = voxcheck::shown_name(scene, farthest.blocked_by.front());
+    notes.push_back("it goes farthest straight along " + axis_text(farthest.direction) +
+                    ": after " + straight_text(farthest) + ", " +
                     (name.empty() ? "the scene" : name) + " is in the way");
   }
   for (const auto& [object, depth_m] : plan.overlaps) {
@@ -136,7 +148,7 @@ command::Verdict not_found_verdict(const Report& report) {
     verdict.finding += text(", and %llu paths that were found could not be proven",
                             static_cast<unsigned long long>(result.refused));
   }
-  if (!result.knows_blockers && !result.knows_straight) {
+  if (!result.knows_blockers && blocked_ways(result).empty()) {
     verdict.finding +=
         ", and the time limit (--time) ended before all objects that block it were known";
   }

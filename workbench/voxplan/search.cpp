@@ -94,7 +94,6 @@ Status take_straight(const Problem& problem, const Destination& goal, const Sear
     way->direction = direction;
     result.straight.push_back(std::move(*way));
   }
-  result.knows_straight = true;
   return {};
 }
 

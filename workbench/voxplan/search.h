@@ -63,11 +63,9 @@ struct SearchResult {
   double out_m = 0;
   PosePath farthest;  // the path by which it came there; only that, where none was found
   std::vector<std::uint32_t> blocked_by;
-  // Those that were asked for, where none of them is free; all of them: the time was enough.
-  std::vector<StraightWay> straight;
-  bool knows_straight = false;
-  bool knows_blockers = true;   // all of them: the time was enough
-  bool is_out_of_time = false;  // no path was found before the time was over
+  std::vector<StraightWay> straight;  // those that were asked for in time, where none is free
+  bool knows_blockers = true;         // all of them: the time was enough
+  bool is_out_of_time = false;        // no path was found before the time was over
   std::uint64_t poses_tested = 0;
   std::uint64_t motions_tested = 0;
   std::uint64_t motions_kept = 0;            // motions that keep their rule from end to end

@@ -13,6 +13,8 @@ namespace {
 // ends.
 constexpr double kMaxStep = 1.0 / 32, kMinStep = 0x1p-20;
 constexpr int kBisections = 12;  // of the last step
+// Fractions of the way, for a quick look. Where a part is deep in an object, that is seen at once.
+constexpr double kLooks[] = {1.0 / 2, 1.0 / 4, 1.0 / 8, 1.0 / 32, 1.0 / 128, 3.0 / 4};
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
@@ -61,7 +63,7 @@ bool StraightBlocks::may_meet(std::uint32_t object, const Pose& end) const {
 
 // How far each point of the part may travel until this object is in the way; negative where it is.
 double StraightBlocks::leeway_m(std::uint32_t object, const Pose& world_from_center) {
-  if (problem_.seat_meshes != nullptr && problem_.seat_meshes->has(object)) {
+  if (is_of_seat(object)) {
     return problem_.seat_meshes->leeway_m(object, world_from_center);
   }
   auto pair = pairs_.find(object);
@@ -88,19 +90,47 @@ double StraightBlocks::first_m(std::uint32_t object, const Pose& end) {
     at = std::min(1.0, at + std::max(free_m / way_m, std::clamp(at, kMinStep, kMaxStep)));
     free_m = leeway_at_m(at);
   }
-  for (int n = 0; n < kBisections && at > 0; ++n) {
-    const double middle = (free + at) / 2;
-    (leeway_at_m(middle) < 0 ? at : free) = middle;
+  return first_between_m(object, end, free, at);
+}
+
+// A place where this object is in the way, as if it were from the first one on.
+double StraightBlocks::about_first_m(std::uint32_t object, const Pose& end) {
+  for (const double look : kLooks) {
+    const Pose there = pose_between(problem_.world_from_start, end, look);
+    if (leeway_m(object, there) < 0) return first_between_m(object, end, 0, look);
   }
-  return at * way_m;
+  return kFar;
+}
+
+// Between two fractions of the way, of which the second is blocked.
+double StraightBlocks::first_between_m(std::uint32_t object, const Pose& end, double free,
+                                       double blocked) {
+  const Pose& start = problem_.world_from_start;
+  for (int n = 0; n < kBisections && blocked > free; ++n) {
+    // Near its beginning a way ends at less than a thousandth of it.
+    const double middle = free > 0 || n > 0 ? (free + blocked) / 2 : std::min(kMinStep, blocked);
+    (leeway_m(object, pose_between(start, end, middle)) < 0 ? blocked : free) = middle;
+  }
+  return blocked * travel_between_m(problem_, start, end);
 }
 
 StraightBlock StraightBlocks::along(const Pose& end) {
   std::vector<std::pair<double, std::uint32_t>> met;
+  std::vector<std::uint32_t> slow;
+  const auto add = [&](double at_m, std::uint32_t object) {
+    if (at_m < kFar) met.emplace_back(at_m, object);
+  };
   for (const auto& [object, box] : objects_) {
     if (!may_meet(object, end)) continue;
-    const double at_m = first_m(object, end);
-    if (at_m < kFar) met.emplace_back(at_m, object);
+    if (is_of_seat(object)) {
+      slow.push_back(object);
+    } else {
+      add(first_m(object, end), object);
+    }
+  }
+  for (const std::uint32_t object : slow) add(about_first_m(object, end), object);
+  if (met.empty()) {
+    for (const std::uint32_t object : slow) add(first_m(object, end), object);
   }
   std::sort(met.begin(), met.end());
   StraightBlock block;
