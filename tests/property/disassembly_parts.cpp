@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +18,7 @@
 #include "tests/support/places.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/scratch_folder.h"
 #include "workbench/disassembly/disassembly.h"
 #include "workbench/disassembly/straight_motions.h"
 #ifdef FORCELAYER_TEST_FCL
@@ -56,12 +62,12 @@ pairs::AssemblyParts assembly_of(const std::vector<Block>& blocks) {
 }
 
 // Blocks that do not overlap; many of them touch.
-std::vector<Block> random_blocks(test::Random& random, std::size_t count) {
+std::vector<Block> random_blocks(test::Random& random, std::size_t count, int max_low = 5) {
   std::vector<Block> blocks;
   while (blocks.size() < count) {
     Block block;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      block.low[axis] = static_cast<int>(integer(random, 0, 5));
+      block.low[axis] = static_cast<int>(integer(random, 0, max_low));
       block.high[axis] = block.low[axis] + static_cast<int>(integer(random, 1, 3));
     }
     const bool overlaps = std::any_of(blocks.begin(), blocks.end(), [&](const Block& other) {
@@ -126,20 +132,30 @@ TEST(DisassemblyParts, StraightMotionsOfBlocksAreThoseOfIntervals) {
   EXPECT_GT(blocked, 200);
 }
 
-// Those that come out along axes alone, round by round; ascending.
-Parts brute_out(const std::vector<Block>& blocks) {
+// Whether a part is blocked along an axis by an object.
+using Blocks = std::function<bool(std::size_t part, std::size_t axis, bool up, std::size_t object)>;
+
+Blocks by_intervals(const std::vector<Block>& blocks) {
+  return [&](std::size_t part, std::size_t axis, bool up, std::size_t object) {
+    return blocks_way(blocks[part], axis, up, blocks[object]);
+  };
+}
+
+// Those of some parts that come out along axes alone, round by round; ascending. One part is left,
+// and so is `base`.
+Parts brute_out(std::size_t parts, const Blocks& blocks, std::optional<std::size_t> base = {}) {
   Parts out;
-  for (bool changes = true; changes && out.size() + 1 < blocks.size();) {
+  for (bool changes = true; changes && out.size() + 1 < parts;) {
     changes = false;
-    for (std::size_t part = 0; part < blocks.size(); ++part) {
-      if (contains(out, part) || out.size() + 1 == blocks.size()) continue;
+    for (std::size_t part = 0; part < parts; ++part) {
+      if (part == base || contains(out, part) || out.size() + 1 == parts) continue;
       bool is_free = false;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (const bool up : {false, true}) {
           bool passes = true;
-          for (std::size_t object = 0; object < blocks.size(); ++object) {
+          for (std::size_t object = 0; object < parts; ++object) {
             if (object == part || contains(out, object)) continue;
-            passes = passes && !blocks_way(blocks[part], axis, up, blocks[object]);
+            passes = passes && !blocks(part, axis, up, object);
           }
           is_free = is_free || passes;
         }
@@ -174,18 +190,300 @@ void expect_steps_hold(const std::vector<Block>& blocks, const Outcome& outcome)
   EXPECT_EQ(present.size(), outcome.left.size() + 1);
 }
 
+// Where a step ends, the parts are outside of the box around all that is left there, so far along a
+// direction of the last leg that they may go on without end: as "34 mm or more" says.
+void expect_ways_go_on(const pairs::AssemblyParts& assembly, const std::vector<Step>& steps,
+                       double clearance_m) {
+  Parts all(assembly.parts.size());
+  for (std::size_t n = 0; n < all.size(); ++n) all[n] = n;
+  std::map<Parts, Parts> present_of{{{}, all}};  // by where parts are taken from
+  for (const Step& step : steps) {
+    Parts& present = present_of.try_emplace(step.from, step.from).first->second;
+    present = without(present, step.parts);
+    mesh::Box moved = mesh::empty_box(), rest = mesh::empty_box();
+    for (const std::size_t part : step.parts) mesh::extend(moved, assembly.parts[part].box_m);
+    for (const std::size_t part : present) mesh::extend(rest, assembly.parts[part].box_m);
+    const auto &end = step.rows.back().position_m, &before = step.rows.end()[-2].position_m;
+    bool is_beyond = present.empty();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double along = end[axis] - before[axis];
+      if (along > 0) is_beyond |= moved.low[axis] + end[axis] >= rest.high[axis] + clearance_m;
+      if (along < 0) is_beyond |= moved.high[axis] + end[axis] <= rest.low[axis] - clearance_m;
+    }
+    EXPECT_TRUE(is_beyond) << "part " << step.parts.front();
+  }
+}
+
 TEST(DisassemblyParts, BlocksComeApartAsByIntervals) {
   for (std::uint64_t seed = 1; seed <= 30; seed += test::seed_step(7)) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     test::Random random(seed);
     const auto blocks = random_blocks(random, 8);
-    const Outcome outcome = take_apart(assembly_of(blocks), {kClearanceM, {}, {}}, kNobody);
+    const pairs::AssemblyParts assembly = assembly_of(blocks);
+    const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}}, kNobody);
     expect_steps_hold(blocks, outcome);
+    expect_ways_go_on(assembly, outcome.steps, kClearanceM);
     std::size_t out = 0;
     for (const Step& step : outcome.steps) out += step.from.empty() ? step.parts.size() : 0;
-    EXPECT_GE(out, brute_out(blocks).size());
+    EXPECT_GE(out, brute_out(blocks.size(), by_intervals(blocks)).size());
     EXPECT_FALSE(outcome.is_out_of_time);
   }
+}
+
+// --- rules
+
+// A file of rules, and which parts each row means, written down where its names are made.
+struct RuleRow {
+  Parts part, object;
+  double required_m = 0;
+  bool is_ignored = false;
+};
+
+Parts random_meant(test::Random& random, std::size_t parts, std::string& name) {
+  const auto one = [&] {
+    return static_cast<std::size_t>(integer(random, 0, static_cast<std::int64_t>(parts) - 1));
+  };
+  Parts meant;
+  switch (integer(random, 0, 3)) {
+    case 0:
+      name = integer(random, 0, 1) == 0 ? "*" : "block?";
+      for (std::size_t n = 0; n < parts; ++n) meant.push_back(n);
+      return meant;
+    case 1: {
+      const std::size_t first = one(), second = one();
+      name = "\"{block" + std::to_string(first) + ",block" + std::to_string(second) + "}\"";
+      meant = {std::min(first, second), std::max(first, second)};
+      return meant;
+    }
+    default:
+      meant = {one()};
+      name = "block" + std::to_string(meant[0]);
+      return meant;
+  }
+}
+
+// Required distances are none between two places of the lattice, so that rounding decides nothing.
+std::vector<RuleRow> random_rules(test::Random& random, std::size_t parts, std::string& text) {
+  const std::array<std::pair<const char*, double>, 5> cells = {
+      {{"touch", 0}, {"ignore", -1}, {"3mm", 0.003}, {"13mm", 0.013}, {"25mm", 0.025}}};
+  std::vector<RuleRow> rows;
+  text = "part,object,clearance\n";
+  for (auto count = integer(random, 1, 4); count > 0; --count) {
+    RuleRow row;
+    std::string part, object;
+    row.part = random_meant(random, parts, part);
+    row.object = random_meant(random, parts, object);
+    const auto& [cell, required_m] = cells[static_cast<std::size_t>(integer(random, 0, 4))];
+    row.is_ignored = required_m < 0;
+    row.required_m = std::max(0.0, required_m);
+    text += part + "," + object + "," + cell + "\n";
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+RuleRow rule_of(const std::vector<RuleRow>& rows, std::size_t a, std::size_t b) {
+  for (const RuleRow& row : rows) {
+    if (contains(row.part, a) && contains(row.object, b)) return row;
+    if (contains(row.part, b) && contains(row.object, a)) return row;
+  }
+  return {{}, {}, kClearanceM, false};
+}
+
+double distance_m(const Block& a, const Block& b) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int gap = std::max({0, b.low[axis] - a.high[axis], a.low[axis] - b.high[axis]});
+    squared += gap * gap;
+  }
+  return kUnitM * std::sqrt(squared);
+}
+
+// Whether a rule forbids that a block goes far along an axis past another one. The distance of two
+// boxes along a straight path first falls and then rises: a block that begins nearer than required
+// is free where it does not meet the other one, and another block is where the box that it sweeps
+// stays as far away as is required.
+bool breaks_rule(const RuleRow& rule, const Block& part, std::size_t axis, bool up,
+                 const Block& object) {
+  if (rule.is_ignored) return false;
+  if (distance_m(part, object) <= rule.required_m) return blocks_way(part, axis, up, object);
+  Block swept = part;
+  (up ? swept.high : swept.low)[axis] = up ? 100 : -100;
+  const double nearest_m = distance_m(swept, object);
+  return nearest_m < rule.required_m || nearest_m == 0;
+}
+
+// The axis along which one straight leg leads; none of another path.
+std::optional<std::pair<std::size_t, bool>> axis_of(const Step& step) {
+  std::optional<std::pair<std::size_t, bool>> found;
+  if (step.rows.size() != 2) return found;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double along_m = step.rows.back().position_m[axis];
+    if (along_m == 0) continue;
+    if (found) return std::nullopt;
+    found = {axis, along_m > 0};
+  }
+  return found;
+}
+
+TEST(DisassemblyRules, AreThoseOfIntervalsInRandomFiles) {
+  int free = 0, blocked = 0, steps = 0, ignored = 0;
+  for (std::uint64_t seed = 1; seed <= 500; seed += test::seed_step(50)) {
+    test::Random random(seed);
+    const auto blocks = random_blocks(random, 4, 3);
+    const pairs::AssemblyParts assembly = assembly_of(blocks);
+    std::string text;
+    const std::vector<RuleRow> rows = random_rules(random, blocks.size(), text);
+    SCOPED_TRACE("seed " + std::to_string(seed) + "\n" + text);
+    const test::ScratchFolder folder;
+    std::ofstream(folder / "rules.csv") << text;
+    const auto rules = pairs::read_rules(folder / "rules.csv");
+    ASSERT_TRUE(rules) << to_line(rules.error());
+    const auto breaks = [&](std::size_t part, std::size_t axis, bool up, std::size_t object) {
+      return breaks_rule(rule_of(rows, part, object), blocks[part], axis, up, blocks[object]);
+    };
+
+    const PartShapes shapes(assembly, kClearanceM, *rules);
+    StraightMotions motions(shapes);
+    for (std::size_t part = 0; part < blocks.size(); ++part) {
+      for (std::size_t d = 0; d < StraightMotions::kAxisDirections; ++d) {
+        const std::size_t axis = 2 - d / 2;  // z first
+        const bool up = d % 2 == 0;
+        ASSERT_EQ(motions.direction(d)[static_cast<int>(axis)], up ? 1 : -1);
+        for (std::size_t object = 0; object < blocks.size(); ++object) {
+          if (object == part || (seed + part + object + d) % 3 != 0) continue;  // a third of all
+          const bool is_free = motions.outcome(part, d, object) == PairOutcome::kFree;
+          EXPECT_EQ(is_free, !breaks(part, axis, up, object)) << part << " past " << object;
+          (is_free ? free : blocked) += 1;
+        }
+      }
+    }
+
+    const Outcome outcome = take_apart(assembly, {kClearanceM, {}, {}, *rules}, kNobody);
+    expect_ways_go_on(assembly, outcome.steps, 0);
+    Parts present(blocks.size());
+    for (std::size_t n = 0; n < present.size(); ++n) present[n] = n;
+    for (const Step& step : outcome.steps) {
+      if (!step.from.empty()) continue;
+      present = without(present, step.parts);
+      const auto way = axis_of(step);
+      for (const std::size_t part : step.parts) {
+        for (const std::size_t object : present) {
+          const bool is_ignored = rule_of(rows, part, object).is_ignored;
+          ignored += is_ignored;
+          if (is_ignored && step.parts.size() == 1) {
+            EXPECT_FALSE(contains(step.touched, object));
+          }
+          if (way) {
+            EXPECT_FALSE(breaks(part, way->first, way->second, object));
+          }
+        }
+      }
+      ++steps;
+    }
+    EXPECT_GE(blocks.size() - present.size(), brute_out(blocks.size(), breaks).size());
+  }
+  if (test::kSanitized) return;
+  EXPECT_GT(free, 4000);
+  EXPECT_GT(blocked, 1000);
+  EXPECT_GT(steps, 1000);
+  EXPECT_GT(ignored, 100);
+}
+
+// --- targets
+
+// Blocks as they are, and turned so that no axis leads out: then along features.
+TEST(DisassemblyParts, TargetsComeOutAsByIntervals) {
+  int out = 0, before = 0;
+  for (std::uint64_t seed = 1; seed <= 80; seed += test::seed_step(9)) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    const auto blocks = random_blocks(random, 9, 4);
+    const auto target = static_cast<std::size_t>(integer(random, 0, 8));
+    const glm::dquat turn =
+        seed % 2 == 0 ? glm::dquat(1, 0, 0, 0) : glm::normalize(glm::dquat(1, 0.2, 0.3, 0.1));
+    pairs::AssemblyParts assembly;
+    for (std::size_t n = 0; n < blocks.size(); ++n) {
+      test::add_part(assembly, "block" + std::to_string(n),
+                     moved(mesh_of(blocks[n]), Pose{{0, 0, 0}, turn}));
+    }
+    const Outcome outcome = take_apart(assembly, {kClearanceM, {target}, {}}, kNobody);
+    expect_ways_go_on(assembly, outcome.steps, kClearanceM);
+    std::size_t base = target == 0 ? 1 : 0;
+    const auto volume = [&](std::size_t part) {
+      const mesh::Box& box = assembly.parts[part].box_m;
+      return (box.high[0] - box.low[0]) * (box.high[1] - box.low[1]) * (box.high[2] - box.low[2]);
+    };
+    for (std::size_t part = 0; part < blocks.size(); ++part) {
+      if (part != target && volume(part) > volume(base)) base = part;
+    }
+    if (contains(brute_out(blocks.size(), by_intervals(blocks), base), target)) {
+      EXPECT_TRUE(outcome.left.empty());
+      ++out;
+    }
+    Parts present(blocks.size());
+    for (std::size_t n = 0; n < present.size(); ++n) present[n] = n;
+    for (const Step& step : outcome.steps) {
+      if (!step.from.empty()) continue;
+      present = without(present, step.parts);
+      before += !contains(step.parts, target);
+      if (step.rows.size() != 2) continue;
+      const auto& end = step.rows.back().position_m;
+      const glm::dvec3 way =
+          glm::inverse(turn) * glm::normalize(glm::dvec3(end[0], end[1], end[2]));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (std::abs(way[axis]) < 1 - 1e-9) continue;
+        for (const std::size_t part : step.parts) {
+          for (const std::size_t object : present) {
+            EXPECT_FALSE(blocks_way(blocks[part], static_cast<std::size_t>(axis), way[axis] > 0,
+                                    blocks[object]));
+          }
+        }
+      }
+    }
+    if (outcome.left.empty()) {
+      EXPECT_FALSE(contains(present, target));
+    }
+  }
+  if (test::kSanitized) return;
+  EXPECT_GT(out, 20);
+  EXPECT_GT(before, 10);
+}
+
+// A block between the foot and the finger of a hook, in a well: they come up only together, and
+// the block leaves the hook sideways when they are out. There it is beside the hook alone.
+TEST(DisassemblyParts, ATargetOfAGroupIsTakenFromTheGroup) {
+  const auto joined = [](const std::vector<Block>& pieces) {
+    mesh::Mesh mesh;
+    for (const Block& block : pieces) {
+      const mesh::Mesh piece = mesh_of(block);
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), piece.vertices.begin(), piece.vertices.end());
+      for (const mesh::Triangle& t : piece.triangles) {
+        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+      }
+    }
+    return mesh;
+  };
+  pairs::AssemblyParts assembly;
+  test::add_part(assembly, "well",
+                 joined({{{-4, -4, -1}, {10, 7, 0}},
+                         {{-4, -4, 0}, {-1, 7, 6}},
+                         {{7, -4, 0}, {10, 7, 6}},
+                         {{-1, -4, 0}, {7, -1, 6}},
+                         {{-1, 4, 0}, {7, 7, 6}}}));
+  test::add_part(assembly, "left",
+                 joined({{{0, 0, 0}, {6, 3, 1}}, {{0, 0, 1}, {2, 3, 3}}, {{0, 0, 3}, {4, 3, 4}}}));
+  test::add_part(assembly, "right", joined({{{2, 0, 1}, {6, 3, 3}}}));
+  const Outcome outcome = take_apart(assembly, {kClearanceM, {2}, {}}, kNobody);
+  ASSERT_EQ(outcome.steps.size(), 2u);
+  EXPECT_EQ(outcome.steps[0].parts, (Parts{1, 2}));
+  EXPECT_TRUE(outcome.steps[0].from.empty());
+  EXPECT_EQ(outcome.steps[1].parts, (Parts{2}));
+  EXPECT_EQ(outcome.steps[1].from, (Parts{1, 2}));
+  EXPECT_EQ(outcome.steps[1].touched, (Parts{1}));
+  EXPECT_FALSE(outcome.steps[1].nearest);
+  EXPECT_TRUE(outcome.left.empty());
 }
 
 // A target leaves behind the fewest parts: a block in a row is below those above it.
@@ -304,6 +602,25 @@ TEST(DisassemblyParts, AnOverlapAsInstalledIsReported) {
   ASSERT_EQ(outcome.steps[0].overlaps.size(), 1u);
   EXPECT_EQ(outcome.steps[0].overlaps[0].object, 0u);
   EXPECT_NEAR(outcome.steps[0].overlaps[0].depth_m, 0.0005, 1e-6);
+}
+
+// The parts that must leave before a target are found in no more time than it takes to take all
+// apart.
+TEST(DisassemblyParts, ATargetTakesNoLongerThanTheWholeAssembly) {
+  const auto assembly =
+      pairs::read_parts(test::source_path("sample_data/gearbox.glb"), std::nullopt);
+  ASSERT_TRUE(assembly);
+  const auto seconds_for = [&](const Parts& target) {  // of all cores
+    const std::clock_t begun = std::clock();
+    take_apart(*assembly, {kClearanceM, target, {}}, kNobody);
+    return static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
+  };
+  Parts cover;
+  for (std::size_t part = 0; part < assembly->parts.size(); ++part) {
+    if (assembly->shown_name(part) == "Cover") cover.push_back(part);
+  }
+  ASSERT_EQ(cover.size(), 1u);
+  EXPECT_LT(seconds_for(cover), 1.5 * seconds_for({}));
 }
 
 #ifdef FORCELAYER_TEST_FCL

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <iterator>
+#include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -48,7 +50,7 @@ class Disassembly {
               const Observer& observer)
       : request_(request),
         observer_(observer),
-        shapes_(assembly, request.required_m),
+        shapes_(assembly, request.required_m, request.rules),
         motions_(shapes_) {}
 
   Outcome run() {
@@ -106,11 +108,11 @@ class Disassembly {
     }
   }
 
-  // Takes parts away until no more come out, and returns those that are left.
+  // Takes parts away until no more come out, or the target is out, and returns those that are left.
   Parts rounds(Parts present, const Parts& from) {
     // On the way to a target not every step is needed: they are told when that is known.
     const bool tells = request_.target.empty();
-    while (present.size() > 1) {
+    while (present.size() > 1 && (tells || has_target(present))) {
       left_count_ = present.size();
       std::vector<Step> steps;
       if (tells) steps = observer_.recall(present);
@@ -121,7 +123,8 @@ class Disassembly {
       if (steps.empty()) steps = two_leg_steps(present);
       if (steps.empty()) steps = group_steps(present);
       if (steps.empty()) break;
-      finish(steps, present, from, is_known);
+      for (Step& step : steps) step.from = from;
+      if (tells && !is_known) finish(steps, present);
       if (!is_known && is_over()) break;  // the round may lack steps, and what they overlap
       if (tells) observer_.found(present, steps, is_known);
       for (Step& step : steps) {
@@ -133,24 +136,27 @@ class Disassembly {
   }
 
   // The steps of a round leave one after the other: the last of them need not go so far, and what
-  // left before is near no path.
-  void finish(std::vector<Step>& steps, const Parts& present, const Parts& from, bool is_known) {
-    Parts rest = present;
+  // left before is near no path. A group that is taken apart outside is beside itself alone.
+  void finish(std::vector<Step>& steps, const Parts& present) {
+    std::map<Parts, Parts> rest_of{{{}, present}};  // by where parts are taken from
     std::vector<Parts> others;
-    for (Step& step : steps) {
+    for (const Step& step : steps) {
+      Parts& rest = rest_of.try_emplace(step.from, step.from).first->second;
       rest = without(rest, step.parts);
       others.push_back(rest);
-      step.from = from;
     }
-    if (is_known) return;
     Parts numbers(steps.size());
     for (std::size_t n = 0; n < numbers.size(); ++n) numbers[n] = n;
     for_each_part("measuring", numbers, [&](std::size_t n) { measure(steps[n], others[n]); });
   }
 
-  // The largest part stays: the others are taken off it.
+  // The largest part stays, but for a target: the others are taken off it.
   std::size_t base_of(const Parts& present) const {
-    return *std::max_element(present.begin(), present.end(), [&](std::size_t a, std::size_t b) {
+    const Parts may_stay = without(present, request_.target);
+    return largest_of(may_stay.empty() ? present : may_stay);
+  }
+  std::size_t largest_of(const Parts& parts) const {
+    return *std::max_element(parts.begin(), parts.end(), [&](std::size_t a, std::size_t b) {
       return volume_m3(shapes_.box_m(a)) < volume_m3(shapes_.box_m(b));
     });
   }
@@ -342,7 +348,7 @@ class Disassembly {
   void measure(Step& step, const Parts& others) const {
     step.length_m = length_of(step.rows);
     const clearance::CenterPath path(step.rows, glm::dvec3(0), 0);
-    std::set<std::size_t> touched;
+    std::set<std::size_t> touched, ignored;
     double nearest_m = kEverywhereM;
     struct Gap {
       double gap_m;
@@ -352,7 +358,13 @@ class Disassembly {
     for (const std::size_t part : step.parts) {
       for (const std::size_t object : others) {
         const Installed& installed = shapes_.installed(part, object);
-        const double deviations_m = shapes_.rule(part, object).margin_m();
+        const PairRule rule = shapes_.rule(part, object);
+        const double deviations_m = rule.margin_m();
+        if (rule.is_ignored) {
+          const double gap_m = swept_gap_m(path, shapes_.box_m(part), shapes_.box_m(object));
+          if (gap_m <= deviations_m) ignored.insert(object);
+          continue;
+        }
         if (installed.margin_m > deviations_m) {
           step.hidden_overlap_m = std::max(step.hidden_overlap_m, installed.margin_m);
         }
@@ -381,6 +393,7 @@ class Disassembly {
       step.clearance_m = near->proven_m;
     }
     step.touched.assign(touched.begin(), touched.end());
+    step.ignored.assign(ignored.begin(), ignored.end());
   }
 
   // --- parts that are left
@@ -416,13 +429,13 @@ class Disassembly {
     left_count_ = all.size();
     std::vector<Step> steps = observer_.recall(all);
     const bool is_known = !steps.empty();
-    const bool is_base = contains(request_.target, base_of(all));
-    if (!is_known) steps = straight_removals(all, is_base);
+    const bool is_largest = contains(request_.target, largest_of(all));
+    if (!is_known) steps = straight_removals(all, is_largest);
     if (steps.empty() && !is_over()) {
       Parts left = rounds(all, {});
       for (std::size_t n = 0; n < outcome_.steps.size(); ++n) {
         const Parts group = outcome_.steps[n].parts;
-        if (!has_target(outcome_.steps[n]) || without(group, request_.target).empty()) continue;
+        if (!has_target(group) || without(group, request_.target).empty()) continue;
         const Parts together = rounds(group, group);
         // A part that stays in one piece with another one has not come out.
         if (!without(together, request_.target).empty()) {
@@ -436,7 +449,7 @@ class Disassembly {
       explain(request_.target, all);
       return;
     }
-    finish(steps, all, {}, is_known);
+    if (!is_known) finish(steps, all);
     if (!is_known && is_over()) {  // the steps may lack what they overlap
       explain(request_.target, all);
       return;
@@ -445,8 +458,9 @@ class Disassembly {
     outcome_.steps = std::move(steps);
   }
 
-  // A plan is made from what is quickly seen to be in the way, so it may fail. Then more is known,
-  // and another plan is made.
+  // Along the axes alone: for all features of all parts that may be of use, the plan would take
+  // longer than to take the whole assembly apart. A plan is made from what is quickly seen to be in
+  // the way, so it may fail. Then more is known, and another plan is made.
   std::vector<Step> straight_removals(const Parts& all, bool may_move_base) {
     const std::size_t base = base_of(all);
     while (!is_over()) {
@@ -475,42 +489,41 @@ class Disassembly {
     return part == request_.target.front() ? request_.target : Parts{part};
   }
 
+  // The first motion that nothing is seen to block, or else all motions.
   std::vector<BlockedMotion> blocked_motions(const Parts& group, const Parts& all) {
-    const Parts& target = request_.target;
-    find_features(group);
-    const Parts directions = directions_of(group, all);
-    std::vector<BlockedMotion> found(directions.size());
-    for (const std::size_t member : group) {
-      if (is_over()) return {};
-      for (std::size_t n = 0; n < directions.size(); ++n) {
-        found[n].direction = directions[n];
-        for (std::size_t blocker : motions_.seen_blockers(member, directions[n], all)) {
-          if (contains(group, blocker)) continue;
-          if (contains(target, blocker)) blocker = target.front();
-          Parts& blockers = found[n].blockers;
-          const auto at = std::lower_bound(blockers.begin(), blockers.end(), blocker);
-          if (at == blockers.end() || *at != blocker) blockers.insert(at, blocker);
+    const Parts axes = axes_by_length(group, all), others = without(all, group);
+    std::vector<BlockedMotion> found(axes.size());
+    for (std::size_t n = 0; n < axes.size(); ++n) found[n].direction = axes[n];
+    const auto at = std::find_if(axes.begin(), axes.end(), [&](std::size_t direction) {
+      return std::none_of(group.begin(), group.end(), [&](std::size_t member) {
+        return !is_over() && motions_.is_any_seen(member, direction, others);
+      });
+    });
+    if (at != axes.end()) {
+      return {found[static_cast<std::size_t>(at - axes.begin())]};
+    }
+    Parts numbers(axes.size());
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+    for_each_part("looking for what must leave", numbers, [&](std::size_t n) {
+      std::set<std::size_t> blockers;
+      for (const std::size_t member : group) {
+        for (const std::size_t blocker : motions_.seen_blockers(member, axes[n], others)) {
+          const bool is_of_target = contains(request_.target, blocker);
+          blockers.insert(is_of_target ? request_.target.front() : blocker);
         }
       }
-    }
-    ++asked_;
-    observer_.progress("looking for what must leave",
-                       static_cast<double>(asked_) / static_cast<double>(asked_ + all.size()));
+      found[n].blockers.assign(blockers.begin(), blockers.end());
+    });
     return found;
   }
 
   // Those in which the way out is short come first.
-  Parts directions_of(const Parts& group, const Parts& all) const {
+  Parts axes_by_length(const Parts& group, const Parts& all) const {
     Parts axes(StraightMotions::kAxisDirections);
     for (std::size_t d = 0; d < axes.size(); ++d) axes[d] = d;
     std::stable_sort(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
       return motions_.length_m(group, a, all) < motions_.length_m(group, b, all);
     });
-    for (const std::size_t part : group) {
-      for (const std::size_t direction : motions_.feature_directions(part)) {
-        if (std::find(axes.begin(), axes.end(), direction) == axes.end()) axes.push_back(direction);
-      }
-    }
     return axes;
   }
 
@@ -521,20 +534,40 @@ class Disassembly {
       if (contains(left, part)) return {};
     }
     for (std::size_t n = steps.size(); n-- > 0;) {
-      if (has_target(steps[n])) continue;
-      const bool is_passed = std::all_of(
-          steps.begin() + static_cast<std::ptrdiff_t>(n) + 1, steps.end(), [&](const Step& later) {
-            return std::all_of(later.parts.begin(), later.parts.end(), [&](std::size_t part) {
-              return passes(part, later.rows, steps[n].parts);
-            });
-          });
-      if (is_passed) steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(n));
+      if (has_target(steps[n].parts)) continue;
+      std::vector<Step> later(steps.begin() + static_cast<std::ptrdiff_t>(n) + 1, steps.end());
+      const bool is_passed = std::all_of(later.begin(), later.end(), [&](Step& step) {
+        if (step.from != steps[n].from) return true;  // it is taken apart elsewhere
+        lead_past(step, steps[n].parts);
+        return std::all_of(step.parts.begin(), step.parts.end(), [&](std::size_t part) {
+          return passes(part, step.rows, steps[n].parts);
+        });
+      });
+      if (!is_passed) continue;
+      steps.resize(n);
+      steps.insert(steps.end(), later.begin(), later.end());
     }
     return steps;
   }
 
-  bool has_target(const Step& step) const {
-    return std::any_of(step.parts.begin(), step.parts.end(),
+  // Makes the last leg of a step so long that it ends outside of the box around these parts, too.
+  void lead_past(Step& step, const Parts& others) const {
+    const auto shift_at = [&](std::size_t row) {
+      const auto& at = step.rows[row].position_m;
+      return glm::dvec3(at[0], at[1], at[2]);
+    };
+    std::vector<glm::dvec3> shifts_m;
+    for (std::size_t row = 1; row < step.rows.size(); ++row) shifts_m.push_back(shift_at(row));
+    const glm::dvec3 before_m = shift_at(step.rows.size() - 2);
+    const glm::dvec3 leg_m = shifts_m.back() - before_m, along = glm::normalize(leg_m);
+    const double length_m = motions_.length_m(step.parts, before_m, along, others);
+    if (length_m <= glm::length(leg_m)) return;
+    shifts_m.back() = before_m + length_m * along;
+    step.rows = rows_through(shifts_m);
+  }
+
+  bool has_target(const Parts& parts) const {
+    return std::any_of(parts.begin(), parts.end(),
                        [&](std::size_t part) { return contains(request_.target, part); });
   }
 
@@ -545,7 +578,7 @@ class Disassembly {
   PartShapes shapes_;
   StraightMotions motions_;
   Outcome outcome_;
-  std::size_t left_count_ = 0, asked_ = 0;
+  std::size_t left_count_ = 0;
 };
 
 }  // namespace

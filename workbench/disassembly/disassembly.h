@@ -35,6 +35,7 @@ struct Step {
   double distance_m = 0;   // from it, as measured
   double clearance_m = 0;  // a lower bound
   Parts touched;           // objects that the installed part touches
+  Parts ignored;           // objects that a rule ignores, and whose boxes the path may meet
   std::vector<Overlap> overlaps;
   // How much deeper than installed the part may go into what it touches, because cracks of a mesh
   // hide it; 0 without cracks.
@@ -59,9 +60,10 @@ struct Outcome {
 };
 
 struct Request {
-  double required_m = 0;        // clearance
-  Parts target;                 // parts that shall come out together; empty: all
-  std::optional<double> max_s;  // seconds
+  double required_m = 0;                // clearance of pairs that no rule names
+  Parts target;                         // parts that shall come out together; empty: all
+  std::optional<double> max_s;          // seconds
+  std::vector<pairs::Rule> rules = {};  // each pair of parts keeps its own, also in a group
 };
 
 struct Observer {

@@ -157,6 +157,11 @@ Status Folder::mark_unfinished() const {
 std::string Folder::state_of(const Parts& present) const {
   std::string bytes = std::string(command::kVersion) + " " + command::commit();
   append(bytes, request_.required_m);
+  for (const pairs::Rule& rule : request_.rules) {
+    bytes += rule.part + '\0' + rule.object + '\0';
+    append(bytes, rule.requirement.kind);
+    append(bytes, rule.requirement.clearance_m);
+  }
   const auto add = [&](const Parts& parts) {
     bytes.push_back('\0');
     for (const std::size_t part : parts) bytes += digests_[part];
@@ -199,6 +204,8 @@ std::optional<Step> Folder::step_of(const nlohmann::json& known) const try {
     step.clearance_m = known.at("clearance_m");
   }
   step.touched = parts_of(assembly_, known.at("touches"));
+  step.ignored = parts_of(assembly_, known.at("ignores"));
+  step.from = parts_of(assembly_, known.at("from"));
   step.hidden_overlap_m = known.at("hidden_overlap_m");
   for (const nlohmann::json& overlap : known.at("overlaps")) {
     const Parts object = parts_of(assembly_, nlohmann::json::array({overlap.at("object")}));

@@ -28,6 +28,12 @@ double steady_s() {
 
 Status disassemble(const Options& options) {
   const double begun_s = steady_s();
+  std::vector<pairs::Rule> rules;
+  if (!options.rules.empty()) {
+    auto read = pairs::read_rules(options.rules);
+    if (!read) return read.error();
+    rules = std::move(*read);
+  }
   command::ProgressLine line(options.quiet);
   line.show("reading", 0);
   const auto assembly = pairs::read_parts(options.assembly, options.unit_m);
@@ -41,7 +47,13 @@ Status disassemble(const Options& options) {
                  "has only one part, so there is nothing to take apart",
                  "give an assembly; voxelize --list prints its parts"};
   }
-  Request request{options.required_m, {}, options.max_s};
+  const std::vector<pairs::PartName> names = assembly->names();
+  if (Status s = pairs::check_siblings(rules, names, options.rules); !s) return s;
+  const pairs::RuleTable table(rules, names);
+  for (const std::string& warning : table.warnings(options.rules)) {
+    command::warn(warning, options.quiet);
+  }
+  Request request{options.required_m, {}, options.max_s, rules};
   if (!options.target.empty()) {
     auto target = target_parts(*assembly, options.target);
     if (!target) return command::about("--target", target.error());
@@ -91,7 +103,7 @@ int run(int argc, char** argv) {
   return command::run_command("forcelayer", [&]() -> Status {
     auto options = parser.finish();
     if (!options) return options.error();
-    const std::string inputs[] = {options->assembly};
+    const std::string inputs[] = {options->assembly, options->rules};
     const command::OutputFile outputs[] = {{"--json", &options->json, command::FileKind::kReport}};
     if (Status s = command::prepare_outputs(outputs, inputs); !s) return s;
     try {

@@ -18,17 +18,21 @@ OptionParser::OptionParser(CLI::App& app) {
                  "Default: take the whole assembly apart");
   app.add_option("--clearance", options_.clearance,
                  "required distance between the exact surfaces, default 1mm");
+  app.add_option("--rules", options_.rules,
+                 "a CSV file with the columns part,object,clearance, as in forcelayer pairs. Where "
+                 "no row names two parts, --clearance counts");
   app.add_option("--time", options_.time, "time limit of the whole command; default: none");
   app.add_option("--units", options_.units, command::kUnitsHelp);
   app.add_option("--json", options_.json, "write a report to this file");
   app.add_flag("--quiet", options_.quiet, "print nothing but errors");
   app.footer(
+      "'34 mm or more along +z': after 34 mm, no part that is left is in the way any more.\n"
       "The same command continues an earlier one. It keeps the steps whose parts did not change.\n"
       "Exit status 0: all parts, or the target, come out; 6: something is left; 7: not "
       "without force.");
   command::arrange_help(
       app,
-      {{"Question", {"--target", "--clearance", "--time"}},
+      {{"Question", {"--target", "--clearance", "--rules", "--time"}},
        {"Meshes", {"--units"}},
        {"Output", {"--output"}}},
       "  forcelayer disassemble gearbox.glb -o apart                takes all parts away\n"

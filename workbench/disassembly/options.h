@@ -18,7 +18,7 @@ namespace forcelayer::disassembly {
 inline constexpr char kProgram[] = "forcelayer-disassemble";
 
 struct Options {
-  std::string assembly, folder, target, units, json;
+  std::string assembly, folder, target, rules, units, json;
   std::string clearance = command::kDefaultClearance, time;
   double required_m = 0;         // --clearance
   std::optional<double> max_s;   // --time

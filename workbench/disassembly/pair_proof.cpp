@@ -57,18 +57,6 @@ mesh::Box placed(const mesh::Box& box, const Pose& pose) {
   return around;
 }
 
-// A lower bound of the distance between the boxes along the whole path.
-double swept_gap_m(const CenterPath& path, const mesh::Box& part, const mesh::Box& object) {
-  double gap_m = pairs::distance_of(placed(part, path.world_from_center({0, 0})), object);
-  for (std::size_t pose = 1; pose < path.poses(); ++pose) {
-    const Moment from{pose - 1, 0}, to{pose, 0};
-    mesh::Box swept = placed(part, path.world_from_center(from));
-    mesh::extend(swept, placed(part, path.world_from_center(to)));
-    gap_m = std::min(gap_m, pairs::distance_of(swept, object) - path.deviation_m(from, to));
-  }
-  return gap_m;
-}
-
 class PairPath {
  public:
   PairPath(const CenterPath& path, const Shape& part, const Shape& object,
@@ -189,8 +177,20 @@ class PairPath {
 
 double end_gap_m(const PairRule& rule) { return rule.required_m + rule.margin_m() + 4 * kTravelM; }
 
+double swept_gap_m(const CenterPath& path, const mesh::Box& part, const mesh::Box& object) {
+  double gap_m = pairs::distance_of(placed(part, path.world_from_center({0, 0})), object);
+  for (std::size_t pose = 1; pose < path.poses(); ++pose) {
+    const Moment from{pose - 1, 0}, to{pose, 0};
+    mesh::Box swept = placed(part, path.world_from_center(from));
+    mesh::extend(swept, placed(part, path.world_from_center(to)));
+    gap_m = std::min(gap_m, pairs::distance_of(swept, object) - path.deviation_m(from, to));
+  }
+  return gap_m;
+}
+
 Installed measure_installed(const Shape& part, const Shape& object, const PairRule& rule) {
   Installed installed;
+  if (rule.is_ignored) return installed;
   const double counted_m = rule.required_m + rule.margin_m();
   installed.gap_m = pairs::distance_of(part.box_m(), object.box_m());
   if (installed.gap_m > counted_m) return installed;
@@ -220,6 +220,7 @@ Installed measure_installed(const Shape& part, const Shape& object, const PairRu
 
 bool is_seen_blocked(const CenterPath& path, const Shape& part, const Shape& object,
                      const Installed& installed, const PairRule& rule) {
+  if (rule.is_ignored) return false;
   const double counted_m = rule.required_m + rule.margin_m();
   if (!installed.is_seat && swept_gap_m(path, part.box_m(), object.box_m()) >= counted_m) {
     return false;
@@ -235,6 +236,7 @@ bool is_seen_blocked(const CenterPath& path, const Shape& part, const Shape& obj
 
 PairOutcome check_pair(const CenterPath& path, const Shape& part, const Shape& object,
                        const Installed& installed, const PairRule& rule) {
+  if (rule.is_ignored) return PairOutcome::kFree;
   const double counted_m = rule.required_m + rule.margin_m();
   if (!installed.is_seat && swept_gap_m(path, part.box_m(), object.box_m()) >= counted_m) {
     return PairOutcome::kFree;
@@ -254,6 +256,7 @@ PairOutcome check_pair(const CenterPath& path, const Shape& part, const Shape& o
 
 std::optional<Nearest> nearest_along(const CenterPath& path, const Shape& part, const Shape& object,
                                      const PairRule& rule, double beyond_m) {
+  if (rule.is_ignored) return std::nullopt;
   if (swept_gap_m(path, part.box_m(), object.box_m()) >= beyond_m) return std::nullopt;
   const exact::MeshPair distance(object.mesh(), part.mesh());
   exact::ExactWalk walk(path, distance, distance, rule.rounding_m);

@@ -19,9 +19,10 @@
 namespace forcelayer::disassembly {
 
 struct PairRule {
-  double required_m = 0;   // clearance
-  double rounding_m = 0;   // of a measured distance
-  double deviation_m = 0;  // of both meshes from the true surfaces
+  double required_m = 0;    // clearance
+  double rounding_m = 0;    // of a measured distance
+  double deviation_m = 0;   // of both meshes from the true surfaces
+  bool is_ignored = false;  // the parts may be near and may collide: nothing is measured
   double margin_m() const { return rounding_m + deviation_m; }
 };
 
@@ -64,13 +65,18 @@ PairOutcome check_pair(const clearance::CenterPath& path, const pairs::Shape& pa
 // How far apart two boxes are, at least, at the end of a path that is proven.
 double end_gap_m(const PairRule& rule);
 
+// A lower bound of the distance between the boxes of both along the whole path.
+double swept_gap_m(const clearance::CenterPath& path, const mesh::Box& part,
+                   const mesh::Box& object);
+
 // The least distance along a path.
 struct Nearest {
   double distance_m = 0;  // as measured
   double proven_m = 0;    // a lower bound, less the deviations; 0 at least
   double at_s = 0;        // time of the path
 };
-// None where it is proven to be `beyond_m` or more. `part`, `object` and `path` as above.
+// None where it is proven to be `beyond_m` or more, or is ignored. `part`, `object` and `path` as
+// above.
 std::optional<Nearest> nearest_along(const clearance::CenterPath& path, const pairs::Shape& part,
                                      const pairs::Shape& object, const PairRule& rule,
                                      double beyond_m);

@@ -7,8 +7,18 @@
 
 namespace forcelayer::disassembly {
 
-PartShapes::PartShapes(const pairs::AssemblyParts& assembly, double required_m)
-    : assembly_(assembly), required_m_(required_m), all_m_(mesh::empty_box()) {
+PartShapes::PartShapes(const pairs::AssemblyParts& assembly, double required_m,
+                       std::span<const pairs::Rule> rules)
+    : assembly_(assembly),
+      rules_(rules),
+      names_(assembly.names()),
+      table_(rules_, names_),
+      required_m_(required_m),
+      max_required_m_(required_m),
+      all_m_(mesh::empty_box()) {
+  for (const pairs::Rule& rule : rules) {
+    max_required_m_ = std::max(max_required_m_, rule.requirement.clearance_m);
+  }
   for (const pairs::AssemblyPart& part : assembly.parts) {
     mesh::extend(all_m_, part.box_m);
     own_.emplace_back();
@@ -19,7 +29,7 @@ PartShapes::PartShapes(const pairs::AssemblyParts& assembly, double required_m)
     largest_m = std::max({largest_m, std::abs(all_m_.low[axis]), std::abs(all_m_.high[axis])});
     size_m = std::max(size_m, all_m_.high[axis] - all_m_.low[axis]);
   }
-  rounding_m_ = exact::kRounding * (largest_m + 2 * size_m + required_m);
+  rounding_m_ = exact::kRounding * (largest_m + 2 * size_m + max_required_m_);
 }
 
 const pairs::Shape& PartShapes::in_world(std::size_t part) const {
@@ -50,8 +60,21 @@ const PartShapes::Centered& PartShapes::centered(std::size_t part) const {
 }
 
 PairRule PartShapes::rule(std::size_t part, std::size_t object) const {
-  return {required_m_, rounding_m_,
-          assembly_.parts[part].deviation_m + assembly_.parts[object].deviation_m};
+  PairRule rule{required_m_, rounding_m_,
+                assembly_.parts[part].deviation_m + assembly_.parts[object].deviation_m};
+  const std::size_t row = table_.first_rule(part, object);
+  if (row == rules_.size()) return rule;
+  rule.required_m = rules_[row].requirement.clearance_m;
+  rule.is_ignored = rules_[row].requirement.kind == pairs::Requirement::Kind::kIgnore;
+  return rule;
+}
+
+double PartShapes::max_end_gap_m() const {
+  double deviation_m = 0;
+  for (const pairs::AssemblyPart& part : assembly_.parts) {
+    deviation_m = std::max(deviation_m, part.deviation_m);
+  }
+  return end_gap_m({max_required_m_, rounding_m_, 2 * deviation_m});
 }
 
 const Installed& PartShapes::installed(std::size_t part, std::size_t object) const {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,8 +18,9 @@ namespace forcelayer::disassembly {
 
 class PartShapes {
  public:
-  // `assembly` outlives this. `required_m`: the clearance of all pairs.
-  PartShapes(const pairs::AssemblyParts& assembly, double required_m);
+  // `assembly` and `rules` outlive this. `required_m`: the clearance of pairs that no rule names.
+  PartShapes(const pairs::AssemblyParts& assembly, double required_m,
+             std::span<const pairs::Rule> rules = {});
 
   std::size_t size() const { return assembly_.parts.size(); }
   const mesh::Box& box_m(std::size_t part) const { return assembly_.parts[part].box_m; }
@@ -38,6 +40,8 @@ class PartShapes {
   const Centered& centered(std::size_t part) const;
 
   PairRule rule(std::size_t part, std::size_t object) const;
+  // end_gap_m() of the rule that asks for most.
+  double max_end_gap_m() const;
   const Installed& installed(std::size_t part, std::size_t object) const;
 
  private:
@@ -48,7 +52,10 @@ class PartShapes {
   };
 
   const pairs::AssemblyParts& assembly_;
-  double required_m_, rounding_m_ = 0;
+  std::span<const pairs::Rule> rules_;
+  std::vector<pairs::PartName> names_;
+  pairs::RuleTable table_;
+  double required_m_, max_required_m_, rounding_m_ = 0;
   mesh::Box all_m_;
   mutable std::deque<Own> own_;  // [parts]
   mutable std::mutex installed_lock_;

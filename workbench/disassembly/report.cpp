@@ -50,15 +50,17 @@ Json name_of(const pairs::AssemblyParts& assembly, const std::optional<std::size
   return part ? Json(assembly.parts[*part].name.listed) : Json(nullptr);
 }
 
-// "Bolt[1]: 34 mm along +z (touches Cover; nearest: Housing, 0.0997 mm)"
+// "Bolt[1]: 34 mm or more along +z (touches Cover; nearest: Housing, 0.0997 mm)"
 std::string line_of(const pairs::AssemblyParts& assembly, const Step& step) {
   Parts touched = step.touched;
   for (const Overlap& overlap : step.overlaps) touched = without(touched, {overlap.object});
   std::string beside;
-  if (!touched.empty()) beside = "touches " + listed(assembly, touched);
+  const auto add = [&](const std::string& text) { beside += (beside.empty() ? "" : "; ") + text; };
+  if (!touched.empty()) add("touches " + listed(assembly, touched));
+  if (!step.ignored.empty()) add("ignores " + listed(assembly, step.ignored));
   if (step.nearest) {
-    beside += (beside.empty() ? "" : "; ") + ("nearest: " + assembly.shown_name(*step.nearest)) +
-              ", " + command::length_text(step.distance_m + command::kDecimalM);
+    add("nearest: " + assembly.shown_name(*step.nearest) + ", " +
+        command::length_text(step.distance_m + command::kDecimalM));
   }
   return listed(assembly, step.parts) + ": " + motion_text(step) +
          (beside.empty() ? "" : " (" + beside + ")");
@@ -111,8 +113,9 @@ std::string motion_text(const Step& step) {
     const auto &a = step.rows[n - 1].position_m, &b = step.rows[n].position_m;
     const glm::dvec3 way(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     const double length_m = glm::length(way);
+    const char* const or_more = n + 1 == step.rows.size() ? " or more" : "";
     line += (line.empty() ? "" : ", then ") + command::length_text(length_m + command::kDecimalM) +
-            " along " + direction_text(way / length_m);
+            or_more + " along " + direction_text(way / length_m);
   }
   return line;
 }
@@ -153,6 +156,7 @@ Json step_json(const pairs::AssemblyParts& assembly, const Step& step) {
   json["path_length_m"] = step.length_m;
   json["settled_by"] = step.settled_by;
   json["touches"] = names_of(assembly, step.touched);
+  json["ignores"] = names_of(assembly, step.ignored);
   Json& overlaps = json["overlaps"] = Json::array();
   for (const Overlap& overlap : step.overlaps) {
     overlaps.push_back(
@@ -168,6 +172,14 @@ Json outcome_json(const pairs::AssemblyParts& assembly, const Request& request,
   Json json;
   json["sentence"] = sentence(assembly, request, outcome);
   json["required_clearance_m"] = request.required_m;
+  Json& rules = json["rules"] = Json::array();
+  for (const pairs::Rule& rule : request.rules) {
+    const bool is_ignored = rule.requirement.kind == pairs::Requirement::Kind::kIgnore;
+    rules.push_back(
+        {{"part", rule.part},
+         {"object", rule.object},
+         {"required_clearance_m", is_ignored ? Json() : Json(rule.requirement.clearance_m)}});
+  }
   json["target"] = request.target.empty() ? Json(nullptr) : names_of(assembly, request.target);
   json["steps"] = Json::array();
   Json& left = json["left"] = Json::array();

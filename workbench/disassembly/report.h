@@ -8,10 +8,12 @@
 
 namespace forcelayer::disassembly {
 
-// "30 mm along +z", "78 mm along +x, then 95 mm along -y": the path of a step.
+// "30 mm or more along +z", "78 mm along +x, then 95 mm or more along -y": the path of a step.
+// Where it ends, the parts are outside of the box around all parts that are left, and stay so
+// however far they go on along the last leg.
 std::string motion_text(const Step& step);
 
-// "1. Bolt: 30 mm along +z (nearest: Cover, 0.098 mm)", with a line for each overlap.
+// "1. Bolt: 30 mm or more along +z (nearest: Cover, 0.098 mm)", with a line for each overlap.
 std::string instruction(const pairs::AssemblyParts& assembly, const Step& step, std::size_t number);
 
 // "All 9 parts come apart.", and behind a "no" a line for each part that is left. `left` lines at

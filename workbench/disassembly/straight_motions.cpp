@@ -82,44 +82,62 @@ std::vector<PathRow> StraightMotions::rows_out(std::size_t direction) const {
 PairOutcome StraightMotions::outcome(std::size_t part, std::size_t direction, std::size_t object) {
   const std::pair key{direction, object};
   auto& proven = proven_[part];
-  if (const auto found = proven.find(key); found != proven.end()) return found->second;
+  {
+    const std::lock_guard lock(known_lock_);
+    if (const auto found = proven.find(key); found != proven.end()) return found->second;
+  }
   PairOutcome outcome = PairOutcome::kBlocked;
   if (!is_seen(part, direction, object)) {
     const clearance::CenterPath path(rows_out(direction), glm::dvec3(0), 0);  // it does not turn
     outcome = check_pair(path, shapes_.in_world(part), shapes_.in_world(object),
                          shapes_.installed(part, object), shapes_.rule(part, object));
   }
+  const std::lock_guard lock(known_lock_);
   proven.emplace(key, outcome);
   return outcome;
 }
 
 bool StraightMotions::is_seen(std::size_t part, std::size_t direction, std::size_t object) {
   const std::pair key{direction, object};
-  const auto& proven = proven_[part];
-  if (const auto found = proven.find(key); found != proven.end()) {
-    return found->second != PairOutcome::kFree;
-  }
   auto& blocks = blocks_[part];
-  if (const auto found = blocks.find(key); found != blocks.end()) return found->second;
+  {
+    const std::lock_guard lock(known_lock_);
+    const auto& proven = proven_[part];
+    if (const auto found = proven.find(key); found != proven.end()) {
+      return found->second != PairOutcome::kFree;
+    }
+    if (const auto found = blocks.find(key); found != blocks.end()) return found->second;
+  }
   const clearance::CenterPath path(rows_out(direction), glm::dvec3(0), 0);  // it does not turn
   const bool is_blocked =
       is_seen_blocked(path, shapes_.in_world(part), shapes_.in_world(object),
                       shapes_.installed(part, object), shapes_.rule(part, object));
+  const std::lock_guard lock(known_lock_);
   blocks.emplace(key, is_blocked);
   return is_blocked;
 }
 
-bool StraightMotions::is_free(std::size_t part, std::size_t direction, const Parts& others) {
-  // The nearest are the likeliest to be in the way.
+// The nearest are the likeliest to be in the way.
+Parts StraightMotions::by_gap(std::size_t part, const Parts& others) const {
   Parts by_gap = without(others, {part});
   const auto gap_m = [&](std::size_t object) {
     return pairs::distance_of(shapes_.box_m(part), shapes_.box_m(object));
   };
   std::stable_sort(by_gap.begin(), by_gap.end(),
                    [&](std::size_t a, std::size_t b) { return gap_m(a) < gap_m(b); });
-  return std::none_of(by_gap.begin(), by_gap.end(),
-                      [&](std::size_t object) { return is_seen(part, direction, object); }) &&
-         std::all_of(by_gap.begin(), by_gap.end(), [&](std::size_t object) {
+  return by_gap;
+}
+
+bool StraightMotions::is_any_seen(std::size_t part, std::size_t direction, const Parts& others) {
+  const Parts objects = by_gap(part, others);
+  return std::any_of(objects.begin(), objects.end(),
+                     [&](std::size_t object) { return is_seen(part, direction, object); });
+}
+
+bool StraightMotions::is_free(std::size_t part, std::size_t direction, const Parts& others) {
+  const Parts objects = by_gap(part, others);
+  return !is_any_seen(part, direction, others) &&
+         std::all_of(objects.begin(), objects.end(), [&](std::size_t object) {
            return outcome(part, direction, object) == PairOutcome::kFree;
          });
 }
@@ -136,11 +154,7 @@ double StraightMotions::length_m(const glm::dvec3& direction, const mesh::Box& m
                                  const mesh::Box& rest) const {
   // More than end_gap_m() of any pair asks for, by far more than the rounding of a place. A part
   // that is outside already goes as far.
-  double gap_m = 0;
-  for (std::size_t part = 0; part < shapes_.size(); ++part) {
-    gap_m = std::max(gap_m, end_gap_m(shapes_.rule(part, part)));
-  }
-  gap_m *= 1 + 0x1p-10;
+  const double gap_m = shapes_.max_end_gap_m() * (1 + 0x1p-10);
   double length_m = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = direction[static_cast<int>(axis)];
@@ -152,16 +166,20 @@ double StraightMotions::length_m(const glm::dvec3& direction, const mesh::Box& m
   return rounded_up_m(length_m);
 }
 
-double StraightMotions::length_m(const Parts& parts, std::size_t direction,
-                                 const Parts& others) const {
+double StraightMotions::length_m(const Parts& parts, const glm::dvec3& displaced_m,
+                                 const glm::dvec3& direction, const Parts& others) const {
   mesh::Box moved = mesh::empty_box(), rest = mesh::empty_box();
   for (const std::size_t part : parts) mesh::extend(moved, shapes_.box_m(part));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    moved.low[axis] += displaced_m[static_cast<int>(axis)];
+    moved.high[axis] += displaced_m[static_cast<int>(axis)];
+  }
   for (const std::size_t other : others) {
     if (std::find(parts.begin(), parts.end(), other) == parts.end()) {
       mesh::extend(rest, shapes_.box_m(other));
     }
   }
-  return length_m(directions_[direction], moved, rest);
+  return length_m(direction, moved, rest);
 }
 
 std::vector<PathRow> rows_through(std::span<const glm::dvec3> shifts_m) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <map>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,17 +30,24 @@ class StraightMotions {
   const Parts& feature_directions(std::size_t part) const { return features_[part]; }
   const glm::dvec3& direction(std::size_t number) const { return directions_[number]; }
 
-  // Whether the part passes an object, by a proof. For one thread at a time for each part, and not
+  // Whether the part passes an object, by a proof. This and all below for many threads, but not
   // while directions are added.
   PairOutcome outcome(std::size_t part, std::size_t direction, std::size_t object);
   // The same of all of these: first what is quickly seen to be in the way. `others` may have the
   // part itself, which does not count.
   bool is_free(std::size_t part, std::size_t direction, const Parts& others);
+  // Whether one of these is quickly seen to be in the way, or was found to be by a proof.
+  bool is_any_seen(std::size_t part, std::size_t direction, const Parts& others);
   // Those of these that are in the way, as far as is quickly seen or was found by a proof.
   Parts seen_blockers(std::size_t part, std::size_t direction, const Parts& others);
 
-  // How far some parts go along a direction until they are outside of the box around others.
-  double length_m(const Parts& parts, std::size_t direction, const Parts& others) const;
+  // How far some parts go along a direction until they are outside of the box around others, and
+  // stay so however far they go on. In the second, they are displaced before.
+  double length_m(const Parts& parts, std::size_t direction, const Parts& others) const {
+    return length_m(parts, glm::dvec3(0), directions_[direction], others);
+  }
+  double length_m(const Parts& parts, const glm::dvec3& displaced_m, const glm::dvec3& direction,
+                  const Parts& others) const;
 
  private:
   std::vector<PathRow> rows_out(std::size_t direction) const;
@@ -47,9 +55,12 @@ class StraightMotions {
   std::size_t add(const glm::dvec3& direction);
   double length_m(const glm::dvec3& direction, const mesh::Box& moved, const mesh::Box& rest) const;
 
+  Parts by_gap(std::size_t part, const Parts& others) const;
+
   const PartShapes& shapes_;
   std::vector<glm::dvec3> directions_;
-  std::vector<Parts> features_;                                                     // [parts]
+  std::vector<Parts> features_;  // [parts]
+  std::mutex known_lock_;        // of the next two
   std::vector<std::map<std::pair<std::size_t, std::size_t>, PairOutcome>> proven_;  // [parts]
   std::vector<std::map<std::pair<std::size_t, std::size_t>, bool>> blocks_;  // [parts] as seen
 };

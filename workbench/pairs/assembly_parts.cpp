@@ -62,6 +62,12 @@ std::string AssemblyParts::shown_name(std::size_t part) const {
   return escaped(command::short_name(paths[part], paths));
 }
 
+std::vector<PartName> AssemblyParts::names() const {
+  std::vector<PartName> names;
+  for (const AssemblyPart& part : parts) names.push_back(part.name);
+  return names;
+}
+
 void AssemblyParts::add_paths() {
   paths.clear();
   for (const AssemblyPart& part : parts) paths.push_back(part.name.path);

@@ -26,6 +26,7 @@ struct AssemblyParts {
 
   // The shortest end of a part's name that no other part has, escaped, as sentences show it.
   std::string shown_name(std::size_t part) const;
+  std::vector<PartName> names() const;  // [parts] as rules know them
   std::vector<std::string> paths = {};  // [parts] their names, set by add_paths()
   void add_paths();
 };

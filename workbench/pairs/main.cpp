@@ -39,8 +39,7 @@ Status check(const Options& options) {
                  "has only one part, so there is no pair",
                  "give an assembly; voxelize --list prints its parts"};
   }
-  std::vector<PartName> names;
-  for (const AssemblyPart& part : assembly->parts) names.push_back(part.name);
+  const std::vector<PartName> names = assembly->names();
   if (Status s = check_siblings(rules, names, options.rules); !s) return s;
   const RuleTable table(rules, names);
   for (const std::string& warning : table.warnings(options.rules)) {
