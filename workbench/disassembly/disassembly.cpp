@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -326,8 +325,16 @@ class Disassembly {
 
   bool is_group_free(const Parts& group, std::size_t direction, const Parts& present) {
     const Parts others = without(present, group);
-    return std::all_of(group.begin(), group.end(),
-                       [&](std::size_t part) { return motions_.is_free(part, direction, others); });
+    const bool is_blocked = std::any_of(group.begin(), group.end(), [&](std::size_t part) {
+      return motions_.is_any_seen(part, direction, others);
+    });
+    if (is_blocked) return false;
+    for_each_part("proving", others, [&](std::size_t object) {  // by many threads
+      for (const std::size_t part : group) motions_.outcome(part, direction, object);
+    });
+    return !is_over() && std::all_of(group.begin(), group.end(), [&](std::size_t part) {
+      return motions_.is_free(part, direction, others);
+    });
   }
 
   bool passes(std::size_t part, const std::vector<PathRow>& rows, const Parts& others) const {
@@ -443,7 +450,7 @@ class Disassembly {
         }
       }
       std::sort(left.begin(), left.end());
-      steps = needed_steps(std::exchange(outcome_.steps, {}), left);
+      steps = needed_steps(std::exchange(outcome_.steps, {}), left, all);
     }
     if (steps.empty()) {
       explain(request_.target, all);
@@ -502,18 +509,22 @@ class Disassembly {
     if (at != axes.end()) {
       return {found[static_cast<std::size_t>(at - axes.begin())]};
     }
-    Parts numbers(axes.size());
-    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    for_each_part("looking for what must leave", numbers, [&](std::size_t n) {
+    for_each_part("looking for what must leave", others, [&](std::size_t object) {
+      for (const std::size_t member : group) {
+        for (const std::size_t axis : axes) motions_.seen_blockers(member, axis, {object});
+      }
+    });
+    if (is_over()) return {};
+    for (BlockedMotion& motion : found) {
       std::set<std::size_t> blockers;
       for (const std::size_t member : group) {
-        for (const std::size_t blocker : motions_.seen_blockers(member, axes[n], others)) {
+        for (const std::size_t blocker : motions_.seen_blockers(member, motion.direction, others)) {
           const bool is_of_target = contains(request_.target, blocker);
           blockers.insert(is_of_target ? request_.target.front() : blocker);
         }
       }
-      found[n].blockers.assign(blockers.begin(), blockers.end());
-    });
+      motion.blockers.assign(blockers.begin(), blockers.end());
+    }
     return found;
   }
 
@@ -529,16 +540,22 @@ class Disassembly {
 
   // Those of some steps that the target needs: the others are left out, one after the other, the
   // last first. None where the target did not come out.
-  std::vector<Step> needed_steps(std::vector<Step> steps, const Parts& left) {
+  std::vector<Step> needed_steps(std::vector<Step> steps, const Parts& left, const Parts& all) {
     for (const std::size_t part : request_.target) {
       if (contains(left, part)) return {};
     }
     for (std::size_t n = steps.size(); n-- > 0;) {
       if (has_target(steps[n].parts)) continue;
+      const Parts& from = steps[n].from;
+      Parts rest = from.empty() ? all : from;
+      for (std::size_t k = 0; k < n; ++k) {
+        if (steps[k].from == from) rest = without(rest, steps[k].parts);
+      }
       std::vector<Step> later(steps.begin() + static_cast<std::ptrdiff_t>(n) + 1, steps.end());
       const bool is_passed = std::all_of(later.begin(), later.end(), [&](Step& step) {
-        if (step.from != steps[n].from) return true;  // it is taken apart elsewhere
-        lead_past(step, steps[n].parts);
+        if (step.from != from) return true;  // it is taken apart elsewhere
+        rest = without(rest, step.parts);
+        lead_past(step, rest);
         return std::all_of(step.parts.begin(), step.parts.end(), [&](std::size_t part) {
           return passes(part, step.rows, steps[n].parts);
         });
@@ -550,7 +567,7 @@ class Disassembly {
     return steps;
   }
 
-  // Makes the last leg of a step so long that it ends outside of the box around these parts, too.
+  // Makes the last leg of a step so long that it ends outside of the box around these parts.
   void lead_past(Step& step, const Parts& others) const {
     const auto shift_at = [&](std::size_t row) {
       const auto& at = step.rows[row].position_m;
