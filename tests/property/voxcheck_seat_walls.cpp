@@ -185,6 +185,64 @@ TEST(SeatWalls, FacesOfOneShellInAnotherHideNoDepth) {
   }
 }
 
+// A bar along x whose end comes back and crosses its beginning: one shell. Within the crossing,
+// faces of each end lie inside of the other, and bound nothing.
+void add_loop(Surface& surface, double thick, double high) {
+  const std::vector<std::pair<double, double>> left{
+      {-10, thick}, {40, thick}, {40, 30}, {8 + thick, 30}, {8 + thick, -20}};
+  const std::vector<std::pair<double, double>> right{
+      {-10, 0}, {40 + thick, 0}, {40 + thick, 30 + thick}, {8, 30 + thick}, {8, -20}};
+  const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
+  for (std::size_t n = 0; n < left.size(); ++n) {
+    for (const double z : {0.0, high}) {
+      surface.vertices_m.emplace_back(right[n].first, right[n].second, z);
+      surface.vertices_m.emplace_back(left[n].first, left[n].second, z);
+    }
+  }
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    surface.triangles.push_back({first + a, first + b, first + c});
+    surface.triangles.push_back({first + a, first + c, first + d});
+    surface.object.insert(surface.object.end(), 2, 1);
+  };
+  const auto last = static_cast<std::uint32_t>(4 * (left.size() - 1));
+  add(0, 2, 3, 1);
+  add(last, last + 1, last + 3, last + 2);
+  for (std::uint32_t n = 0; n < last; n += 4) {
+    add(n, n + 4, n + 6, n + 2);      // the right side
+    add(n + 1, n + 3, n + 7, n + 5);  // the left side
+    add(n, n + 1, n + 5, n + 4);      // the lower side
+    add(n + 2, n + 6, n + 7, n + 3);  // the upper side
+  }
+}
+
+// A face of a shell that lies inside of the same shell hides how deep a shim is beside it. But no
+// shim goes in or out along it.
+TEST(SeatWalls, NoShimGoesAlongAFaceInsideOfItsOwnShell) {
+  std::mt19937 random(76);
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(trial);
+    const double wide = evenly(random, 4, 7), high = 12, thick = evenly(random, 0.2, 0.6),
+                 allowed = evenly(random, 0.55, 2) * thick;
+    Surface part, object;
+    add_box(part, {8 - thick / 2, 0.2 * wide, high + 0.5}, {8 + thick / 2, 0.8 * wide, high + 6});
+    add_loop(object, wide, high);
+    const Bodies body = bodies_of(object, 1e-9);
+    ASSERT_EQ(body.size(), 1u);
+    ASSERT_TRUE(body[0]->is_solid());
+    EXPECT_EQ(body[0]->windings_by_ray({8.1, 0.5 * wide, 6}), 2);
+    EXPECT_EQ(body[0]->windings_by_ray({7.9, 0.5 * wide, 6}), 1);
+    const Pose frame = any_frame(random);
+    const auto along = [&](const Surface& shim, const glm::dvec3& way) {
+      return stretches_of(shim, object, way, 0, allowed, frame);
+    };
+    EXPECT_FALSE(along(part, {0, 0, -2.5}).empty());
+    EXPECT_TRUE(along(part, {0, 0, 12}).empty());
+    EXPECT_TRUE(along(part, {0, -30, 0}).empty());
+    const Surface inside = moved(part, {{0, 0, -2.5}, {1, 0, 0, 0}});
+    EXPECT_FALSE(along(inside, {0, 0, 12}).empty());
+  }
+}
+
 // Closed shells are turned outwards, and cavities inwards. Shells of one body do not meet, and
 // cavities are of the body around them.
 TEST(SeatWalls, ShellsAreTurnedAndThoseOfOneBodyAreApart) {
