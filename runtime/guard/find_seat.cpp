@@ -50,8 +50,8 @@ Status SeatRule::check_depth(const SeatObject& object) const {
   const double told_m = header.distance_quantum_m * (header.distance_zero_code - 1) -
                         kUntoldVoxels * header.voxel_size_m;
   if (-double{object.corner_floor_m} < told_m) return {};
-  const double max_m = told_m - kMinGiveVoxels * header.voxel_size_m;
-  if (max_m <= 0) {
+  const double max_m = told_m - kMinGiveVoxels * header.voxel_size_m - header.distance_quantum_m;
+  if (told_m <= kSeatGiveVoxels * header.voxel_size_m + header.distance_quantum_m) {
     return Error{ErrorCode::kUsage, "", "start",
                  "the part touches " + name_of(object.object) +
                      ", but no distances are stored deep enough for a seat",

@@ -189,6 +189,33 @@ TEST(Seat, WhatCannotBeToldIsRefused) {
   EXPECT_EQ(clear.state.seat, kSeatClosed);
 }
 
+// A part that is refused starts at least as deep as the depth that the error says is allowed, and
+// no part that begins starts deeper than that.
+TEST(Seat, TheDepthThatIsAllowedIsReported) {
+  double deepest_mm = 0;
+  int begun = 0, refused = 0;
+  for (int n = 0; n < 100; ++n) {
+    const double depth_m = (0.4 + 0.005 * n) * kS;
+    SCOPED_TRACE(depth_m);
+    const SeatedBlock bench(floor_with_distances(), resting(-depth_m));
+    if (bench.begun) {
+      ++begun;
+      deepest_mm = std::max(deepest_mm, 1000 * bench.simulation->seat()[0].overlap_m);
+      continue;
+    }
+    ++refused;
+    const std::string& what = bench.begun.error().what;
+    const std::size_t starts = what.find_first_of("0123456789"), allowed = what.rfind("up to ") + 6;
+    ASSERT_LT(allowed, what.size()) << what;
+    const double starts_mm = std::stod(what.substr(starts)),
+                 allowed_mm = std::stod(what.substr(allowed));
+    EXPECT_GE(starts_mm, allowed_mm) << what;
+    EXPECT_LE(deepest_mm, allowed_mm + 0.005) << what;  // rounded to three digits
+  }
+  EXPECT_GT(begun, 10);
+  EXPECT_GT(refused, 10);
+}
+
 // A sheet or plate through the part is refused. One that ends at its surface, or in a groove of it,
 // is a seat.
 TEST(Seat, APlateThroughThePartIsRefused) {
