@@ -42,12 +42,19 @@ std::vector<ProvenMoment> moments_of(const CheckResult& result, bool some_are_al
   return moments;
 }
 
-ExactRequest request_of(const Options& options, const clearance::LeftOut& allowed,
-                        const CheckResult& result) {
+// The files, the meshes and the required clearance.
+ExactRequest request_of(const Options& options) {
   ExactRequest request;
   static_cast<PathSource&>(request) = options;
   name_meshes(options, request);
   request.required_m = options.clearance_m;
+  request.quiet = options.quiet;
+  return request;
+}
+
+ExactRequest request_of(const Options& options, const clearance::LeftOut& allowed,
+                        const CheckResult& result) {
+  ExactRequest request = request_of(options);
   request.min_s = result.smallest.time_s;
   if (std::isfinite(result.smallest.max_m) && !result.at_least) {
     request.max_m = result.smallest.max_m;
@@ -59,7 +66,6 @@ ExactRequest request_of(const Options& options, const clearance::LeftOut& allowe
   request.seat_depth_m = options.seat_depth_m;
   request.max_s = options.max_s;
   request.animation = options.animation;
-  request.quiet = options.quiet;
   for (const auto& seated : result.seated) request.seated.push_back({seated.from_s, seated.to_s});
   if (options.world_from_seat) {
     const auto& [p, q] = *options.world_from_seat;
@@ -296,12 +302,8 @@ Result<std::vector<RuleGroup>> groups_by_rules(const Options& options,
                                                const clearance::LeftOut& allowed,
                                                const AskExactly& ask,
                                                std::vector<std::string>& warnings) {
-  ExactRequest request;
-  static_cast<PathSource&>(request) = options;
-  name_meshes(options, request);
-  request.required_m = options.clearance_m;
+  ExactRequest request = request_of(options);
   request.rules = options.rules;
-  request.quiet = options.quiet;
   const auto answer = ask(request);
   if (!answer) return answer.error();
   warnings.insert(warnings.end(), answer->warnings.begin(), answer->warnings.end());
@@ -319,6 +321,23 @@ Result<std::vector<RuleGroup>> groups_by_rules(const Options& options,
   }
   if (groups.empty()) groups.push_back({options.clearance_m, none});
   return groups;
+}
+
+Status write_map(const Options& options, std::span<const RuleGroup> groups, const AskExactly& ask,
+                 std::vector<std::string>& warnings) {
+  ExactRequest request = request_of(options);
+  request.map = options.map;
+  request.max_s = options.max_s;
+  request.required_m = groups.front().required_m;
+  for (std::uint32_t object = 1; object < groups.front().left_out.size(); ++object) {
+    const bool counts = std::ranges::any_of(
+        groups, [&](const RuleGroup& group) { return group.left_out[object] == 0; });
+    if (!counts) request.allowed.push_back(object);
+  }
+  const auto answer = ask(request);
+  if (!answer) return answer.error();
+  warnings.insert(warnings.end(), answer->warnings.begin(), answer->warnings.end());
+  return {};
 }
 
 }  // namespace forcelayer::voxcheck

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,5 +49,10 @@ Result<std::vector<RuleGroup>> groups_by_rules(const Options& options,
                                                const clearance::LeftOut& allowed,
                                                const AskExactly& ask,
                                                std::vector<std::string>& warnings);
+
+// Has the clearance map written of all objects that a group counts, for the largest of the groups'
+// distances. Adds warnings. Errors: those of `ask`.
+Status write_map(const Options& options, std::span<const RuleGroup> groups, const AskExactly& ask,
+                 std::vector<std::string>& warnings);
 
 }  // namespace forcelayer::voxcheck

@@ -90,6 +90,7 @@ std::string text_of(const ExactRequest& r) {
               {"seat_depth_m", or_null(r.seat_depth_m)},
               {"max_s", or_null(r.max_s)},
               {"animation", bytes_of(r.animation)},
+              {"map", bytes_of(r.map)},
               {"rules", bytes_of(r.rules)},
               {"quiet", r.quiet}}
       .dump();
@@ -124,6 +125,7 @@ Result<ExactRequest> exact_request(const std::string& text) {
         r.seat_depth_m = unless_null(json.at("seat_depth_m"));
         r.max_s = unless_null(json.at("max_s"));
         r.animation = text_from(json.at("animation"));
+        r.map = text_from(json.at("map"));
         r.rules = text_from(json.at("rules"));
         json.at("quiet").get_to(r.quiet);
         return r;

@@ -47,6 +47,8 @@ struct ExactRequest : PathSource {
   std::optional<double> seat_depth_m;
   std::optional<double> max_s;  // after which the measurement stops
   std::string animation;        // file to write the motion into; empty: none
+  // A file for the clearance map. Where there is one, the answer is ExactAnswer::warnings alone.
+  std::string map;
   // A file of rules. Where there is one, the answer is ExactAnswer::rules and warnings alone, and
   // `required_m` is the clearance where no rule says otherwise.
   std::string rules;

@@ -51,6 +51,7 @@ Status prepare_outputs(Options& options) {
   const command::OutputFile outputs[] = {
       {"--json", &options.json, FileKind::kReport},
       {"--report animation", &options.animation, FileKind::kAnimation},
+      {"--report map", &options.map, FileKind::kAnimation},
       {"--report csv", &options.csv, FileKind::kTable},
       {"--report picture", &options.picture, FileKind::kPicture},
       {"--report junit", &options.junit, FileKind::kExport},
@@ -255,6 +256,12 @@ Status check(const Options& options) {
     auto checked = check_group(own, *scene, *part, path, group.left_out, line);
     if (!checked) return checked.error();
     checks.push_back(std::move(*checked));
+  }
+  if (!options.map.empty()) {
+    line.clear();
+    Options own = options;
+    if (own.max_s) own.max_s = std::max(0.0, *own.max_s - (now_s() - read_s));
+    if (Status s = write_map(own, groups, ask_program, warnings); !s) return s;
   }
   const bool is_far =
       do_all_count(groups) && std::all_of(checks.begin(), checks.end(), [&](const GroupCheck& own) {

@@ -70,8 +70,10 @@ OptionParser::OptionParser(CLI::App& app) : clearance_(command::kDefaultClearanc
           "junit:FILE (the verdict as a test result, XML), gitlab:FILE (violations and warnings "
           "for a GitLab merge request, JSON), github (violations and warnings as lines that GitHub "
           "shows beside the path file), picture:FILE (the worst moment as a PNG, drawn by voxview "
-          "with the meshes of --exact) or animation:FILE (scene, part and motion as glTF, from the "
-          "meshes of --exact); repeatable"),
+          "with the meshes of --exact), animation:FILE (scene, part and motion as glTF, from the "
+          "meshes of --exact) or map:FILE (the same, with the least distance along the path at "
+          "each "
+          "vertex, and colors for it); repeatable"),
       "KIND:FILE");
   app.add_flag("--quiet", options_.quiet, "no report on the terminal");
 }
@@ -84,7 +86,8 @@ Result<Options> OptionParser::finish() const {
                                         {.name = "gitlab", .text = &options.code_quality},
                                         {.name = "github", .is_given = &options.github},
                                         {.name = "picture", .text = &options.picture},
-                                        {.name = "animation", .text = &options.animation}};
+                                        {.name = "animation", .text = &options.animation},
+                                        {.name = "map", .text = &options.map}};
   if (Status read = command::read_reports(reports_, reports); !read) return read.error();
   const auto clearance = command::parse_length(clearance_);
   if (!clearance) return about("--clearance", clearance.error());
@@ -97,8 +100,10 @@ Result<Options> OptionParser::finish() const {
     return Error{ErrorCode::kUsage, "", "--rules", "needs the meshes",
                  "add --exact SCENE_MESHES --part PART_MESHES"};
   }
-  if (!options.animation.empty() && options.meshes.empty()) {
-    return Error{ErrorCode::kUsage, "", "--report animation", "needs the meshes",
+  for (const auto& [report, file] : {std::pair("--report animation", &options.animation),
+                                     std::pair("--report map", &options.map)}) {
+    if (file->empty() || !options.meshes.empty()) continue;
+    return Error{ErrorCode::kUsage, "", report, "needs the meshes",
                  "add --exact SCENE_MESHES --part PART_MESHES"};
   }
   if (!time_.empty()) {

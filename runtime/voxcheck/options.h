@@ -21,7 +21,7 @@ struct Options : MeshOptions, PathSource {
   bool felt_seat = false;       // where shell points feel nothing the seat is clear
   std::string fail_on;          // "far", "nothing" or empty
   std::optional<double> max_s;  // for the meshes
-  std::string animation, picture, json, csv, junit, code_quality;
+  std::string animation, map, picture, json, csv, junit, code_quality;
   bool github = false, quiet = false;
 };
 

@@ -90,6 +90,8 @@ runtime/voxcheck:       formats formats/command formats/command/spelling formats
 workbench/pairs/rules:   formats formats/command formats/command/spelling formats/mesh formats/path
 workbench/exact/surface: formats formats/command formats/mesh formats/mesh/sandbox formats/mesh/writers formats/path pointshell pointshell/certificate pointshell/part runtime/clearance runtime/forcelayer runtime/voxcheck workbench/pairs/rules
 workbench/exact:         formats formats/command formats/mesh formats/mesh/sandbox formats/path pointshell/certificate pointshell/normals pointshell/part runtime/clearance runtime/forcelayer runtime/run runtime/voxcheck workbench/exact/surface
+workbench/exact/map:     formats/command formats/mesh/writers pointshell/part runtime/clearance runtime/voxcheck workbench/exact workbench/exact/surface
+workbench/exact/program: formats/mesh/sandbox runtime/voxcheck workbench/exact workbench/exact/map
 workbench/voxplan/nearest: formats runtime/forcelayer runtime/query
 workbench/voxplan/check: formats formats/path runtime/clearance runtime/coupling runtime/forcelayer workbench/exact
 workbench/voxplan/smooth: formats runtime/coupling workbench/voxplan/check

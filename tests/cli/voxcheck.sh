@@ -493,7 +493,7 @@ told 0 0 1 'broken.csv: line 3'
 # On the standard output too, once.
 check 2 opened.vox cover.pshell broken.csv --report junit:- --quiet
 python3 -c 'import xml.etree.ElementTree as tree; assert tree.parse("out.txt").getroot().get("errors") == "1"' || fail "$(cat out.txt)"
-for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github, picture, animation" \
+for wrong in "xml:a.xml 'xml' is not a kind of report; known kinds: csv, junit, gitlab, github, picture, animation, map" \
   "csv 'csv' needs a file; write csv:FILE once" "junit: 'junit' needs a file; write junit:FILE once" \
   "github:a.txt 'github' takes no file, because this report is printed; write github alone"; do
   check 2 opened.vox cover.pshell out.csv --report "${wrong%% *}"

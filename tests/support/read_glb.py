@@ -4,7 +4,7 @@ import math
 import struct
 
 SIZES = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
-KINDS = {5123: "H", 5125: "I", 5126: "f"}
+KINDS = {5121: "B", 5123: "H", 5125: "I", 5126: "f"}
 
 
 class Glb:

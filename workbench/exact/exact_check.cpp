@@ -96,7 +96,7 @@ class ExactCheck {
         voxel_m_(voxmap.voxel_size_m()),
         center_m_(shell.header().center_m[0], shell.header().center_m[1],
                   shell.header().center_m[2]),
-        rounding_m_(kRounding * largest_m(scene, part)),
+        rounding_m_(kRounding * largest_m(scene, part, rows)),
         margin_m_(rounding_m_ + scene.deviation_m + part.deviation_m),
         baked_margin_m_(rounding_m_ + voxmap.header().static_deviation_m + part.deviation_m),
         all_(without(scene, request.allowed)),
@@ -309,22 +309,6 @@ class ExactCheck {
         box.high_m = glm::max(box.high_m, all_.vertices_m[vertex]);
       }
     }
-  }
-
-  static double radius_m(const Surface& part) {
-    double radius = 0;
-    for (const glm::dvec3& vertex : part.vertices_m) radius = std::max(radius, glm::length(vertex));
-    return radius;
-  }
-  // The largest coordinate in any computation, the part at its farthest on the path included.
-  double largest_m(const Surface& scene, const Surface& part) const {
-    double largest = std::max(scene.largest_m, part.largest_m);
-    for (const PathRow& row : rows_) {
-      for (const double x : row.position_m) {
-        largest = std::max(largest, std::abs(x) + part.largest_m);
-      }
-    }
-    return largest;
   }
 
   Piece piece_of(const voxcheck::ProvenStretch& stretch) const {
@@ -964,8 +948,10 @@ Result<ExactAnswer> check_exactly(const ExactRequest& request) {
   const auto rows = voxcheck::read_part_path(request, meshes->shell);
   if (!rows) return rows.error();
   if (!request.animation.empty()) {
-    const Status written = write_animation(request, meshes->scene, meshes->voxmap, meshes->part,
-                                           meshes->shell, *rows, meshes->warnings);
+    const MovingScene moving = moving_scene(request, meshes->scene, meshes->voxmap, meshes->part,
+                                            meshes->shell, *rows, meshes->warnings);
+    const Status written =
+        mesh::write_glb(request.animation, moving.nodes, &moving.motion, moving.up);
     if (!written) return written.error();
   }
   return check_exactly(*meshes, *rows, request);

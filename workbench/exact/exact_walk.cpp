@@ -28,13 +28,9 @@ const Sample& ExactWalk::at(const Moment& moment, bool seated, double hint_m) {
 }
 
 double ExactWalk::between_m(const Sample& a, const Sample& b) const {
-  const double travel = path_.travel_m(b.moment) - path_.travel_m(a.moment);
-  const double from = a.measured.distance_m, to = b.measured.distance_m;
-  const double by_travel = (from + to - travel) / 2;
-  const double nearer = std::min(from, to), chord = nearer * nearer - travel * travel / 4;
-  if (!(chord > 0)) return std::max(0.0, by_travel);
-  const double by_chord = std::sqrt(chord) - path_.deviation_m(a.moment, b.moment);
-  return std::max({0.0, by_travel, by_chord});
+  return min_between_m(a.measured.distance_m, b.measured.distance_m,
+                       path_.travel_m(b.moment) - path_.travel_m(a.moment),
+                       [&] { return path_.deviation_m(a.moment, b.moment); });
 }
 
 // Measures the distance at the ends, and holds it against what was said of the piece.

@@ -8,6 +8,8 @@
 // the triangles that move are held against those that stand (mesh_distance.h).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -24,6 +26,17 @@ namespace forcelayer::exact {
 
 using clearance::Moment;
 using Progress = std::function<void(double fraction)>;
+
+// The least distance between two moments at which it is `from_m` and `to_m`, as above: `travel_m`
+// is S, and `deviation_m()` e, asked for where it matters.
+template <typename Deviation>
+double min_between_m(double from_m, double to_m, double travel_m, const Deviation& deviation_m) {
+  const double by_travel = (from_m + to_m - travel_m) / 2;
+  const double nearer = std::min(from_m, to_m);
+  const double chord = nearer * nearer - travel_m * travel_m / 4;
+  if (!(chord > 0)) return std::max(0.0, by_travel);
+  return std::max({0.0, by_travel, std::sqrt(chord) - deviation_m()});
+}
 
 // The surfaces at a moment.
 struct Sample {

@@ -13,16 +13,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Numbers that glTF defines.
-constexpr int kFloat = 5126, kUint16 = 5123, kUint32 = 5125;
+constexpr int kFloat = 5126, kUint8 = 5121, kUint16 = 5123, kUint32 = 5125;
 constexpr int kVertices = 34962, kIndices = 34963;  // targets of buffer views
 constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBin = 0x004E4942;
 constexpr std::size_t kLargest16 = 65534;  // 65535 is not an index
 
 class Document {
  public:
-  explicit Document(Up up) {
+  Document(Up up, const std::string& extras) {
     json_["asset"] = {{"version", "2.0"},
                       {"generator", std::string("Forcelayer ") + command::kVersion}};
+    if (!extras.empty()) json_["asset"]["extras"] = Json::parse(extras);
     json_["scene"] = 0;
     json_["scenes"] = Json::array({Json::object({{"nodes", Json::array({0})}})});
     Json world{{"name", "world"}};
@@ -56,6 +57,18 @@ class Document {
                         {"roughnessFactor", 0.7}}},
                       {"doubleSided", true}}));
     Json primitive{{"attributes", {{"POSITION", positions}}}};
+    if (!node.clearance_m.empty()) {
+      primitive["attributes"]["_CLEARANCE_M"] =
+          add_accessor(add_view(std::as_bytes(std::span(node.clearance_m)), kVertices), kFloat,
+                       node.clearance_m.size(), "SCALAR");
+    }
+    if (!node.colors.empty()) {
+      const std::size_t colors =
+          add_accessor(add_view(std::as_bytes(std::span(node.colors)), kVertices), kUint8,
+                       node.colors.size(), "VEC4");
+      json_["accessors"][colors]["normalized"] = true;
+      primitive["attributes"]["COLOR_0"] = colors;
+    }
     primitive["indices"] = add_indices(node);
     primitive["material"] = n;
     json_["meshes"].push_back(Json::object({{"primitives", Json::array({primitive})}}));
@@ -83,6 +96,13 @@ class Document {
           Json::object({{"input", times}, {"output", output}, {"interpolation", "LINEAR"}}));
     }
     json_["animations"].push_back(animation);
+  }
+
+  // Places a node that was added at the first pose of its motion.
+  void place(const GlbMotion& motion) {
+    Json& node = json_["nodes"][motion.node + 1];
+    node["translation"] = motion.positions_m.front();
+    node["rotation"] = motion.rotations_xyzw.front();
   }
 
   Status write(const std::string& path) {
@@ -147,10 +167,11 @@ class Document {
 }  // namespace
 
 Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion* motion,
-                 Up up) {
-  Document document(up);
+                 Up up, const std::string& extras) {
+  Document document(up, extras);
   if (motion != nullptr) document.add(*motion);
   for (const GlbNode& node : nodes) document.add(node);
+  if (motion != nullptr) document.place(*motion);
   return document.write(path);
 }
 

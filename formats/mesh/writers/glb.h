@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ struct GlbNode {
   std::vector<std::array<float, 3>> vertices_m;
   std::vector<Triangle> triangles;  // at least one; each vertex belongs to one or more of them
   std::array<double, 3> color{};    // linear RGB, 0 to 1
+  // [vertices] or empty: their clearance, written as _CLEARANCE_M, and linear RGBA colors that
+  // multiply `color`.
+  std::vector<float> clearance_m;
+  std::vector<std::array<std::uint8_t, 4>> colors;
 };
 
 // Poses of a node over time. Between two of them the position changes linearly, and the rotation by
@@ -33,8 +38,9 @@ struct GlbMotion {
 // Writes the nodes in their order, below a node "world" that turns `up` to the y axis of glTF.
 // Mesh, material, accessors and buffer views of node n stand before those of node n + 1, and the
 // motion (null: none) before all of them, so that a reader can leave out the last nodes by cutting.
-// Errors: kWriteFailed, and those of AtomicFile.
+// A node that moves is placed at its first pose. `extras`: a JSON object for asset.extras; empty:
+// none. Errors: kWriteFailed, and those of AtomicFile.
 Status write_glb(const std::string& path, std::span<const GlbNode> nodes, const GlbMotion* motion,
-                 Up up);
+                 Up up, const std::string& extras = "");
 
 }  // namespace forcelayer::mesh

@@ -11,8 +11,6 @@
 #include "formats/command/provenance.h"
 #include "formats/command/text.h"
 #include "formats/file/named_file.h"
-#include "formats/mesh/up_axis.h"
-#include "formats/mesh/writers/glb.h"
 #include "formats/path/path_edit.h"
 #include "runtime/clearance/center_path.h"
 #include "runtime/voxcheck/object_names.h"
@@ -104,18 +102,18 @@ struct Object {
 
 }  // namespace
 
-Status write_animation(const voxcheck::ExactRequest& request, const Surface& scene,
-                       const Voxmap& voxmap, const Surface& part, const Pshell& shell,
-                       const std::vector<PathRow>& rows, std::vector<std::string>& warnings) {
-  double radius_m = 0;
-  for (const glm::dvec3& vertex : part.vertices_m) {
-    radius_m = std::max(radius_m, glm::length(vertex));
-  }
+MovingScene moving_scene(const voxcheck::ExactRequest& request, const Surface& scene,
+                         const Voxmap& voxmap, const Surface& part, const Pshell& shell,
+                         const std::vector<PathRow>& rows, std::vector<std::string>& warnings) {
+  const double radius_m = exact::radius_m(part);
   std::vector<std::size_t> all(part.triangles.size());
   for (std::size_t n = 0; n < all.size(); ++n) all[n] = n;
-  std::vector<GlbNode> nodes{node_of(part, all)};
-  nodes[0].name = name_of(request.part_meshes.front());
-  nodes[0].color = kPartColor;
+  MovingScene moving;
+  moving.nodes.push_back(node_of(part, all));
+  moving.objects.push_back(0);
+  moving.away_m.push_back(0);
+  moving.nodes[0].name = name_of(request.part_meshes.front());
+  moving.nodes[0].color = kPartColor;
 
   std::map<std::uint32_t, Object> objects;
   for (std::size_t n = 0; n < scene.triangles.size(); ++n) {
@@ -146,7 +144,9 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
     if (node.triangles.empty()) continue;
     node.name = number == 0 ? "scene" : voxcheck::object_name(voxmap, number);
     node.color = kColors[number % kColors.size()];
-    nodes.push_back(std::move(node));
+    moving.nodes.push_back(std::move(node));
+    moving.objects.push_back(number);
+    moving.away_m.push_back(objects[number].distance_m(low_m, high_m));
   }
   if (left_out > 0) {
     warnings.push_back(
@@ -154,11 +154,12 @@ Status write_animation(const voxcheck::ExactRequest& request, const Surface& sce
                       "most %zu triangles",
                       left_out, kMaxTriangles));
   }
-  GlbMotion motion = motion_of(rows, shell, radius_m);
-  motion.name = nodes[0].name;
+  moving.motion = motion_of(rows, shell, radius_m);
+  moving.motion.name = moving.nodes[0].name;
   // Where the files say nothing, as STEP does, the world is z up like everywhere.
   const bool is_y_up = command::up_in(voxmap.provenance()) == mesh::name_of(mesh::Up::kY);
-  return mesh::write_glb(request.animation, nodes, &motion, is_y_up ? mesh::Up::kY : mesh::Up::kZ);
+  moving.up = is_y_up ? mesh::Up::kY : mesh::Up::kZ;
+  return moving;
 }
 
 }  // namespace forcelayer::exact

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "formats/command/provenance.h"
 #include "formats/command/text.h"
@@ -207,6 +208,24 @@ Result<voxcheck::ExactAnswer> read_rules(const voxcheck::ExactRequest& request,
   }
   answer.warnings = std::move(rules->warnings);
   return answer;
+}
+
+double radius_m(const Surface& part) {
+  double radius_m = 0;
+  for (const glm::dvec3& vertex : part.vertices_m) {
+    radius_m = std::max(radius_m, glm::length(vertex));
+  }
+  return radius_m;
+}
+
+double largest_m(const Surface& scene, const Surface& part, std::span<const PathRow> rows) {
+  double largest_m = std::max(scene.largest_m, part.largest_m);
+  for (const PathRow& row : rows) {
+    for (const double x : row.position_m) {
+      largest_m = std::max(largest_m, std::abs(x) + part.largest_m);
+    }
+  }
+  return largest_m;
 }
 
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/mesh/mesh.h"
+#include "formats/path/path_file.h"
 #include "formats/pshell.h"
 #include "formats/result.h"
 #include "formats/voxmap.h"
@@ -35,6 +36,12 @@ Result<Surface> read_part_surface(const voxcheck::ExactRequest& request, const P
 // ExactAnswer::rules, by the names of the request's meshes, and warnings.
 Result<voxcheck::ExactAnswer> read_rules(const voxcheck::ExactRequest& request,
                                          const Voxmap& voxmap, const Pshell& shell);
+
+// How far a part's vertices lie from its centroid at most, m.
+double radius_m(const Surface& part);
+
+// The largest coordinate in any computation, the part at its farthest on the path included, m.
+double largest_m(const Surface& scene, const Surface& part, std::span<const PathRow> rows);
 
 // The triangles of those objects that are not among `left_out`.
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out);

@@ -9,6 +9,7 @@
 #include "formats/mesh/sandbox/sandbox.h"
 #include "runtime/voxcheck/exact_exchange.h"
 #include "workbench/exact/exact_check.h"
+#include "workbench/exact/map/clearance_map.h"
 
 namespace {
 
@@ -17,7 +18,7 @@ forcelayer::Result<forcelayer::voxcheck::ExactAnswer> answer_to(const std::strin
   try {
     const auto request = voxcheck::exact_request(text);
     if (!request) return request.error();
-    return exact::check_exactly(*request);
+    return request->map.empty() ? exact::check_exactly(*request) : exact::write_map(*request);
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kOutOfMemory, "", "--exact", "not enough memory", ""};
   } catch (const std::exception& e) {
