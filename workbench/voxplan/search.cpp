@@ -15,8 +15,8 @@ namespace forcelayer::voxplan {
 namespace {
 
 constexpr std::uint64_t kPosesARound = 4000;  // that each worker tests
-// Straight paths by the meshes get no more than this of the time.
-constexpr double kStraightFraction = 0.25;
+// Straight paths by the meshes get no more than this of the time: people pull that way.
+constexpr double kStraightFraction = 0.5;
 // The objects that block the part get the last part of the time, and never less than so long.
 constexpr double kBlockersFraction = 0.1, kMinBlockersS = 1;
 

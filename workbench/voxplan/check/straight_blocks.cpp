@@ -6,6 +6,8 @@
 #include <glm/vector_relational.hpp>
 #include <utility>
 
+#include "workbench/exact/watch.h"
+
 namespace forcelayer::voxplan {
 namespace {
 
@@ -15,6 +17,10 @@ constexpr double kMaxStep = 1.0 / 32, kMinStep = 0x1p-20;
 constexpr int kBisections = 12;  // of the last step
 // Fractions of the way, for a quick look. Where a part is deep in an object, that is seen at once.
 constexpr double kLooks[] = {1.0 / 2, 1.0 / 4, 1.0 / 8, 1.0 / 32, 1.0 / 128, 3.0 / 4};
+
+// A depth that takes longer, in steps of a Watch, decides nothing: it is about that which is
+// allowed.
+constexpr int kMaxAsked = 500;
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
@@ -62,9 +68,16 @@ bool StraightBlocks::may_meet(std::uint32_t object, const Pose& end) const {
 }
 
 // How far each point of the part may travel until this object is in the way; negative where it is.
+// 0 where a depth takes too long.
 double StraightBlocks::leeway_m(std::uint32_t object, const Pose& world_from_center) {
   if (is_of_seat(object)) {
-    return problem_.seat_meshes->leeway_m(object, world_from_center);
+    int asked = 0;
+    const exact::Watch watch([&] { return ++asked < kMaxAsked; });
+    try {
+      return problem_.seat_meshes->leeway_m(object, world_from_center);
+    } catch (const exact::Stopped&) {
+      return 0;
+    }
   }
   auto pair = pairs_.find(object);
   if (pair == pairs_.end()) {
@@ -78,6 +91,7 @@ double StraightBlocks::leeway_m(std::uint32_t object, const Pose& world_from_cen
 
 // Where this object is first seen in the way; infinite where it is not.
 double StraightBlocks::first_m(std::uint32_t object, const Pose& end) {
+  exact::keep_going();
   const Pose& start = problem_.world_from_start;
   const double way_m = travel_between_m(problem_, start, end);
   const auto leeway_at_m = [&](double fraction) {
@@ -96,6 +110,7 @@ double StraightBlocks::first_m(std::uint32_t object, const Pose& end) {
 // A place where this object is in the way, as if it were from the first one on.
 double StraightBlocks::about_first_m(std::uint32_t object, const Pose& end) {
   for (const double look : kLooks) {
+    exact::keep_going();
     const Pose there = pose_between(problem_.world_from_start, end, look);
     if (leeway_m(object, there) < 0) return first_between_m(object, end, 0, look);
   }
