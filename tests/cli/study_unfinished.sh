@@ -77,7 +77,7 @@ for words in 'bore.json#pin --without plate' 'gearbox.glb#Gearbox'; do
   says last refused 'not finished: voxelize ended with status 3: .*; nothing can block the last part of an assembly' 3
 done
 
-# A mesh that is broken, and a part that lies deeper in its neighbor than is stored.
+# A mesh that is broken, and a part that lies deeper in its neighbor than can be stored.
 head -c 3000 "$data/gearbox.glb" >broken.glb
 study 3 'broken.glb#Pin' --voxel-size 2mm --pull 0,0,60mm --clearance 1mm -o broken
 says broken refused 'not finished: pointshell ended with status 3: broken.glb: ' 3
@@ -90,11 +90,11 @@ block("shelf.obj", 50, 60, 70)
 json.dump({"parts": [{"name": name, "mesh": name + ".obj", "units": "mm"} for name in ("table", "sunk", "shelf")]},
           open("sunk.json", "w"))
 END
-study 2 'sunk.json#sunk' --voxel-size 2mm --pull 0,0,100mm --clearance 1mm -o sunk
+study 2 'sunk.json#sunk' --voxel-size 0.5mm --pull 0,0,100mm --clearance 1mm -o sunk
 says sunk refused 'not finished: voxcheck ended with status 2: .*the part starts more than [0-9.]* mm inside the scene; check --units; leave out the objects that enclose or overlap the part' 2
 no_foreign_options
 if [ -x "$bin/voxplan" ]; then
-  study 2 'sunk.json#sunk' --voxel-size 2mm --time 1s --clearance 1mm -o sunk
+  study 2 'sunk.json#sunk' --voxel-size 0.5mm --time 1s --clearance 1mm -o sunk
   says sunk refused 'not finished: voxplan ended with status 2: .*the part starts more than' 2
   no_foreign_options
 fi

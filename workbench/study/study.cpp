@@ -55,13 +55,14 @@ json read_json(const std::string& path) {
   return json::parse(file, nullptr, false);
 }
 
-// The files of an answer. While smaller voxels are tried, they wait in this folder.
+// The files of an answer. While smaller voxels are tried, they wait in this folder. The picture of
+// the installed part does not depend on voxels, and stays.
 constexpr const char* kKeptFolder = "larger_voxels";
 constexpr const char* kAnswerFiles[] = {
-    "scene.vox",   "scene.json",  "part.pshell",  "part.json",     "path.csv",   "trace.csv",
-    "run.json",    "plan.json",   "straight.csv", "farthest.csv",  "hand.json",  "check.json",
-    "curve.csv",   "curve.svg",   "worst.png",    "installed.png", "motion.glb", "verdict.json",
-    "verdict.txt", "verdict.xml", "report.html"};
+    "scene.vox",  "scene.json",   "part.pshell", "part.json",    "path.csv",
+    "trace.csv",  "run.json",     "plan.json",   "straight.csv", "farthest.csv",
+    "hand.json",  "check.json",   "curve.csv",   "curve.svg",    "worst.png",
+    "motion.glb", "verdict.json", "verdict.txt", "verdict.xml",  "report.html"};
 
 // The answer with the files of one voxel size.
 struct Answer {
