@@ -110,7 +110,22 @@ END
 plan 0 bore.vox pin.pshell --clearance 0.5mm --exact bore.obj --part pin.obj --units mm --threads 2 -o pin.csv
 grep -q '^Comes out, .*+z: slides along bore for the first 20' out.txt || fail "$(cat out.txt)"
 plan 6 stopped.vox pin.pshell --clearance 0.5mm --exact bore.obj --exact stop.obj --part pin.obj --units mm --time 4s -o no.csv
-grep -qE 'no path found: straight along x, y and z it is blocked after 6\.5 mm, and a search of [0-9.]+ s found no other way \(0\.5 mm of clearance required\); blocked by bore and stop;' err.txt || fail "$(cat err.txt)"
+grep -qE 'no path found: straight along x, y and z it gets at most 6\.5 mm far \(along \+z\), and a search of [0-9.]+ s found no other way \(0\.5 mm of clearance required\); blocked by bore and stop;' err.txt || fail "$(cat err.txt)"
+
+# Where only the clearance is missing, it says how near the part comes.
+PYTHONPATH=$FORCELAYER_SOURCE_DIR/tests/support PYTHONDONTWRITEBYTECODE=1 python3 - <<'END'
+from boxes import boxes
+boxes("peg.obj", ((-5, -5, 0), (5, 5, 10)))
+boxes("pot.obj", ((-9, -9, -3), (9, 9, 0)), ((-9, -9, 0), (-8, 9, 20)), ((8, -9, 0), (9, 9, 20)), ((-8, -9, 0), (8, -8, 20)), ((-8, 8, 0), (8, 9, 20)),
+      ((-9, -9, 20), (-5.25, 9, 22)), ((5.25, -9, 20), (9, 9, 22)), ((-5.25, -9, 20), (5.25, -5.25, 22)), ((-5.25, 5.25, 20), (5.25, 9, 22)))
+END
+"$bin/voxelize" pot.obj --units mm --voxel-size 0.5mm -o pot.vox --quiet
+"$bin/pointshell" peg.obj --units mm --voxel-size 0.5mm -o peg.pshell --quiet
+plan 6 pot.vox peg.pshell --clearance 0.5mm --exact pot.obj --part peg.obj --units mm --time 4s -o no.csv --json near.json
+grep -qE 'no path found: straight along x, y and z it gets at most 9\.[0-9]+ mm far \(along \+z\), and ' err.txt || fail "$(cat err.txt)"
+grep -q '"straight along +z it meets nothing, but comes as near as 0\.2[45][0-9]* mm to pot"' near.json &&
+  grep -q 'along +z: after 9\.[0-9]* mm, pot is nearer than required"' near.json || fail "$(cat near.json)"
+plan 0 pot.vox peg.pshell --clearance 0.2mm --exact pot.obj --part peg.obj --units mm --time 20s -o out.csv
 
 # A part that comes out straight has a straight path: in an oblique bore, whose axis no axis of the world is; past a post beside
 # the exit, from which a wider path would bend away; and where only the meshes prove the way along an axis.

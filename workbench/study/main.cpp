@@ -1,6 +1,7 @@
 // forcelayer: lists the commands, makes a study of a part with them, checks pairs of parts, and
 // takes assemblies apart.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -87,7 +88,9 @@ int run_other(const char* subcommand, const char* program, const OptionParser& p
     const auto end = command::run_program(program, arguments, std::nullopt,
                                           command::ProgramOutput::kShown, "forcelayer-tools");
     if (!end) return end.error();
-    status = end->status;
+    // The program is ended by SIGTERM, whatever signal came.
+    const int stopped = command::stop_signal();
+    status = stopped != 0 && end->status == 128 + SIGTERM ? 128 + stopped : end->status;
     return {};
   });
   return failed != 0 ? failed : status;

@@ -1203,10 +1203,11 @@ void Study::note_voxel_size() {
   answer_.text += "  " + play_text(measured_play()) + "\n  " + line + "\n";
   if (open_answer().empty() || !no_finer_.empty()) return;
   const std::string smallest = command::length_text(choice_.last_m) + ": " + choice_.why_last;
+  const bool is_no = answer_.verdict.kind == command::VerdictKind::kDoesNotComeOut ||
+                     answer_.verdict.kind == command::VerdictKind::kNoPathFound;
   answer_.text +=
-      answer_.verdict.kind == command::VerdictKind::kDoesNotComeOut
-          ? "  smaller voxels might change the answer; none are smaller than " + smallest + "\n"
-          : "  the answer is still open at the smallest size, " + smallest + "\n";
+      is_no ? "  smaller voxels might change the answer; none are smaller than " + smallest + "\n"
+            : "  the answer is still open at the smallest size, " + smallest + "\n";
 }
 
 // The sizes from the first that is chosen to the last that would be tried.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "formats/command/report.h"
@@ -244,8 +245,16 @@ Result<Plan> plan(const Problem& given, const Options& options, const exact::Mes
       if (!is_free) return is_free.error();
       StraightWay way;
       way.is_proven = *is_free;
+      way.clearance_m = std::numeric_limits<double>::infinity();
       for (const clearance::Violation& violation : made.checked.violations) {
+        way.clearance_m =
+            std::min(way.clearance_m, violation.of_distance() ? violation.clearance_m : 0.0);
         way.blocked_by.push_back(violation.worst.object);
+        if (violation.out_of_time) continue;
+        const double fraction = (violation.from_s - made.rows.front().time_s) /
+                                (made.rows.back().time_s - made.rows.front().time_s);
+        way.blocked_at_m = std::min(
+            way.blocked_at_m, fraction * travel_between_m(problem, problem.world_from_start, to));
       }
       return way;
     };

@@ -95,7 +95,8 @@ std::string moved_text(double length_m) {
                              : "by at most " + command::at_most_text(length_m);
 }
 
-// "straight along x, y and z it is blocked after 0.25 mm, and a search of 38 s found no other way"
+// "straight along x, y and z it gets at most 0.25 mm far (along +z), and a search of 38 s found no
+// other way"
 std::string not_found_text(const SearchResult& result) {
   const std::string search = text("a search of %.3g s ", result.seconds);
   const std::vector<StraightWay> ways = blocked_ways(result);
@@ -103,9 +104,12 @@ std::string not_found_text(const SearchResult& result) {
   const StraightWay& farthest = farthest_of(ways);
   const bool is_at_once = farthest.blocked_at_m < kAtOnceM;
   const bool is_moved = result.out_m > farthest.blocked_at_m + kAtOnceM;
-  return "straight along " + axes_text(ways) + " it is blocked " +
-         (is_at_once ? "at once" : "after " + straight_text(farthest)) + ", and " + search +
-         (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") + "found no other way";
+  return "straight along " + axes_text(ways) + " it " +
+         (is_at_once ? "is blocked at once"
+                     : "gets at most " + straight_text(farthest) + " far (along " +
+                           axis_text(farthest.direction) + ")") +
+         ", and " + search + (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") +
+         "found no other way";
 }
 
 // How far the part goes straight, and what it overlaps where it is installed.
@@ -117,7 +121,15 @@ std::vector<std::string> not_found_notes(const Voxmap& scene, const Plan& plan) 
     const std::string name = voxcheck::shown_name(scene, farthest.blocked_by.front());
     notes.push_back("it goes farthest straight along " + axis_text(farthest.direction) +
                     ": after " + straight_text(farthest) + ", " +
-                    (name.empty() ? "the scene" : name) + " is in the way");
+                    (name.empty() ? "the scene" : name) +
+                    (farthest.clearance_m > 0 ? " is nearer than required" : " is in the way"));
+  }
+  for (const StraightWay& way : plan.search.straight) {
+    if (!(way.clearance_m > 0 && std::isfinite(way.clearance_m))) continue;
+    notes.push_back("straight along " + axis_text(way.direction) +
+                    " it meets nothing, but comes as near as " +
+                    command::length_text(way.clearance_m) + " to " +
+                    voxcheck::shown_name(scene, way.blocked_by.front()));
   }
   for (const auto& [object, depth_m] : plan.overlaps) {
     notes.push_back("where the part is installed, it overlaps " +

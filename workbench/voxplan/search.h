@@ -27,6 +27,9 @@ struct StraightWay {
   // no such place was seen: then it is not proven to be free.
   double blocked_at_m = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> blocked_by;
+  // Proven where it meets none of them, but is nearer to the first than required: how far it stays
+  // away from them, m.
+  double clearance_m = 0;
 };
 
 struct SearchRequest {
