@@ -437,28 +437,40 @@ std::string motion_text(std::span<const PathRow> rows, const Pshell& part) {
   }
   const bool is_straight =
       facts.length_m <= kStraight * chord && off_m <= std::max(kStandsM, kOffFraction * chord);
-  // A path that turns has the direction in which it ends: of its last tenth.
-  glm::dvec3 way_m = chord_m;
-  double last_m = 0;
-  for (std::size_t row = rows.size() - 1; row > 0 && !is_straight && last_m < 0.1 * facts.length_m;
-       --row) {
-    last_m += glm::length(centroid(rows[row]) - centroid(rows[row - 1]));
-    way_m = centroid(rows.back()) - centroid(rows[row - 1]);
-  }
-  if (glm::length(way_m) < kStandsM) way_m = chord_m;
-  std::string along;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double cosine = way_m[axis] / glm::length(way_m);
-    if (std::abs(cosine) < (is_straight ? kAlong : kToward)) continue;
-    along = text("%c%c", cosine > 0 ? '+' : '-', "xyz"[axis]);
-  }
-  if (along.empty()) {
+  const auto toward = [&](const glm::dvec3& way_m) {
+    std::string along;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cosine = way_m[axis] / glm::length(way_m);
+      if (std::abs(cosine) < (is_straight ? kAlong : kToward)) continue;
+      along = text("%c%c", cosine > 0 ? '+' : '-', "xyz"[axis]);
+    }
+    if (!along.empty()) return along;
     const auto digit = [&](int axis) {
       return std::round(1e2 * way_m[axis] / glm::length(way_m)) / 1e2 + 0.0;
     };
-    along = text("(%.4g, %.4g, %.4g)", digit(0), digit(1), digit(2));
+    return text("(%.4g, %.4g, %.4g)", digit(0), digit(1), digit(2));
+  };
+  if (!is_straight) {
+    // A path that turns has the directions in which it begins and ends: of its first and last
+    // tenth. `from` is the row at that end, and `step` leads away from it.
+    const auto tenth_m = [&](std::size_t from, int step) {
+      glm::dvec3 way_m(0);
+      double length_m = 0;
+      for (std::size_t row = from; length_m < 0.1 * facts.length_m;) {
+        const std::size_t next = step > 0 ? row + 1 : row - 1;
+        if (next >= rows.size()) break;  // also before the first
+        length_m += glm::length(centroid(rows[next]) - centroid(rows[row]));
+        row = next;
+        way_m = centroid(rows[row]) - centroid(rows[from]);
+      }
+      return glm::length(way_m) < kStandsM ? double(step) * chord_m : way_m;
+    };
+    const std::string begins = toward(tenth_m(0, 1)),
+                      ends = toward(-1.0 * tenth_m(rows.size() - 1, -1));
+    return "along a path that " + (begins == ends ? "" : "begins toward " + begins + ", ") +
+           "turns and ends toward " + ends;
   }
-  if (!is_straight) return "along a path that turns and ends toward " + along;
+  const std::string along = toward(chord_m);
   return "straight along " + along + (facts.turn_rad > kTurnRad ? " and turning" : "");
 }
 

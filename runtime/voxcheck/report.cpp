@@ -205,7 +205,7 @@ std::string seat_depth_text(const Report& report) {
     if (!report.options.seat_depth_m) {
       return "in its seat, the part goes no deeper than installed. This is proven to within " +
              command::at_most_text(allowed_m) + ", the deviations and cracks of the two meshes" +
-             depth;
+             depth + ". An installed overlap that small is not seen";
     }
     return "in its seat, the part goes at most " + command::at_most_text(allowed_m) +
            " deeper than installed; --seat-depth and the meshes' deviations allow this" + depth;

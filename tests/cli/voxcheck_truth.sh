@@ -134,6 +134,8 @@ check 6 cropped.vox part.pshell side.csv --clearance 1mm
 says '^Undecided, .*: comes within 0 mm of a cropped side of the scene; nothing is known beyond that side \(after 33 of 51 mm; 1 mm required\)\.$'
 check 0 room.vox part.pshell jog.csv --clearance 1mm
 says '^Keeps the clearance, along a path that turns and ends toward \+z: '
+check 0 room.vox part.pshell over.csv --clearance 1mm
+says '^Keeps the clearance, along a path that begins toward -z, turns and ends toward \+z: '
 check 0 room.vox part.pshell line.csv --clearance 1mm
 says '^Keeps the clearance, straight along \+z: '
 check 0 room.vox part.pshell over.csv --clearance 1mm --allow floor --allow wall --json all.json
