@@ -97,7 +97,7 @@ std::string pushed_text(const CheckedPath& checked, const Violation& v) {
   const std::string deep = "goes " + depth + " deep into " + object;
   return seat->overlaps() ? deep + ", which the installed part overlaps by at least " +
                                 length_text(seat->installed_m)
-                          : deep + "; " + causes() + " explain at most " + allowed + " of it";
+                          : deep + ", of which " + causes() + " account for at most " + allowed;
 }
 
 // "34 mm of open edges, at x 0.00, y 0.00, z 10.00 mm"
@@ -350,9 +350,8 @@ HiddenDepth hidden_depth(const CheckedPath& checked) {
 }
 
 std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat) {
-  return "the part may go up to " + command::at_most_text(seat.margin_m) + " deeper into " +
-         name_of(checked, seat.object) +
-         " than when installed, because cracks in a mesh hide such depths";
+  return "a collision with " + name_of(checked, seat.object) + " of up to " +
+         command::at_most_text(seat.margin_m) + " is not ruled out, because the meshes have cracks";
 }
 
 VerdictKind yes_of(const CheckedPath& checked) {

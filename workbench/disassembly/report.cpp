@@ -128,9 +128,8 @@ std::string instruction(const pairs::AssemblyParts& assembly, const Step& step,
             command::length_text(overlap.depth_m) + " deep\n";
   }
   if (step.hidden_overlap_m > 0) {
-    text += "   may go up to " + command::at_most_text(step.hidden_overlap_m) +
-            " deeper into a neighbor than when installed, because cracks in a mesh hide such "
-            "depths\n";
+    text += "   a collision of up to " + command::at_most_text(step.hidden_overlap_m) +
+            " is not ruled out, because the meshes have cracks\n";
   }
   return text;
 }
