@@ -81,7 +81,8 @@ Status take_straight(const Problem& problem, const Destination& goal, const Sear
   std::stable_sort(ends.begin(), ends.end(), [&](const auto& a, const auto& b) {
     return travel_between_m(problem, start, a.first) < travel_between_m(problem, start, b.first);
   });
-  for (const auto& [end, direction] : ends) {
+  for (const auto& way_out : ends) {
+    const Pose& end = way_out.first;
     Result<StraightWay> way = StraightWay();
     const auto ask = [&] { way = request.straight_way(end); };
     if (!until(request, begin_s + kStraightFraction * request.max_s, ask)) return {};
@@ -91,7 +92,7 @@ Status take_straight(const Problem& problem, const Destination& goal, const Sear
       result.beyond = {start, end};
       return {};
     }
-    way->direction = direction;
+    way->direction = way_out.second;
     result.straight.push_back(std::move(*way));
   }
   return {};
