@@ -170,7 +170,7 @@ std::string table_of(const std::vector<SizeCost>& sizes) {
     table += text("%7.4g mm %11.3g mm %10.0f %7.3g MB %12.2g s\n", 1e3 * size.voxel_size_m,
                   1e3 * size.fits_m, size.points, 1e-6 * size.bytes, size.thread_s);
   }
-  // Else a gap that is smaller than this column reads as a no.
+  // Without this line a reader takes a gap that is smaller than this column for a "no".
   return table +
          "play needed: in less play, voxels hold a simulated hand; meshes can still prove a path\n";
 }

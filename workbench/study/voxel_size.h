@@ -24,7 +24,7 @@ struct SizeCost {
 // The same at another size: surfaces outweigh all else.
 SizeCost cost_at(const SizeCost& known, double voxel_size_m);
 
-// So many voxels deep the distances reach that are stored for a part that overlaps a neighbor.
+// For a part that overlaps a neighbor, distances are stored this many voxels deep.
 inline constexpr double kDeepestVoxels = 32;
 
 // The part as installed.

@@ -17,7 +17,7 @@ namespace {
 using command::text;
 using Json = nlohmann::ordered_json;
 
-constexpr double kAtOnceM = 1e-6;  // a shorter motion is none
+constexpr double kAtOnceM = 1e-6;  // a shorter motion does not count
 
 double hidden_within_m(const Report& report) {
   return voxcheck::hidden_within_m(report.problem.scene, report.plan.checked, report.options.allow);

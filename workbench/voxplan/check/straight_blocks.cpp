@@ -11,15 +11,13 @@
 namespace forcelayer::voxplan {
 namespace {
 
-// Steps are at least so long: a fraction of the way, and less near its beginning, where a seat
-// ends.
+// The least step, as a fraction of the way. Steps are shorter near its beginning, in the seat.
 constexpr double kMaxStep = 1.0 / 32, kMinStep = 0x1p-20;
 constexpr int kBisections = 12;  // of the last step
 // Fractions of the way, for a quick look. Where a part is deep in an object, that is seen at once.
 constexpr double kLooks[] = {1.0 / 2, 1.0 / 4, 1.0 / 8, 1.0 / 32, 1.0 / 128, 3.0 / 4};
 
-// A depth that takes longer, in steps of a Watch, decides nothing: it is about that which is
-// allowed.
+// A depth near the allowed one takes longest. After so many questions of a Watch it is given up.
 constexpr int kMaxAsked = 500;
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
