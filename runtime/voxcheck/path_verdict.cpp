@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -107,15 +108,15 @@ std::string hole_text(const ExactHole& hole) {
 }
 
 // How near the files know the part to be to an object of its seat.
-std::string files_know_text(const CheckedPath& checked, std::uint32_t object) {
+std::string files_know_text(const CheckedPath& checked, std::uint32_t number,
+                            const std::string& object) {
   double max_m = INFINITY;
   for (const auto& seated : checked.result.seated) {
-    if (seated.nearest.object == object) max_m = std::min(max_m, seated.nearest.max_m);
+    if (seated.nearest.object == number) max_m = std::min(max_m, seated.nearest.max_m);
   }
-  if (max_m <= 0) return ", where the part touches this object";
-  if (!std::isfinite(max_m)) return "; the files do not tell whether the part touches this object";
-  return ", where the part comes nearer than " + command::at_most_text(max_m) +
-         " to this object, which is all that the files tell";
+  if (max_m <= 0) return "the part touches " + object;
+  if (!std::isfinite(max_m)) return "the part may touch " + object;
+  return "the part comes nearer than " + command::at_most_text(max_m) + " to " + object;
 }
 
 std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
@@ -126,9 +127,9 @@ std::string unsettled_text(const CheckedPath& checked, const Violation& v) {
            ", overlap cannot be measured, because both meshes are open: the part has " +
            hole_text(seat->part_hole) + ", and " + object + " has " + hole_text(seat->object_hole);
   }
-  return text("features of %s narrower than %.2f mm are not seen in the seat", object.c_str(),
-              ceil_mm(2 * checked.part.header().covering_radius_m)) +
-         files_know_text(checked, v.worst.object);
+  return "in its seat " + files_know_text(checked, v.worst.object, object) +
+         text(", and without meshes, features narrower than %.2f mm are not seen",
+              ceil_mm(2 * checked.part.header().covering_radius_m));
 }
 
 std::string meeting_text(const CheckedPath& checked, const ExactViolation& exact) {
@@ -354,12 +355,58 @@ std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat)
          command::at_most_text(seat.margin_m) + " is not ruled out, because the meshes have cracks";
 }
 
+// Of a path that leaves the seat, and ends before the part is outside of all.
+const std::string kWayOn =
+    "the path ends within the box around the other objects, and the way on from there was not "
+    "checked";
+
+// Where the part touches an object, or nearly so, and triangles that stand for curved surfaces do
+// not show whether the two overlap. Empty: nowhere.
+std::string hidden_overlap_text(const CheckedPath& checked) {
+  if (checked.exact == nullptr || checked.result.seated.empty()) return "";
+  const auto most_m = [](const ExactSeat& seat) {
+    return seat.overlaps() ? 0 : seat.installed_m + seat.margin_m - seat.gap_m;
+  };
+  const auto& seats = checked.exact->seat;
+  const auto most = std::max_element(
+      seats.begin(), seats.end(),
+      [&](const ExactSeat& a, const ExactSeat& b) { return most_m(a) < most_m(b); });
+  if (most == seats.end() || most_m(*most) <= kRoundingM) return "";
+  return "an installed overlap with " + name_of(checked, most->object) + " of up to " +
+         command::at_most_text(most_m(*most)) +
+         " is not ruled out, because triangles stand for curved surfaces";
+}
+
+// Whether the part ends, in part, within the box around the scene's surfaces.
+bool ends_in_scene_box(const CheckedPath& checked) {
+  const auto& h = checked.scene.header();
+  const PshellView& shell = checked.part.view();
+  const Pose end = checked.path.world_from_center({checked.path.poses() - 1, 0});
+  glm::dvec3 low(INFINITY), high(-INFINITY);
+  for (std::uint64_t i = 0; i < shell.point_count; ++i) {
+    const glm::dvec3 place =
+        end.position_m + end.orientation * glm::dvec3(shell.x[i], shell.y[i], shell.z[i]);
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  // The voxels that are not free reach farther than the surfaces: by the force layer and one more.
+  const double beyond_m = h.zero_force_m + 2 * h.voxel_size_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double from_m = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m + beyond_m;
+    const double to_m =
+        from_m - 2 * beyond_m + static_cast<double>(h.dims_voxels[axis]) * h.voxel_size_m;
+    if (high[axis] < from_m || low[axis] > to_m) return false;
+  }
+  return true;
+}
+
 VerdictKind yes_of(const CheckedPath& checked) {
   const CheckResult& r = checked.result;
   const bool ends =
       r.seated.empty() ? r.ends_installed : r.seated.back().to_s >= checked.rows.back().time_s;
   if (r.begins_installed && ends && r.seated.size() == 1) return VerdictKind::kStaysInstalled;
-  return r.begins_installed && !ends ? VerdictKind::kComesOut : VerdictKind::kKeepsClearance;
+  if (!r.begins_installed || ends) return VerdictKind::kKeepsClearance;
+  return ends_in_scene_box(checked) ? VerdictKind::kLeavesSeat : VerdictKind::kComesOut;
 }
 
 // "103.2 to 159.5 mm along the path"
@@ -509,7 +556,9 @@ command::Verdict verdict_of(const CheckedPath& checked) {
   verdict.nearest = smallest_of(checked);
   verdict.kind = yes_of(checked);
   const auto enclosing = enclosing_object(checked);
-  if (r.clear() && enclosing && verdict.kind == VerdictKind::kComesOut) {
+  const bool leaves =
+      verdict.kind == VerdictKind::kComesOut || verdict.kind == VerdictKind::kLeavesSeat;
+  if (r.clear() && enclosing && leaves) {
     verdict.kind = VerdictKind::kDoesNotComeOut;
     verdict.finding = kEnclosed;
     verdict.nearest.known = Known::kNot;
@@ -526,7 +575,11 @@ command::Verdict verdict_of(const CheckedPath& checked) {
       verdict.advice = command::kCracksAdvice;
       return verdict;
     }
-    if (hidden.seat != nullptr) verdict.unchecked = hidden_depth_text(checked, *hidden.seat);
+    verdict.unchecked = hidden.seat != nullptr ? hidden_depth_text(checked, *hidden.seat)
+                                               : hidden_overlap_text(checked);
+    if (verdict.kind == VerdictKind::kLeavesSeat) {
+      verdict.unchecked = kWayOn + (verdict.unchecked.empty() ? "" : "; " + verdict.unchecked);
+    }
     if (checked.exact != nullptr) add_overlaps(checked.scene, *checked.exact, verdict);
     return verdict;
   }

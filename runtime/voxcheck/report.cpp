@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
 #include "formats/command/report.h"
@@ -143,10 +142,12 @@ int rank_of(command::VerdictKind kind) {
       return 2;
     case VerdictKind::kStaysInstalled:
       return 4;
-    case VerdictKind::kComesOut:
+    case VerdictKind::kLeavesSeat:
       return 5;
-    case VerdictKind::kKeepsClearance:
+    case VerdictKind::kComesOut:
       return 6;
+    case VerdictKind::kKeepsClearance:
+      return 7;
     default:
       return 3;
   }
@@ -205,7 +206,7 @@ std::string seat_depth_text(const Report& report) {
     if (!report.options.seat_depth_m) {
       return "in its seat, the part goes no deeper than installed. This is proven to within " +
              command::at_most_text(allowed_m) + ", the deviations and cracks of the two meshes" +
-             depth + ". An installed overlap that small is not seen";
+             depth;
     }
     return "in its seat, the part goes at most " + command::at_most_text(allowed_m) +
            " deeper than installed; --seat-depth and the meshes' deviations allow this" + depth;
@@ -230,38 +231,10 @@ std::string path_length_text(const CheckedPath& checked) {
       1e3 * whole_m, 1e3 * center_m);
 }
 
-// Whether the part ends, in part, within the box around the scene's surfaces.
-bool ends_in_scene_box(const CheckedPath& checked) {
-  const auto& h = checked.scene.header();
-  const PshellView& shell = checked.part.view();
-  const Pose end = checked.path.world_from_center({checked.path.poses() - 1, 0});
-  glm::dvec3 low(INFINITY), high(-INFINITY);
-  for (std::uint64_t i = 0; i < shell.point_count; ++i) {
-    const glm::dvec3 place =
-        end.position_m + end.orientation * glm::dvec3(shell.x[i], shell.y[i], shell.z[i]);
-    low = glm::min(low, place);
-    high = glm::max(high, place);
-  }
-  // The voxels that are not free reach farther than the surfaces: by the force layer and one more.
-  const double beyond_m = h.zero_force_m + 2 * h.voxel_size_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double from_m = static_cast<double>(h.origin_voxel[axis]) * h.voxel_size_m + beyond_m;
-    const double to_m =
-        from_m - 2 * beyond_m + static_cast<double>(h.dims_voxels[axis]) * h.voxel_size_m;
-    if (high[axis] < from_m || low[axis] > to_m) return false;
-  }
-  return true;
-}
-
-// Where the path ends before the part is outside of all.
-std::string end_text(const CheckedPath& checked, command::VerdictKind answer) {
-  const command::VerdictKind kind = command::without_overlap(answer);
-  if (kind == command::VerdictKind::kStaysInstalled) {
-    return "the path ends in the seat: whether the part comes out was not checked";
-  }
-  if (kind != command::VerdictKind::kComesOut || !ends_in_scene_box(checked)) return "";
-  return "\"comes out\" says here that the part leaves its seat: the path ends within the box "
-         "around the other objects, and the way on from there was not checked";
+// That of a path which ends before the part has left its seat.
+std::string end_text(command::VerdictKind kind) {
+  const bool stays = command::without_overlap(kind) == command::VerdictKind::kStaysInstalled;
+  return stays ? "the path ends in the seat: whether the part comes out was not checked" : "";
 }
 
 std::string advice_of(const Report& report, const command::Verdict& verdict) {
@@ -296,7 +269,7 @@ command::Verdict verdict_of(const Report& report) {
   verdict.advice = advice_of(report, verdict);
   verdict.remarks = overlap_texts(report);
   auto& notes = verdict.notes;
-  if (std::string line = end_text(checked, verdict.kind); !line.empty()) notes.push_back(line);
+  if (std::string line = end_text(verdict.kind); !line.empty()) notes.push_back(line);
   if (const auto object = enclosing_object(checked)) {
     notes.push_back(shown_name(checked.scene, *object) +
                     " encloses the part on all sides, so no other path leads out either");

@@ -176,16 +176,20 @@ disassemble 6 rings.json -o rings
 grep -qx '1 of 2 parts comes off tray; 1 is left\.' out.txt && grep -q '^  left: ring[12]: ' out.txt || fail "linked rings: $(cat out.txt)"
 disassemble 6 rings.json --target ring1 -o ring1
 
-# A run that is interrupted at its first step is continued.
-python3 - "$bin/forcelayer" <<'PYTHON'
-import signal, subprocess, sys
-run = subprocess.Popen([sys.argv[1], "disassemble", "gearbox.glb", "-o", "interrupted"], stdout=subprocess.PIPE,
-                       stderr=subprocess.DEVNULL, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+# A run that is interrupted at its first step says so, and is continued.
+python3 - "$bin/forcelayer" <<'PYTHON' || fail "an interrupted run: $(cat interrupted/sequence.json)"
+import json, signal, subprocess, sys
+run = subprocess.Popen([sys.argv[1], "disassemble", "gearbox.glb", "-o", "interrupted"], stdout=subprocess.PIPE, text=True,
+                       stderr=subprocess.PIPE, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
 run.stdout.readline()
 run.send_signal(signal.SIGINT)
-run.communicate()
+out, err = run.communicate()
+if run.returncode != 0:  # it was not faster than the signal
+    assert run.returncode == 130 and "left, because the command was stopped." in out, (run.returncode, out, err)
+    assert err.endswith("because the command was stopped; the same command continues from there\n"), err
+    report = json.load(open("interrupted/sequence.json"))
+    assert not report["finished"] and report["left"], report
 PYTHON
-[ -f interrupted/sequence.json ] || fail "an interrupted run leaves paths without their sequence"
 disassemble 0 gearbox.glb -o interrupted
 
 # A run that is stopped by its time keeps no step of which it does not know the overlaps.

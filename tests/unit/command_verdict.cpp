@@ -38,7 +38,7 @@ bool needs_force(const std::string& line) {
 }
 bool begins_with_a_yes(const std::string& line) {
   for (const char* words :
-       {"Comes out", "Keeps the clearance", "Passes without a collision", "Is still in its seat"}) {
+       {"Comes out", "Keeps the clearance", "Passes without a collision", "Leaves its seat", "Is still in its seat"}) {
     if (line.starts_with(words)) return true;
   }
   return false;

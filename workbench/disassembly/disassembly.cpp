@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "formats/command/command.h"
 #include "formats/command/text.h"
 #include "workbench/disassembly/part_shapes.h"
 #include "workbench/disassembly/straight_motions.h"
@@ -68,7 +69,8 @@ class Disassembly {
   // --- time
 
   bool is_over() {
-    if (request_.max_s && steady_s() - begun_s_ >= *request_.max_s) is_over_ = true;
+    const bool is_late = request_.max_s && steady_s() - begun_s_ >= *request_.max_s;
+    if (is_late || command::stop_signal() != 0) is_over_ = true;
     return is_over_;
   }
 
@@ -421,7 +423,7 @@ class Disassembly {
     for (const std::size_t part : left) {
       Left& own = reasons[part];
       own.part = part;
-      own.reason = is_over_ ? "not settled: --time was over"
+      own.reason = is_over_ ? "not settled: " + end_text()
                             : "no path was found, straight or with two straight legs, alone or "
                               "in a group";
       if (is_over_) own.blocked_by.clear();
@@ -599,6 +601,10 @@ class Disassembly {
 };
 
 }  // namespace
+
+std::string end_text() {
+  return command::stop_signal() == 0 ? "--time was over" : "the command was stopped";
+}
 
 Outcome take_apart(const pairs::AssemblyParts& assembly, const Request& request,
                    const Observer& observer) {

@@ -56,7 +56,7 @@ struct Outcome {
   std::vector<Step> steps;
   std::vector<Left> left;
   std::optional<std::size_t> base;  // the last part, which nothing is left to be taken off
-  bool is_out_of_time = false;
+  bool is_out_of_time = false;      // or stopped by a signal: more may come apart
 };
 
 struct Request {
@@ -76,7 +76,11 @@ struct Observer {
   std::function<void(const std::string& stage, double fraction)> progress;
 };
 
-// The parts of `assembly` are two or more.
+// Why a run ended before its time: "--time was over", or a signal (stop_signal()).
+std::string end_text();
+
+// The parts of `assembly` are two or more. Where command::stop_signal() is set, it ends as at the
+// end of its time.
 Outcome take_apart(const pairs::AssemblyParts& assembly, const Request& request,
                    const Observer& observer);
 

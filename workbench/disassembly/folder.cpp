@@ -151,6 +151,8 @@ Status Folder::mark_unfinished() const {
   if (!known.is_object()) return {};
   known["sentence"] = kUnfinished;
   known["finished"] = false;
+  known["out_of_time"] = false;
+  known["left"] = Json::array();
   return command::write_report(in(kSequence), known);
 }
 

@@ -10,6 +10,7 @@
 #include "formats/command/arguments.h"
 #include "formats/command/command.h"
 #include "formats/command/output_file.h"
+#include "formats/command/program.h"
 #include "formats/command/progress_line.h"
 #include "formats/command/report.h"
 #include "formats/mesh/sandbox/sandbox.h"
@@ -79,6 +80,7 @@ Status disassemble(const Options& options) {
     // The file keeps later rounds that are known until more is found.
     if (written && !is_known) written = folder->write(so_far, false, steady_s() - begun_s);
   };
+  command::stop_programs_on_signals();  // it ends in order, with what is known by then
   const Outcome outcome = take_apart(*assembly, request, observer);
   line.clear();
   if (written) written = folder->write(outcome, !outcome.is_out_of_time, steady_s() - begun_s);
@@ -100,7 +102,7 @@ int run(int argc, char** argv) {
   int status = 0;
   if (!command::parse_arguments(app, argc, argv, status)) return status;
   command::exit_cleanly_on_signals();
-  return command::run_command("forcelayer", [&]() -> Status {
+  status = command::run_command("forcelayer", [&]() -> Status {
     auto options = parser.finish();
     if (!options) return options.error();
     const std::string inputs[] = {options->assembly, options->rules};
@@ -113,6 +115,8 @@ int run(int argc, char** argv) {
                    "use a machine with more memory"};
     }
   });
+  const int stopped = command::stop_signal();
+  return stopped != 0 ? 128 + stopped : status;
 }
 
 }  // namespace

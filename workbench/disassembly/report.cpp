@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "formats/command/command.h"
 #include "formats/command/text.h"
 #include "formats/command/verdict/verdict.h"
 
@@ -84,12 +85,12 @@ std::string sentence(const pairs::AssemblyParts& assembly, const Request& reques
     return command::text("%zu of %zu parts %s off ", off, parts - 1, off == 1 ? "comes" : "come") +
            (outcome.base ? assembly.shown_name(*outcome.base) : "the others") +
            command::text("; %zu %s left%s.", left, left == 1 ? "is" : "are",
-                         outcome.is_out_of_time ? ", because --time was over" : "");
+                         outcome.is_out_of_time ? (", because " + end_text()).c_str() : "");
   }
   const std::string target = listed(assembly, request.target);
   if (left > 0) {
-    return target +
-           (outcome.is_out_of_time ? ": not found within --time." : ": no path out was found.");
+    return target + (outcome.is_out_of_time ? ": not found, because " + end_text() + "."
+                                            : std::string(": no path out was found."));
   }
   Parts before;
   for (const Step& step : outcome.steps) {
@@ -201,9 +202,10 @@ Status exit_of(const pairs::AssemblyParts& assembly, const Request& request, con
     return Error{ErrorCode::kNeedsForce, file, "", what, command::kOverlapAdvice};
   }
   return Error{ErrorCode::kAnswerIsNo, file, "", what,
-               !outcome.is_out_of_time  ? ""
-               : request.target.empty() ? "the same command continues from there"
-                                        : "give a longer --time"};
+               !outcome.is_out_of_time       ? ""
+               : request.target.empty()      ? "the same command continues from there"
+               : command::stop_signal() == 0 ? "give a longer --time"
+                                             : ""};
 }
 
 }  // namespace forcelayer::disassembly

@@ -1366,6 +1366,7 @@ void Study::say_that_it_failed(const Error& error) {
       status >= exit_status(ErrorCode::kUsage) && status <= exit_status(ErrorCode::kNotThisFormat);
   if (is_refused) answer_.verdict.kind = command::VerdictKind::kRefused;
   const Error told{error.code, "", "", bare_sentence(command::sentence(answer_.verdict)), ""};
+  if (!options_.quiet) std::fputs(command::terminal_text(answer_.verdict).c_str(), stdout);
   Status written = write_verdict(command::junit_text(subject(), told), status);
   if (written) written = write_bare_page(answer_.verdict);
   if (written) written = report(status);

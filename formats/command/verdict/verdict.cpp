@@ -15,7 +15,7 @@ namespace {
 using Known = VerdictDistance::Known;
 
 constexpr std::size_t kListed = 5;          // objects in a sentence
-constexpr std::size_t kListedBytes = 150;   // of their names, unless the first is longer
+constexpr std::size_t kListedBytes = 100;   // of their names, unless the first is longer
 constexpr int kDecimals = 3, kDigits = 15;  // of millimeters
 constexpr int kSignificant = 3;             // digits at least
 constexpr double kSmallestM = 1e-9;         // a shorter length is rounding
@@ -116,7 +116,12 @@ std::string slide_text(const Verdict& v, const VerdictSlide& slide) {
   if (is_short) touched.insert(touched.end(), slide.left.begin(), slide.left.end());
   if (!touched.empty()) {
     line += line.empty() ? "" : " and ";
-    line += (!is_short ? "slides along " : begins ? "leaves " : "reaches ") + listed(v, touched);
+    const bool are_overlapped =
+        std::ranges::is_permutation(touched, v.overlapped) && touched.size() > 1;
+    line += (!is_short ? "slides along "
+             : begins  ? "leaves "
+                       : "reaches ") +
+            (are_overlapped ? "what it overlaps" : listed(v, touched));
   }
   if (!slide.passed.empty()) {
     line += std::string(line.empty() ? "" : " and ") + "passes " + listed(v, slide.passed) +
@@ -219,9 +224,11 @@ std::string overlap_text(const Verdict& v) {
 // The first words of a sentence.
 constexpr const char* kWords[] = {"comes out",
                                   "keeps the clearance",
+                                  "leaves its seat",
                                   "stays in contact",
                                   "comes out with overlap",
                                   "keeps the clearance with overlap",
+                                  "leaves its seat with overlap",
                                   "stays in contact with overlap",
                                   "does not keep the clearance",
                                   "collides",
@@ -239,7 +246,7 @@ static_assert(std::size(kWords) == std::size(kAllVerdictKinds));
 
 bool is_yes(VerdictKind kind) {
   return kind == VerdictKind::kComesOut || kind == VerdictKind::kKeepsClearance ||
-         kind == VerdictKind::kStaysInstalled;
+         kind == VerdictKind::kLeavesSeat || kind == VerdictKind::kStaysInstalled;
 }
 
 bool passes(VerdictKind kind) { return is_yes(without_overlap(kind)); }
@@ -250,6 +257,8 @@ VerdictKind with_overlap(VerdictKind kind) {
       return VerdictKind::kComesOutWithOverlap;
     case VerdictKind::kKeepsClearance:
       return VerdictKind::kKeepsClearanceWithOverlap;
+    case VerdictKind::kLeavesSeat:
+      return VerdictKind::kLeavesWithOverlap;
     case VerdictKind::kStaysInstalled:
       return VerdictKind::kStaysWithOverlap;
     default:

@@ -18,10 +18,12 @@ enum class VerdictKind {
   // The answer is yes.
   kComesOut,        // it leaves the place where it is installed, and keeps the clearance from then
   kKeepsClearance,  // along the whole path
+  kLeavesSeat,      // the same as the first, but the path ends between other objects
   kStaysInstalled,  // it collides with nothing, and touches its seat all along the path
   // The same of a part that overlaps something as installed: only force moves it.
   kComesOutWithOverlap,
   kKeepsClearanceWithOverlap,
+  kLeavesWithOverlap,
   kStaysWithOverlap,
   // The answer is no, or not known.
   kTooNear,         // a distance is less than what is required
@@ -38,9 +40,11 @@ enum class VerdictKind {
 
 inline constexpr VerdictKind kAllVerdictKinds[] = {VerdictKind::kComesOut,
                                                    VerdictKind::kKeepsClearance,
+                                                   VerdictKind::kLeavesSeat,
                                                    VerdictKind::kStaysInstalled,
                                                    VerdictKind::kComesOutWithOverlap,
                                                    VerdictKind::kKeepsClearanceWithOverlap,
+                                                   VerdictKind::kLeavesWithOverlap,
                                                    VerdictKind::kStaysWithOverlap,
                                                    VerdictKind::kTooNear,
                                                    VerdictKind::kCollides,
