@@ -110,4 +110,12 @@ std::uint64_t Assembly::triangle_count() const {
   return count;
 }
 
+double Assembly::deviation_units() const {
+  double largest = 0;
+  for (const MeshInstance& instance : instances) {
+    largest = std::max(largest, instance.deviation_units);
+  }
+  return largest;
+}
+
 }  // namespace forcelayer::mesh

@@ -54,6 +54,8 @@ struct MeshInstance {
   std::string name;        // path of node names, "/" between; the file's stem where it has none
   Affine assembly_from_mesh;
   Box box{};  // around its vertices; file units, assembly frame
+  // How far its triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
+  double deviation_units = 0;
 };
 
 // A node of the tree that an assembly format holds.
@@ -86,12 +88,11 @@ struct Assembly {
   std::vector<AssemblyNode> nodes;
   std::optional<double> meters_per_unit;  // where the format or file defines it (glTF: 1)
   std::optional<Up> up;                   // as it was read, of a format that is y up (glTF)
-  // How far the triangles may lie from exact surfaces that the file holds (STEP, IGES), file units.
-  double deviation_units = 0;
   std::vector<std::string> warnings;  // a line each: oddities of a file that was read all the same
   std::vector<MissingFace> missing_faces;  // at most ReadOptions::missing_faces
   std::vector<std::string> left_out;       // those of ReadOptions::without that name a node here
   std::uint64_t triangle_count() const;    // over all instances
+  double deviation_units() const;          // the largest of all instances
 };
 
 // Sets MeshInstance::box of every instance. A small file may place more vertices than a lifetime

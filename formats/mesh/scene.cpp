@@ -308,7 +308,7 @@ Status SceneReader::place(const Placing& placing) {
     object.box_m = box_of(instance.box, world_from_assembly);
     object.free_seeds_m = placing.free_seeds_m;
     object.deviation_m =
-        placing.deviation_m + assembly.deviation_units * largest_stretch(world_from_assembly);
+        placing.deviation_m + instance.deviation_units * largest_stretch(world_from_assembly);
   }
   return {};
 }

@@ -194,7 +194,7 @@ Result<Part> assemble_part(std::span<const PartInput> inputs) {
   for (const PartInput& input : inputs) {
     if (input.assembly->up) part.up = input.assembly->up;
     part.deviation_m =
-        std::max(part.deviation_m, input.assembly->deviation_units * input.meters_per_unit);
+        std::max(part.deviation_m, input.assembly->deviation_units() * input.meters_per_unit);
     for (mesh::MissingFace face : input.assembly->missing_faces) {
       for (double& coordinate : face.center) coordinate *= input.meters_per_unit;
       face.size *= input.meters_per_unit;

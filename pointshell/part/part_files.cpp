@@ -22,12 +22,11 @@ Result<std::vector<mesh::Assembly>> read_manifest_parts(const NamedFile& named,
   for (mesh::Assembly& assembly : scene->assemblies) {
     assembly.instances.clear();
     assembly.missing_faces.clear();
-    assembly.deviation_units = 0;
   }
   for (const mesh::MeshObject& object : scene->objects) {
     mesh::Assembly& assembly = scene->assemblies[object.assembly];
-    assembly.instances.push_back({object.mesh, object.name, object.world_from_mesh, object.box_m});
-    assembly.deviation_units = std::max(assembly.deviation_units, object.deviation_m);
+    assembly.instances.push_back(
+        {object.mesh, object.name, object.world_from_mesh, object.box_m, object.deviation_m});
   }
   if (!scene->assemblies.empty()) {
     scene->assemblies.front().missing_faces = std::move(scene->missing_faces);

@@ -10,7 +10,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactViolation, from_s, to_s, clearance_m, wo
                                    inside, passes_wall)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactHole, edges_m, place_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactSeat, object, gap_m, installed_m, allowed_m, deepest_m,
-                                   nearest_m, margin_m, soon_m, soon_s, settled, part_hole,
+                                   nearest_m, margin_m, crack_m, soon_m, soon_s, settled, part_hole,
                                    object_hole)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, nearest)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s)

@@ -98,6 +98,7 @@ struct ExactSeat {
   double installed_m = 0;  // how deep they lie in each other there
   double allowed_m = 0;    // how deep they may
   double margin_m = 0;     // deviations, rounding and cracks: what it may lie deeper than the truth
+  double crack_m = 0;      // that of cracks in it
   double deepest_m = 0;    // how deep they were found to lie while the part is in its seat
   double nearest_m = 0;    // how near they come then; 0 where they touch
   // Where the part has moved out of its seat by twice the required clearance and twice

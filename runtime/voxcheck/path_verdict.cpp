@@ -342,7 +342,7 @@ HiddenDepth hidden_depth(const CheckedPath& checked) {
   HiddenDepth hidden;
   if (checked.exact == nullptr || checked.result.seated.empty()) return hidden;
   for (const ExactSeat& seat : checked.exact->seat) {
-    if (seat.margin_m <= checked.exact->margin_m + kRoundingM) continue;
+    if (seat.crack_m <= kRoundingM) continue;
     const double depth_m = seat.allowed_m - seat.installed_m - seat.margin_m;  // --seat-depth
     hidden.is_too_much |= seat.margin_m > std::max(checked.required_m, depth_m) + kRoundingM;
     if (hidden.seat == nullptr || seat.margin_m > hidden.seat->margin_m) hidden.seat = &seat;

@@ -31,6 +31,7 @@ constexpr Golden kGolden[] = {
     {"assembly", 4, "7e7b61859842d11bf3d865ed9446ae25"},
     {"assembly", 5, "f6e75e8a9fe5634b1d86fdd84a9fb607"},
     {"assembly", 6, "f6e75e8a9fe5634b1d86fdd84a9fb607"},
+    {"assembly", 7, "245b6907d41801772ddd04f41fbe4c3c"},
     {"facts", 1, "5969afd315368bd0abbc5d4dca1f187a"},
     {"facts", 2, "fcfbcefe46e36be7d9621d4221e13b94"},
     {"part", 1, "1c4d57068bd7dcebb03b7856ce94f27c"},
@@ -171,8 +172,9 @@ TEST(CacheVersions, OfAssembliesAndFacts) {
       meshes.value(std::uint64_t{instance.mesh}).text(instance.name);
       for (const double x : instance.assembly_from_mesh.linear) meshes.value(x);
       for (const double x : instance.assembly_from_mesh.translation) meshes.value(x);
+      meshes.value(instance.deviation_units);
     }
-    meshes.value(assembly->meters_per_unit.value_or(0)).value(assembly->deviation_units);
+    meshes.value(assembly->meters_per_unit.value_or(0));
     for (const std::string& warning : assembly->warnings) meshes.text(warning);
   }
   expect_golden("assembly", cache::kAssemblyCacheVersion, meshes.finish());

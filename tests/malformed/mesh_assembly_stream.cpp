@@ -77,7 +77,7 @@ mesh::Assembly two_cubes() {
   assembly.instances = {{0, "a/b", {}}, {1, "", {{2, 0, 0, 0, 3, 0, 0, 0, 4}, {5, 6, 7}}}};
   assembly.meters_per_unit = 0.001;
   assembly.up = mesh::Up::kY;
-  assembly.deviation_units = 0.25;
+  assembly.instances[1].deviation_units = 0.25;
   assembly.warnings = {"odd", "odder"};
   assembly.nodes = {{"a", "a", 0, 0, 2}, {"b", "a/b", 1, 0, 1}, {"", "a/", 1, 1, 1}};
   return assembly;
@@ -102,7 +102,8 @@ TEST(AssemblyStream, BringsEverything) {
   }
   EXPECT_EQ(got.meters_per_unit, 0.001);
   EXPECT_EQ(got.up, mesh::Up::kY);
-  EXPECT_EQ(got.deviation_units, 0.25);
+  EXPECT_EQ(got.instances[0].deviation_units, 0);
+  EXPECT_EQ(got.instances[1].deviation_units, 0.25);
   EXPECT_EQ(got.warnings, assembly.warnings);
   ASSERT_EQ(got.nodes.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -171,7 +172,7 @@ TEST(AssemblyStream, KeepsThePromisesOfMeshes) {
   EXPECT_TRUE(
       refused([](mesh::Assembly& a) { a.instances[0].assembly_from_mesh.translation[0] = kNan; }));
   EXPECT_TRUE(refused([](mesh::Assembly& a) { a.meters_per_unit = -1; }));
-  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.deviation_units = kNan; }));
+  EXPECT_TRUE(refused([](mesh::Assembly& a) { a.instances[0].deviation_units = kNan; }));
 }
 
 TEST(AssemblyStream, CutOrDamagedIsRefusedOrSound) {

@@ -37,8 +37,8 @@ bool needs_force(const std::string& line) {
          line.find(", and overlaps Plug ") != std::string::npos;
 }
 bool begins_with_a_yes(const std::string& line) {
-  for (const char* words :
-       {"Comes out", "Keeps the clearance", "Passes without a collision", "Leaves its seat", "Is still in its seat"}) {
+  for (const char* words : {"Comes out", "Keeps the clearance", "Passes without a collision",
+                            "Leaves its seat", "Is still in its seat"}) {
     if (line.starts_with(words)) return true;
   }
   return false;

@@ -135,9 +135,9 @@ TEST(StepReader, DeclaresItsDeflection) {
   const auto fine = mesh::read_assembly(model_path("featuretype.step"), {.deflection_m = 1e-5});
   ASSERT_TRUE(coarse && fine);
   EXPECT_GT(fine->triangle_count(), coarse->triangle_count());
-  EXPECT_GE(coarse->deviation_units, 1.0);
-  EXPECT_GE(fine->deviation_units, 0.01);
-  EXPECT_LT(fine->deviation_units, coarse->deviation_units);
+  EXPECT_GE(coarse->deviation_units(), 1.0);
+  EXPECT_GE(fine->deviation_units(), 0.01);
+  EXPECT_LT(fine->deviation_units(), coarse->deviation_units());
 }
 
 double dot(const mesh::Vec3d& a, const mesh::Vec3d& b) {
@@ -188,7 +188,7 @@ TEST(StepReader, StaysWithinTheDeviationThatItDeclares) {
     }
     farthest = std::max(farthest, nearest);
   }
-  EXPECT_LE(farthest, coarse->deviation_units + fine->deviation_units);
+  EXPECT_LE(farthest, coarse->deviation_units() + fine->deviation_units());
   EXPECT_GT(farthest, 0.01);  // or the test has found nothing that curves
 }
 

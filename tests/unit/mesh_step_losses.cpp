@@ -370,7 +370,7 @@ TEST(IgesLosses, AnEdgeThatLeavesItsFacesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_EQ(box->warnings.size(), 1u);
   expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
-  EXPECT_GE(box->deviation_units, 10);
+  EXPECT_GE(box->deviation_units(), 10);
   // A listing takes the size of the shape from its triangles: the box of the edge is 40 m large.
   mesh::ReadOptions listing;
   listing.deflection_m = mesh::kDeflectionBySize;
@@ -389,7 +389,7 @@ TEST(IgesLosses, AnEdgeThatOnlyItsToleranceTiesIsTold) {
   ASSERT_TRUE(box) << to_line(box.error());
   ASSERT_EQ(box->warnings.size(), 1u);
   expect_in("an edge lies up to 10 mm from its faces", box->warnings[0]);
-  EXPECT_GE(box->deviation_units, 10);
+  EXPECT_GE(box->deviation_units(), 10);
 }
 
 // OpenCASCADE leaves a triangle of twelve out, and takes the edge for 3.33 mm off.
@@ -401,7 +401,7 @@ TEST(IgesLosses, AHoleBesideADamagedEdgeIsTold) {
   EXPECT_EQ(box->triangle_count(), 11u);
   ASSERT_EQ(box->warnings.size(), 1u);
   expect_in("an edge lies up to 4.74 mm from its faces", box->warnings[0]);
-  EXPECT_GE(box->deviation_units, 4.74);
+  EXPECT_GE(box->deviation_units(), 4.74);
 }
 
 // The line ends 0.9 mm beside the corner, and the reader bends it.
@@ -418,7 +418,7 @@ TEST(IgesLosses, ASewnEdgeThatLeavesItsFacesIsTold) {
       "mm from their faces, so the guaranteed distance is 0.473 mm smaller. 3 other edges are not "
       "joined; check whether an edge is damaged",
       box->warnings[0]);
-  EXPECT_GE(box->deviation_units, 0.472);
+  EXPECT_GE(box->deviation_units(), 0.472);
 }
 
 // A plane in the group, in place of the face that it carries.
@@ -469,7 +469,7 @@ TEST(IgesLosses, LooseFacesAreSewnIntoAClosedSurface) {
             std::string::npos)
       << rod->warnings[0];
   EXPECT_EQ(rod->warnings[0].find("damaged"), std::string::npos);
-  EXPECT_LT(rod->deviation_units, 0.11);  // a deflection, and gaps of next to nothing
+  EXPECT_LT(rod->deviation_units(), 0.11);  // a deflection, and gaps of next to nothing
 }
 
 // The group (type 402) of the six faces lists five, none, one twice, or is no group any more.
@@ -563,7 +563,7 @@ TEST(StepLosses, AHoleInASolidThatDoesNotCloseCounts) {
   expect_in("#822 MANIFOLD_SOLID_BREP is not closed: 2 edges belong to only one face",
             bracket->warnings[0]);
   expect_in("bracket_1: an edge lies up to 5 mm from its faces", bracket->warnings[1]);
-  EXPECT_GE(bracket->deviation_units, 5);
+  EXPECT_GE(bracket->deviation_units(), 5);
 }
 
 // A face is not there at all, and its shell does not list it. Half of its width counts at least,
@@ -580,13 +580,13 @@ TEST(StepLosses, AHoleInAShellThatShouldCloseCounts) {
     EXPECT_EQ(rest->triangle_count(), 10u);
     ASSERT_EQ(rest->warnings.size(), 2u);
     expect_in("is not closed: 4 edges", rest->warnings[0]);
-    EXPECT_GE(rest->deviation_units, 10);  // of 20 x 30
+    EXPECT_GE(rest->deviation_units(), 10);  // of 20 x 30
   }
   const auto sheet = mesh::read_assembly(
       write_file(folder / "a.step", replaced(shell, "CLOSED_SHELL", "OPEN_SHELL")));
   ASSERT_TRUE(sheet) << to_line(sheet.error());
   EXPECT_TRUE(sheet->warnings.empty());
-  EXPECT_DOUBLE_EQ(sheet->deviation_units, 0.1);
+  EXPECT_DOUBLE_EQ(sheet->deviation_units(), 0.1);
 }
 
 // The rims of a hole are two rows of nearly the same points: no hole as wide as that.
@@ -596,7 +596,7 @@ TEST(IgesLosses, RimsThatMeetAreNoHole) {
   const auto plate = mesh::read_assembly((folder / "plate.igs").string());
   ASSERT_TRUE(plate) << to_line(plate.error());
   EXPECT_EQ(plate->warnings.size(), 1u);  // of the sewing
-  EXPECT_LT(plate->deviation_units, 0.11);
+  EXPECT_LT(plate->deviation_units(), 0.11);
 }
 
 TEST(IgesLosses, ASolidThatDoesNotCloseIsTold) {

@@ -61,7 +61,7 @@ TEST(Part, AMirroredPlacingStillFacesOutwards) {
 // The deviation that a STEP reader states reaches the shell's e_part, added to the user's own.
 TEST(Part, DeviationOfTheFilesCounts) {
   mesh::Assembly exact = assembly_of({box_mesh(1, 1, 1)}), tessellated = exact;
-  tessellated.deviation_units = 0.1;
+  tessellated.instances.front().deviation_units = 0.1;
   const part::PartInput inputs[] = {{&exact, 1}, {&tessellated, 1e-3}};
   const part::Part part = std::move(part::assemble_part(inputs)).value();
   EXPECT_DOUBLE_EQ(part.deviation_m, 1e-4);

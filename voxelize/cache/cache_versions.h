@@ -14,7 +14,8 @@ namespace forcelayer::cache {
 // 4: the record holds the tree of nodes; siblings of a name are called "name[2]".
 // 5: glTF is turned, so that z is up.
 // 6: vertices that no triangle uses are dropped.
-inline constexpr std::uint32_t kAssemblyCacheVersion = 6;
+// 7: the record holds the deviation of each instance.
+inline constexpr std::uint32_t kAssemblyCacheVersion = 7;
 
 // ... mesh_facts() gives other facts for the same mesh, or the record changes.
 inline constexpr std::uint32_t kFactsCacheVersion = 2;

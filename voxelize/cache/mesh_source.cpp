@@ -75,12 +75,12 @@ std::vector<std::byte> pack(const mesh::Assembly& assembly,
     packer.text(instance.name);
     packer.value(instance.assembly_from_mesh);
     packer.value(instance.box);
+    packer.value(instance.deviation_units);
   }
   packer.value(std::uint64_t{assembly.meters_per_unit.has_value()});
   packer.value(assembly.meters_per_unit.value_or(0));
   packer.value(std::uint64_t{assembly.up.has_value()});
   packer.value(std::uint64_t{assembly.up == mesh::Up::kY});
-  packer.value(assembly.deviation_units);
   packer.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) packer.text(warning);
   packer.value(std::uint64_t{assembly.missing_faces.size()});
@@ -116,6 +116,7 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
       instance.name = unpacker.text();
       instance.assembly_from_mesh = unpacker.value<mesh::Affine>();
       instance.box = unpacker.value<mesh::Box>();
+      instance.deviation_units = unpacker.value<double>();
     }
     const bool has_unit = unpacker.value<std::uint64_t>() != 0;
     const auto unit = unpacker.value<double>();
@@ -123,7 +124,6 @@ std::optional<mesh::Assembly> unpack(std::span<const std::byte> bytes,
     const bool has_up = unpacker.value<std::uint64_t>() != 0;
     const bool is_y_up = unpacker.value<std::uint64_t>() != 0;
     if (has_up) assembly.up = is_y_up ? mesh::Up::kY : mesh::Up::kZ;
-    assembly.deviation_units = unpacker.value<double>();
     for (auto n = unpacker.value<std::uint64_t>(); n > 0; --n) {
       assembly.warnings.push_back(unpacker.text());
     }

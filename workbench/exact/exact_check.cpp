@@ -703,7 +703,9 @@ class ExactCheck {
 
   void settle(std::uint32_t number, Other& object, ExactAnswer& answer) {
     ExactSeat seat{number};
-    seat.margin_m = seat_margin_m(part_bodies(), object.bodies(), margin_m_);
+    const double deviations_m = object.surface.deviation_m + part_.deviation_m;
+    seat.crack_m = seat_margin_m(part_bodies(), object.bodies(), 0);
+    seat.margin_m = rounding_m_ + deviations_m + seat.crack_m;
     SeatWalk walk(path_, part_bodies(), object.bodies(), object.distance,
                   kSeatWithin * seat.margin_m);
     const auto deeper = deeper_in_seat(seat, object, walk, answer);

@@ -79,17 +79,18 @@ double seat_margin_m(const Bodies& part, const Bodies& object, double margin_m) 
 
 struct SeatMeshes::Object {
   Object(std::uint32_t its_number, const Surface& surface, const Surface& part,
-         const Bodies& part_bodies, const clearance::CenterPath& path, double deviations_m)
+         const Bodies& part_bodies, const clearance::CenterPath& path, double rounding_m)
       : number(its_number),
         bodies(bodies_of(surface, widest_crack_m(surface))),
         distance(surface, part),
+        deviations_m(rounding_m + surface.deviation_m + part.deviation_m),
         margin_m(seat_margin_m(part_bodies, bodies, deviations_m)),
         walk(path, part_bodies, bodies, distance, kSeatWithin * margin_m) {}
 
   std::uint32_t number;
   Bodies bodies;
   MeshPair distance;
-  double margin_m, allowed_m = 0;
+  double deviations_m, margin_m, allowed_m = 0;
   SeatWalk walk;
 };
 
@@ -98,20 +99,19 @@ SeatMeshes::SeatMeshes(const Surface& scene, const Surface& part,
                        double depth_m)
     : path_(std::vector<PathRow>(1), glm::dvec3(0), 0),
       part_(bodies_of(part, widest_crack_m(part))) {
-  const double deviations_m =
-      kRounding * largest_m(scene, part, installed) + scene.deviation_m + part.deviation_m;
+  const double rounding_m = kRounding * largest_m(scene, part, installed);
   std::vector<glm::dvec3> axes;
   add_straight_axes(part, installed.orientation, axes);
   for (const std::uint32_t number : objects) {
     const Surface surface = only(scene, {&number, 1});
     if (surface.triangles.empty()) continue;
     add_straight_axes(surface, {1, 0, 0, 0}, axes);
-    auto object = std::make_unique<Object>(number, surface, part, part_, path_, deviations_m);
+    auto object = std::make_unique<Object>(number, surface, part, part_, path_, rounding_m);
     const Depth depth = object->walk.at_pose(installed, std::nullopt);
     object->allowed_m = std::max(0.0, depth.found_m) + object->margin_m + depth_m;
     if (depth.found_m > object->margin_m) overlaps_.emplace_back(number, depth.found_m);
     if (!object->walk.is_settled() &&
-        object->distance.at(installed, voxcheck::kNothingM).distance_m <= deviations_m) {
+        object->distance.at(installed, voxcheck::kNothingM).distance_m <= object->deviations_m) {
       never_settled_.push_back(number);
     }
     objects_.push_back(std::move(object));

@@ -154,12 +154,12 @@ void send_content(Sender& sender, const Assembly& assembly) {
     sender.value(instance.mesh);
     sender.list(instance.name);
     sender.value(instance.assembly_from_mesh);
+    sender.value(instance.deviation_units);
   }
   sender.value(std::uint64_t{assembly.meters_per_unit.has_value()});
   sender.value(assembly.meters_per_unit.value_or(0));
   sender.value(std::uint64_t{assembly.up.has_value()});
   sender.value(std::uint64_t{assembly.up == Up::kY});
-  sender.value(assembly.deviation_units);
   sender.value(std::uint64_t{assembly.warnings.size()});
   for (const std::string& warning : assembly.warnings) sender.list(warning);
   sender.value(std::uint64_t{assembly.missing_faces.size()});
@@ -228,6 +228,8 @@ Assembly receive_content(Receiver& receiver) {
     instance.assembly_from_mesh = receiver.value<Affine>();
     expect(all_finite(instance.assembly_from_mesh.linear));
     expect(all_finite(instance.assembly_from_mesh.translation));
+    instance.deviation_units = receiver.value<double>();
+    expect(std::isfinite(instance.deviation_units) && instance.deviation_units >= 0);
   }
   const bool has_unit = receiver.flag();
   const auto unit = receiver.value<double>();
@@ -237,8 +239,6 @@ Assembly receive_content(Receiver& receiver) {
   }
   const bool has_up = receiver.flag(), is_y_up = receiver.flag();
   if (has_up) assembly.up = is_y_up ? Up::kY : Up::kZ;
-  assembly.deviation_units = receiver.value<double>();
-  expect(std::isfinite(assembly.deviation_units) && assembly.deviation_units >= 0);
   for (auto n = receiver.value<std::uint64_t>(); n > 0; --n) {
     assembly.warnings.push_back(receiver.text());
   }

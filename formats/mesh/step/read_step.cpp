@@ -96,6 +96,7 @@ constexpr std::uint32_t kNoTriangles = 0xffffffff;
 // A product once it is tessellated.
 struct TessellatedProduct {
   std::uint32_t mesh = kNoTriangles;  // index into Assembly::meshes
+  double deviation_mm = 0;            // of its triangles
   std::vector<LostFace> lost;
 };
 
@@ -134,7 +135,6 @@ class StepReader {
     assembly_.nodes = std::move(names_);
     assembly_.left_out = std::move(to_read.left_out);
     assembly_.meters_per_unit = kMetersPerMillimeter;
-    assembly_.deviation_units = tessellator_.deviation_mm();
     return std::move(assembly_);
   }
 
@@ -418,12 +418,13 @@ class StepReader {
     const auto& [file, label] = products_[node];
     if (!is_tessellated(node)) return;
     const auto [known, is_new] = products_done_.try_emplace({file, entry_of(label)});
-    auto& [mesh, lost] = known->second;
+    auto& [mesh, deviation_mm, lost] = known->second;
     if (is_new || joined_.contains(node)) {
       Tessellation made = tessellator_.tessellate(shape_of(node), names_[node].path);
       add_face_warnings(made, names_[node].path, assembly_.warnings);
       tell_progress(node);
       lost = std::move(made.lost);
+      deviation_mm = made.deviation_mm;
       if (!made.mesh.triangles.empty()) {
         assembly_.meshes.push_back(std::move(made.mesh));
         mesh = static_cast<std::uint32_t>(assembly_.meshes.size() - 1);
@@ -437,7 +438,7 @@ class StepReader {
       }
       return;
     }
-    assembly_.instances.push_back({mesh, names_[node].path, placings_[node]});
+    assembly_.instances.push_back({mesh, names_[node].path, placings_[node], {}, deviation_mm});
     nodes_of_instances_.push_back(node);
   }
 

@@ -371,7 +371,6 @@ Tessellation StepTessellator::tessellate(const TopoDS_Shape& shape, const std::s
     made = tessellate_at(shape, finer_mm);
   }
   check_finite(file_, made.mesh, name);
-  deviation_mm_ = std::max(deviation_mm_, made.deviation_mm);
   return made;
 }
 

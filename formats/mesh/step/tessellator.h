@@ -52,7 +52,7 @@ struct Tessellation {
 class StepTessellator {
  public:
   StepTessellator(const SourceFile& file, double deflection_mm)
-      : file_(file), deflection_mm_(deflection_mm), deviation_mm_(deflection_mm) {}
+      : file_(file), deflection_mm_(deflection_mm) {}
 
   // Shapes, or parts of them, that should close and do not: holes in their triangles count.
   void add_open_bodies(std::span<const TopoDS_Shape> bodies);
@@ -66,16 +66,12 @@ class StepTessellator {
   // The deflection of `shape`, before it is known how large its triangles are.
   double deflection_mm(const TopoDS_Shape& shape) const;
 
-  // The largest deviation of all shapes so far, at least the deflection.
-  double deviation_mm() const { return deviation_mm_; }
-
  private:
   Tessellation tessellate_at(const TopoDS_Shape& shape, double deflection_mm) const;
   Tessellation tessellate_sewn(const TopoDS_Shape& shape, double deflection_mm) const;
 
   const SourceFile& file_;
   double deflection_mm_;
-  double deviation_mm_;
   FaceSet faces_of_open_bodies_;
 };
 

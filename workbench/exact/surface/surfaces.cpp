@@ -45,7 +45,7 @@ Surface surface_of(const mesh::Scene& scene) {
   for (std::size_t n = 0; n < scene.objects.size(); ++n) {
     const mesh::MeshObject& object = scene.objects[n];
     const mesh::Mesh& mesh = scene.mesh_of(object);
-    surface.deviation_m = std::max(surface.deviation_m, object.deviation_m);
+    surface.deviations_m.push_back(object.deviation_m);
     const auto first = static_cast<std::uint32_t>(surface.vertices_m.size());
     for (const mesh::Vec3d& vertex : mesh.vertices) {
       const mesh::Vec3d p = apply(object.world_from_mesh, vertex);
@@ -118,7 +118,8 @@ Status check_content(const std::string& file, const mesh::Scene& scene, const Vo
 // The triangles of some objects.
 template <typename IsChosen>
 Surface those_of(const Surface& surface, const IsChosen& is_chosen) {
-  Surface chosen{surface.vertices_m, {}, {}, surface.largest_m, surface.deviation_m};
+  Surface chosen{surface.vertices_m,  {}, {}, surface.largest_m, surface.deviation_m,
+                 surface.deviations_m};
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     if (!is_chosen(surface.object[t])) continue;
     chosen.triangles.push_back(surface.triangles[t]);
@@ -138,7 +139,10 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
   // The file's deviation has that of corners on the voxel lattice in it, which no mesh has.
   const auto declared = command::mesh_deviation_in(voxmap.provenance());
   const double baked_m = voxmap.header().static_deviation_m;
-  surface.deviation_m = declared ? std::min(surface.deviation_m + *declared, baked_m) : baked_m;
+  for (double& deviation_m : surface.deviations_m) {
+    deviation_m = declared ? std::min(deviation_m + *declared, baked_m) : baked_m;
+    surface.deviation_m = std::max(surface.deviation_m, deviation_m);
+  }
   if (Status same =
           check_triangles(request.scene, surface.triangles.size(), voxmap.header().triangles);
       !same) {
@@ -146,6 +150,7 @@ Result<Surface> read_scene_surface(const voxcheck::ExactRequest& request, const 
   }
   if (voxmap.objects() == nullptr) {
     std::fill(surface.object.begin(), surface.object.end(), 0);
+    surface.deviations_m.clear();
   } else if (Status same = check_names(request.scene, *scene, voxmap); !same) {
     return same.error();
   }
@@ -235,9 +240,15 @@ Surface without(const Surface& surface, std::span<const std::uint32_t> left_out)
 }
 
 Surface only(const Surface& surface, std::span<const std::uint32_t> objects) {
-  return those_of(surface, [&](std::uint32_t object) {
+  Surface chosen = those_of(surface, [&](std::uint32_t object) {
     return std::ranges::find(objects, object) != objects.end();
   });
+  if (surface.deviations_m.empty()) return chosen;
+  chosen.deviation_m = 0;
+  for (const std::uint32_t object : objects) {
+    chosen.deviation_m = std::max(chosen.deviation_m, surface.deviations_m[object - 1]);
+  }
+  return chosen;
 }
 
 }  // namespace forcelayer::exact

@@ -23,6 +23,8 @@ struct Surface {
   std::vector<std::uint32_t> object;  // [triangles] number in the voxmap; 0: it names none
   double largest_m = 0;               // of all coordinates
   double deviation_m = 0;             // of the true surface, as files and user state it
+  // [number in the voxmap - 1] the same of each object; empty where objects are not told apart.
+  std::vector<double> deviations_m = {};
 };
 
 // The scene in the world.
@@ -46,7 +48,7 @@ double largest_m(const Surface& scene, const Surface& part, std::span<const Path
 // The triangles of those objects that are not among `left_out`.
 Surface without(const Surface& surface, std::span<const std::uint32_t> left_out);
 
-// The triangles of these objects.
+// The triangles of these objects, with their deviation alone.
 Surface only(const Surface& surface, std::span<const std::uint32_t> objects);
 
 }  // namespace forcelayer::exact
