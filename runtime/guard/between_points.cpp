@@ -158,25 +158,35 @@ bool BetweenPoints::runs_through(const Pose& world_from_center, std::uint32_t a,
   const glm::dvec3 inward = glm::normalize(glm::dvec3(probe_.normal(a) + probe_.normal(b)));
   const glm::dvec3 across = glm::normalize(arm_b - arm_a);
   const glm::dvec3 on_face = glm::mix(arm_b, arm_a, double{edge.weight});
-  for (const double deep : {0.5 * kDeepVoxels, kDeepVoxels}) {
-    const glm::dvec3 at = world_from_center.position_m + on_face + deep * s * inward;
+  const auto stands_at = [&](double deep_voxels) {
+    const glm::dvec3 at = world_from_center.position_m + on_face + deep_voxels * s * inward;
     const double here_m = stored_distance_at_m(map, at);
     if (!(here_m < kOnVoxels * s)) return false;
     for (const double side : {-1.0, 1.0}) {
       const double beside_m = stored_distance_at_m(map, at + side * kBesideVoxels * s * across);
       if (!(beside_m > here_m + kGrowsVoxels * s)) return false;
     }
-  }
-  const glm::dvec3 deepest =
-      glm::conjugate(world_from_center.orientation) * (on_face + kDeepVoxels * s * inward);
+    return true;
+  };
+  if (!stands_at(0.5 * kDeepVoxels) || !stands_at(kDeepVoxels)) return false;
+  const glm::dquat part_from_world = glm::conjugate(world_from_center.orientation);
+  const glm::dvec3 first = part_from_world * on_face, way = part_from_world * inward;
+  const glm::dvec3 deepest = first + kDeepVoxels * s * way;
   // The walls of a groove that holds the object are a voxel from its middle, or nearer.
-  const double covering_m = probe_.query().shell().header().covering_radius_m + s;
+  const double covering_m = probe_.query().shell().header().covering_radius_m;
   const PshellView& shell = probe_.query().shell().view();
+  bool is_thin = false;  // the part ends before: points of both faces of a wall cover it together
   for (std::uint64_t i = 0; i < shell.point_count; ++i) {
     const glm::dvec3 point(shell.x[i], shell.y[i], shell.z[i]);
-    if (glm::length(point - deepest) < covering_m) return false;
+    if (glm::length(point - deepest) < covering_m + s) return false;
+    const glm::dvec3 normal(shell.nx[i], shell.ny[i], shell.nz[i]);
+    const double along_m = std::clamp(glm::dot(point - first, way), 0.0, kDeepVoxels * s);
+    is_thin = is_thin || (glm::dot(normal, way) < -kSameNormal &&
+                          glm::length(point - first - along_m * way) <= 2 * covering_m);
   }
-  return true;
+  // Behind a thin wall an object may stand that does not pierce it. One that does stands
+  // before it, too.
+  return !is_thin || stands_at(-0.5 * kDeepVoxels);
 }
 
 void BetweenPoints::find(const Pose& world_from_center, Seat& seat) {

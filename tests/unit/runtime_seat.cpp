@@ -272,6 +272,55 @@ TEST(Seat, APlateThroughThePartIsRefused) {
   }
 }
 
+// A stud behind a thin wall of the part does not pierce it, and a sheet through the wall does.
+TEST(Seat, AStudBehindAThinWallIsNotThroughIt) {
+  constexpr double kHalfWall = 0.06 * kS, kGap = 0.06 * kS;
+  const PointPart wall = box_part({0.03, 0.03, kHalfWall}, 0.8 * kS, kS);
+  // Points of both faces cover it together, so those of one face are farther apart.
+  constexpr double kApart = 1.6 * kS;
+  PointPart sparse;
+  sparse.voxel_size_m = kS;
+  sparse.covering_radius_m = 0.85 * kS;
+  for (int i = -9; i <= 9; ++i) {
+    for (int j = -9; j <= 9; ++j) {
+      sparse.add({kApart * i, kApart * j, kHalfWall}, {0, 0, -1});
+      sparse.add({kApart * (i + 0.5), kApart * (j + 0.5), -kHalfWall}, {0, 0, 1});
+    }
+  }
+  const auto sheet = [](const glm::dvec3& p) { return std::abs(p.x) - 0.1 * kS; };
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> of(-1, 1);
+  for (int trial = 0; trial < 300; ++trial) {
+    SCOPED_TRACE(trial);
+    const glm::dvec3 off = kS * glm::dvec3(of(random), of(random), of(random));
+    const glm::dquat turn = coupling::rotation_by({of(random), of(random), of(random)});
+    const glm::dvec3 middle = 2 * kS * glm::dvec3(of(random), of(random), 0);
+    const double half_m = kS * (1.7 + 0.1 * of(random));
+    const auto stud = [&](const glm::dvec3& p) {
+      const glm::dvec3 beside = glm::abs(p - middle) - half_m,
+                       away(beside.x, beside.y, p.z + kHalfWall + kGap);
+      const double inside_m = std::max({away.x, away.y, away.z});
+      return inside_m < 0 ? inside_m : glm::length(glm::max(away, 0.0));
+    };
+    const auto begins = [&](const PointPart& part,
+                            const std::function<double(glm::dvec3)>& distance_m) {
+      const VoxelScene scene = distance_scene(
+          kS, {-12, -12, -12}, {24, 24, 24},
+          [&](const glm::dvec3& p) { return distance_m(glm::conjugate(turn) * (p - off)); }, 2,
+          DistanceDefinition(2));
+      const Pose at{off, turn};
+      MotionBench bench(scene, part, at);
+      PartStart start;
+      start.world_from_part = at;
+      return bench.simulation->begin(start, at).ok();
+    };
+    EXPECT_TRUE(begins(sparse, stud));
+    if (trial < 20) {
+      EXPECT_FALSE(begins(wall, sheet));
+    }
+  }
+}
+
 // A part that is installed elsewhere may start anywhere but in the scene.
 TEST(Seat, AStartApartFromTheSeatIsClear) {
   MotionBench bench(floor_with_distances(), block(), resting(6 * kS));
