@@ -355,7 +355,7 @@ std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat)
          command::at_most_text(seat.margin_m) + " is not ruled out, because the meshes have cracks";
 }
 
-// Of a path that leaves the seat, and ends before the part is outside of all.
+// Said of a path that leaves the seat, and ends before the part is outside of all.
 const std::string kWayOn =
     "the path ends within the box around the other objects, and the way on from there was not "
     "checked";
