@@ -245,6 +245,86 @@ TEST(ClearanceMap, IsNeverAboveTheLeastDistanceOfAllMomentsAndHardlyBelow) {
   }
 }
 
+// Along a path that does not turn, the clearance is the distance itself: sampled moments are nearer
+// to it than half of the way between two of them.
+TEST(ClearanceMap, IsExactAlongAPathThatDoesNotTurn) {
+  constexpr int kPerStep = 200;
+  std::size_t vertices = 0, between = 0;
+  for (std::uint64_t seed = 1; seed <= 30; seed += test::seed_step(11)) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    Surface scene, part;
+    add_object(scene, random_body(random, {}, 1));
+    add_object(part, random_body(random, {}, uniform(random, 0.2, 1)));
+    const glm::dquat turned = test::random_orientation(random);
+    dvec3 at_m = 2.0 * test::random_direction(random);
+    std::vector<PathRow> rows;
+    double longest_m = 0;
+    for (std::int64_t n = 0; n < test::integer(random, 1, 4); ++n) {
+      rows.push_back({static_cast<double>(n),
+                      {at_m.x, at_m.y, at_m.z},
+                      {turned.w, turned.x, turned.y, turned.z}});
+      dvec3 way = test::random_direction(random);
+      if (random() % 2 == 0) way = {0, 0, way.z};
+      at_m += way;
+      longest_m = std::max(longest_m, glm::length(way));
+    }
+    const clearance::CenterPath path(rows, {0, 0, 0}, (1 + 1e-6) * radius_m(part));
+    MovingScene moving;
+    moving.nodes = {node_of(part, 1), node_of(scene, 1)};
+    moving.objects = {0, 1}, moving.away_m = {0, 0};
+    MapScale scale = scale_of(0.3, 0.1, kRounding * largest_m(scene, part, rows));
+    color_by_clearance(moving, scene, part, path, scale, 200, [](double) {});
+    const std::vector<Pose> poses = sampled(rows, kPerStep);
+    const auto of_scene = triangles_of(scene), of_part = triangles_of(part);
+    for (std::size_t n = 0; n < 2; ++n) {
+      const mesh::GlbNode& node = moving.nodes[n];
+      for (std::size_t v = 0; v < node.vertices_m.size(); v += 1 + random() % 5) {
+        double least_m = 1e30, windings = 0;
+        for (std::size_t p = 0; p < poses.size(); ++p) {
+          const Pose pose = n == 0 ? poses[p] : inverse(poses[p]);
+          const dvec3 place_m = pose.position_m + pose.orientation * vec(node.vertices_m[v]);
+          for (const auto& triangle : n == 0 ? of_scene : of_part) {
+            least_m = std::min(least_m, to_triangle_m(place_m, triangle));
+            if (p == 0) windings += winding(place_m, triangle);
+          }
+        }
+        if (std::abs(windings) > 0.5) least_m = 0;
+        const double shown_m = std::min(least_m, scale.reach_m);
+        ASSERT_LE(node.clearance_m[v], shown_m) << "vertex " << v << " of node " << n;
+        // 32-bit floats hold seven digits.
+        ASSERT_GE(node.clearance_m[v], shown_m - longest_m / (2 * kPerStep) - 1e-6);
+        between += shown_m > 0 && shown_m < scale.reach_m;
+        ++vertices;
+      }
+    }
+  }
+  EXPECT_GT(between, vertices / 10);
+}
+
+// A gap far smaller than scale.within_m, along all of the way.
+TEST(ClearanceMap, ShowsTheSmallGapOfAPartThatSlides) {
+  constexpr double kGapM = 1e-4;
+  Surface scene, part;
+  mesh::Mesh below, slider;
+  reference::add_box(below, {-1, -1, -1}, {1, 1, 0});
+  reference::add_box(slider, {-0.1, -0.1, 0}, {0.1, 0.1, 0.2});
+  add_object(scene, below), add_object(part, slider);
+  const std::vector<PathRow> rows{{0, {-0.5, 0, kGapM}, {1, 0, 0, 0}},
+                                  {1, {0.5, 0.3, kGapM}, {1, 0, 0, 0}}};
+  const clearance::CenterPath path(rows, {0, 0, 0}, (1 + 1e-6) * radius_m(part));
+  MovingScene moving;
+  moving.nodes = {node_of(part, 1)};
+  moving.objects = {0}, moving.away_m = {0};
+  MapScale scale = scale_of(0.05, 0.01, 0);
+  ASSERT_GT(scale.within_m, 10 * kGapM);
+  color_by_clearance(moving, scene, part, path, scale, 10'000, [](double) {});
+  for (std::size_t v = 0; v < moving.nodes[0].vertices_m.size(); ++v) {
+    const double up_m = moving.nodes[0].vertices_m[v][2] + kGapM;
+    EXPECT_NEAR(moving.nodes[0].clearance_m[v], std::min(up_m, scale.reach_m), 1e-7);
+  }
+}
+
 // A vertex that is deep in a solid all the time is near none of its faces.
 TEST(ClearanceMap, IsZeroInsideOfASolid) {
   Surface scene, part;

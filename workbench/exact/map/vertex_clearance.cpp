@@ -8,9 +8,15 @@
 
 #include "pointshell/part/triangle_tree.h"
 #include "workbench/exact/exact_walk.h"
+#include "workbench/exact/triangle_distance.h"
 #include "workbench/exact/watch.h"
 
 namespace forcelayer::exact {
+namespace {
+
+constexpr double kMaxPieces = 64;  // of a segment
+
+}  // namespace
 
 // A surface, and its objects as solids where a place asks for them.
 struct VertexClearance::Side {
@@ -29,6 +35,38 @@ struct VertexClearance::Side {
     if (!tree) return radius_m;
     const auto nearest = tree->nearest(vec3_of(place_m), radius_m);
     return nearest.found ? std::sqrt(nearest.distance_squared) : radius_m;
+  }
+
+  // The same of a place that moves straight from `from_m` to `to_m`.
+  double distance_m(const glm::dvec3& from_m, const glm::dvec3& to_m, double radius_m) const {
+    if (!tree) return radius_m;
+    // The box of a segment that is not along an axis is larger than the segment: pieces have
+    // smaller boxes.
+    const glm::dvec3 extent_m = glm::abs(to_m - from_m);
+    const double largest_m = std::max({extent_m.x, extent_m.y, extent_m.z});
+    const double across_m =
+        std::min(extent_m.x + extent_m.y + extent_m.z - largest_m, kMaxPieces * radius_m);
+    const int pieces = radius_m > 0 ? 1 + static_cast<int>(across_m / radius_m) : 1;
+    for (int n = 0; n < pieces; ++n) {
+      const glm::dvec3 a = glm::mix(from_m, to_m, double(n) / pieces),
+                       b = glm::mix(from_m, to_m, double(n + 1) / pieces);
+      const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
+      const auto is_near = [&](const part::TriangleTree::Node& node) {
+        double square_m2 = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double off_m = std::max({low[axis] - double{node.high[std::size_t(axis)]},
+                                         double{node.low[std::size_t(axis)]} - high[axis], 0.0});
+          square_m2 += off_m * off_m;
+        }
+        return square_m2 <= radius_m * radius_m;
+      };
+      tree->visit_where(is_near, [&](std::uint32_t t) {
+        const auto& [u, v, w] = mesh.triangles[t];
+        const Corners corners{surface.vertices_m[u], surface.vertices_m[v], surface.vertices_m[w]};
+        radius_m = std::min(radius_m, triangle_distance({a, b, b}, corners).distance_m);
+      });
+    }
+    return radius_m;
   }
 
   bool holds(const glm::dvec3& place_m) const {
@@ -67,6 +105,12 @@ VertexClearance::VertexClearance(const clearance::CenterPath& path, const Surfac
       end_(path.world_from_center({path.poses() - 1, 0})) {
   spans_.push_back(span_of({0, 0}, {path.poses() - 1, 0}));
   middles_.push_back(begin_);
+  for (std::size_t n = 0; n < path.poses(); ++n) {
+    stops_.emplace_back(path.world_from_center({n, 0}));
+    if (stops_.back().turned == begin_.turned) continue;
+    stops_.clear();
+    break;
+  }
 }
 VertexClearance::~VertexClearance() = default;
 
@@ -89,11 +133,33 @@ std::size_t VertexClearance::halves_of(std::size_t span) {
   return spans_[span].halves;
 }
 
-// Spans are cut until each is proven to bring the place no nearer than the least distance that was
-// measured, but for `within_m`. A distance beyond what can matter is not searched for.
 template <typename Placed>
 double VertexClearance::least_m(const Side& other, const Placed& placed, double reach_m,
                                 double within_m) {
+  const double least = stops_.empty() ? least_bounded_m(other, placed, reach_m, within_m)
+                                      : least_straight_m(other, placed, reach_m);
+  return least > 0 && other.holds(placed(begin_)) ? 0 : least;
+}
+
+template <typename Placed>
+double VertexClearance::least_straight_m(const Side& other, const Placed& placed,
+                                         double reach_m) const {
+  keep_going();
+  glm::dvec3 from_m = placed(stops_.front());
+  double least_m = other.distance_m(placed(stops_.back()), other.distance_m(from_m, reach_m));
+  for (std::size_t n = 1; n < stops_.size() && least_m > 0; ++n) {
+    const glm::dvec3 to_m = placed(stops_[n]);
+    least_m = other.distance_m(from_m, to_m, least_m);
+    from_m = to_m;
+  }
+  return least_m;
+}
+
+// Spans are cut until each is proven to bring the place no nearer than the least distance that was
+// measured, but for `within_m`. A distance beyond what can matter is not searched for.
+template <typename Placed>
+double VertexClearance::least_bounded_m(const Side& other, const Placed& placed, double reach_m,
+                                        double within_m) {
   double measured_m = reach_m, proven_m = reach_m;
   const auto measure = [&](const Placing& at, double travel_m) {
     keep_going();
@@ -127,7 +193,7 @@ double VertexClearance::least_m(const Side& other, const Placed& placed, double 
     open.push_back(far);
     open.push_back(near);
   }
-  if (measured_m <= within_m || other.holds(placed(begin_))) return 0;
+  if (measured_m <= within_m) return 0;
   return std::min(measured_m, proven_m);
 }
 

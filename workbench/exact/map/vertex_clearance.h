@@ -1,6 +1,7 @@
 // How near single places of a part and of a scene come to the other one along a path. Each answer
-// is a lower bound for the whole path, between its poses as at them: distances are measured at
-// moments, and min_between_m() (exact_walk.h) bounds them in between.
+// is a lower bound for the whole path, between its poses as at them. Along a path that does not
+// turn, a place moves along straight segments, whose distances are exact. Elsewhere distances are
+// measured at moments, and min_between_m() (exact_walk.h) bounds them in between.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,8 @@ class VertexClearance {
 
   // The least distance, m, of a place of the part (about its centroid) from the surface of the
   // scene, over the whole path, or `reach_m` where that is less. It is too small by at most
-  // `within_m`, and never too large but for rounding. 0 for a place that lies inside of a solid of
+  // `within_m`, and by rounding alone where the path does not turn, and never too large but for
+  // rounding. 0 for a place that lies inside of a solid of
   // the scene. Throws Stopped (watch.h).
   double of_part_m(const glm::dvec3& place_m, double reach_m, double within_m);
 
@@ -50,12 +52,17 @@ class VertexClearance {
   std::size_t halves_of(std::size_t span);
   template <typename Placed>
   double least_m(const Side& other, const Placed& placed, double reach_m, double within_m);
+  template <typename Placed>
+  double least_bounded_m(const Side& other, const Placed& placed, double reach_m, double within_m);
+  template <typename Placed>
+  double least_straight_m(const Side& other, const Placed& placed, double reach_m) const;
 
   const clearance::CenterPath& path_;
   std::unique_ptr<Side> scene_, part_;
   std::vector<Span> spans_;       // the first is the whole path
   std::vector<Placing> middles_;  // [spans] where its halves meet, where it has any
   Placing begin_, end_;
+  std::vector<Placing> stops_;  // all poses of a path that does not turn; else empty
 };
 
 }  // namespace forcelayer::exact
