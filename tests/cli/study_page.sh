@@ -112,6 +112,13 @@ cat pin/report.html cutter.html >cut.html
 page cut.html "${gl[@]}"
 [ "$(cut_at)" = 'z = 0.00 mm' ] || fail "a section by the slider: '$(cut_at)'"
 
+# The clearance map: chosen by a link, with its legend. A page without it has no choice.
+legend() { sed -nE 's/.*<p id="legend">.*<span>([^<]*)<\/span>.*/\1/p' page.html; }
+[ -z "$(legend)" ] || fail "a legend that nobody asked for: $(legend)"
+page 'pin/report.html#worst&map' "${gl[@]}"
+legend | grep -q '^4 mm\. Gray: more, or ignored\.' || fail "the legend of the map: '$(legend)'"
+grep -q '<label id="map-choice">' page.html || fail "no choice of colors"
+
 # A scene that is too large for a page: the farthest object is left out by name, and the view still opens.
 python3 - <<'END'
 def obj(name, vertices, faces):
@@ -135,6 +142,7 @@ END
 grep -q 'leaves out the objects farthest from the path: far\.' large/report.html || fail "nothing is left out"
 [ "$(stat -c %s large/report.html)" -lt 5000000 ] || fail "the large page is too large"
 page large/report.html#worst "${gl[@]}"
+grep -q '<label id="map-choice" hidden' page.html || fail "a map in the large view"
 grep -q '>near</span></label>' page.html && ! grep -q '>far</span></label>' page.html && [ -n "$(now)" ] || fail "the large view: $(now)"
 
 "$bin/forcelayer" study large.json#far --voxel-size 5mm --pull 0,0,100mm --clearance 1mm --no-pictures -o huge --quiet 2>err.txt

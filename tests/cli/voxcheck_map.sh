@@ -95,7 +95,8 @@ assert "_CLEARANCE_M" not in attributes(allowed, "block") and "_CLEARANCE_M" in 
 def top(of):  # the cube's upper corners: 22 mm above the plate, two of them 20 mm beside the block
     here = attributes(of, "cube")
     return min(c for place, (c,) in zip(here["POSITION"], here["_CLEARANCE_M"]) if place[2] > 0.00999)
-assert top(glb) <= 0.02 and 0.022 - within < top(allowed) <= 0.022, (top(glb), top(allowed))
+# Straight up, it is exact. Places are 32-bit floats: seven digits.
+assert within < 1e-7 and 0.02 - 1e-7 < top(glb) <= 0.02 and 0.022 - 1e-7 < top(allowed) <= 0.022, (within, top(glb), top(allowed))
 rules = Glb("rules.glb")
 assert "_CLEARANCE_M" not in attributes(rules, "block") and "_CLEARANCE_M" in attributes(rules, "plate")
 assert abs(rules.json["asset"]["extras"]["clearance_map"]["reach_m"] - 0.012) < 1e-12

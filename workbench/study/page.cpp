@@ -82,11 +82,16 @@ std::string facts_table(const Page& page) {
   for (const Json& s : v.value("seat_depths", Json::array())) {
     const double installed_m = s["installed_m"], deepest_m = s["deepest_m"];
     const bool is_deeper = deepest_m > installed_m + kSearchedM;
-    table += row("depth in " + s["object"].get<std::string>(),
-                 "at least " + mm(is_deeper ? deepest_m : installed_m) + "; as installed: " +
-                     (s["gap_m"] > 0 ? mm(s["gap_m"].get<double>() + kDecimalM) + " away"
-                                     : mm(installed_m)) +
-                     "; allowed: at most " + command::at_most_text(s["allowed_m"]));
+    const std::string object = s["object"];
+    const double gap_m = s["gap_m"], allowed_m = s["allowed_m"];
+    if (gap_m > 0) table += row("gap to " + object, mm(gap_m + kDecimalM) + " when installed");
+    if (gap_m > 0 && !is_deeper) continue;
+    std::string depth = mm(installed_m) + " when installed";
+    if (is_deeper) depth = "at least " + mm(deepest_m) + "; " + depth;
+    if (allowed_m > installed_m + kSearchedM) {
+      depth += "; allowed: at most " + command::at_most_text(allowed_m);
+    }
+    table += row("depth in " + object, depth);
   }
   for (const Json& s : v["seated"]) {
     table += row("in its seat", along(s["from_m"]) + " to " + along(s["to_m"]) + " of a path of " +
@@ -159,7 +164,7 @@ std::string violations_table(const Json& violations) {
 // The moments of the report that have a button, the worst one first, and the objects that they
 // name.
 View view_of(const Page& page) {
-  View view{page.motion, page.curve};
+  View view{page.motion, page.map, page.curve};
   const auto add = [&](std::string name, const std::string& words, const Json& moment) {
     if (moment.value("at_least", false) || moment.value("out_of_time", false)) return;
     const std::string object = moment["object"].is_string() ? moment["object"] : "not known";

@@ -24,7 +24,7 @@ struct Page {
   nlohmann::json report;        // of voxcheck; null where no path was found
   nlohmann::json scene, shell;  // reports of voxelize and pointshell
   std::string curve_svg;
-  std::string curve, motion;  // files of voxcheck; no motion without meshes
+  std::string curve, motion, map;  // files of voxcheck; no motion and map without meshes
   std::vector<Picture> pictures;
   std::vector<std::string> commands;
   std::vector<std::string> files;  // that stand beside the page

@@ -59,10 +59,10 @@ json read_json(const std::string& path) {
 // the installed part does not depend on voxels, and stays.
 constexpr const char* kKeptFolder = "larger_voxels";
 constexpr const char* kAnswerFiles[] = {
-    "scene.vox",  "scene.json",   "part.pshell", "part.json",    "path.csv",
-    "trace.csv",  "run.json",     "plan.json",   "straight.csv", "farthest.csv",
-    "hand.json",  "check.json",   "curve.csv",   "curve.svg",    "worst.png",
-    "motion.glb", "verdict.json", "verdict.txt", "verdict.xml",  "report.html"};
+    "scene.vox",   "scene.json",  "part.pshell",  "part.json",    "path.csv",      "trace.csv",
+    "run.json",    "plan.json",   "straight.csv", "farthest.csv", "hand.json",     "check.json",
+    "curve.csv",   "curve.svg",   "worst.png",    "motion.glb",   "clearance.glb", "verdict.json",
+    "verdict.txt", "verdict.xml", "report.html"};
 
 // The answer with the files of one voxel size.
 struct Answer {
@@ -235,6 +235,15 @@ std::optional<Error> written_error(const Step& step, std::filesystem::file_time_
         "a smaller --voxel-size if it can leave through an opening narrower than a voxel";
   }
   return error;
+}
+
+// Whether a path, or a recording, may turn the part. Without turns a clearance map is exact, and
+// made in little time.
+bool does_turn(const std::string& path) {
+  const auto rows = read_path(path, PathOf::kPart);
+  return !rows || std::ranges::any_of(*rows, [&](const PathRow& row) {
+    return row.orientation_wxyz != rows->front().orientation_wxyz;
+  });
 }
 
 // Without its full stop.
@@ -458,6 +467,10 @@ Step Study::check_step() const {
   if (!options_.files_alone) {
     add({"--report", "animation:" + in("motion.glb")});
     step.outputs.push_back(in("motion.glb"));
+    if (!does_turn(answer_.path)) {
+      add({"--report", "map:" + in("clearance.glb")});
+      step.outputs.push_back(in("clearance.glb"));
+    }
   }
   if (answer_.draws) {
     add({"--report", "picture:" + in("worst.png")});
@@ -714,7 +727,8 @@ Status Study::write_verdict(const std::string& junit, const json& exit_status) {
   answer_.heading = command::heading(answer_.verdict);
   answer_.sentence = command::sentence(answer_.verdict);
   answer_.text = command::terminal_text(answer_.verdict);
-  for (const char* name : {"check.json", "curve.csv", "curve.svg", "worst.png", "motion.glb"})
+  for (const char* name :
+       {"check.json", "curve.csv", "curve.svg", "worst.png", "motion.glb", "clearance.glb"})
     std::remove(in(name).c_str());
   // It begins as the report of voxcheck, which replaces nothing else.
   nlohmann::ordered_json verdict{{"schema_version", command::kReportSchema},
@@ -1269,7 +1283,10 @@ Status Study::write_page() {
     if (Status s = command::write_text(in("curve.svg"), page.curve_svg); !s) return s;
     page.files.insert(page.files.end(), {answer_.path, in("curve.csv")});
     page.curve = in("curve.csv");
-    if (!options_.files_alone) page.motion = in("motion.glb");
+    if (!options_.files_alone) {
+      page.motion = in("motion.glb");
+      if (!does_turn(answer_.path)) page.map = in("clearance.glb");
+    }
     if (answer_.draws) page.pictures.push_back({in("worst.png"), "The worst moment"});
   }
   if (answer_.path.empty() && std::filesystem::exists(in("farthest.csv"))) {

@@ -32,8 +32,8 @@ Error not_readable(const std::string& path) {
   return {ErrorCode::kReadFailed, path, "", "is not an animation that voxcheck wrote", ""};
 }
 
-// The first nodes of the file, as many as fit: mesh, material, two accessors and two buffer views
-// of each follow those of the motion (write_glb()).
+// The first nodes of the file, as many as fit: mesh, material, accessors and buffer views of each
+// follow those of the motion (write_glb()).
 Result<Motion> read_motion(const std::string& path) {
   constexpr std::size_t kHead = 20, kChunk = 8, kOfMotion = 3;
   const auto file = FileBytes::read(path);
@@ -46,8 +46,15 @@ Result<Motion> read_motion(const std::string& path) {
   if (bytes.size() < kHead + size + kChunk) return not_readable(path);
   Json json = Json::parse(text.substr(kHead, size), nullptr, false);
   if (!json.is_object()) return not_readable(path);
+  const auto accessors_of = [&](std::size_t nodes) {  // each has its own buffer view
+    std::size_t count = kOfMotion;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      count += json["meshes"][n]["primitives"][0]["attributes"].size() + 1;
+    }
+    return count;
+  };
   const auto end_of = [&](std::size_t nodes) {
-    const Json& last = json["bufferViews"][kOfMotion + 2 * nodes - 1];
+    const Json& last = json["bufferViews"][accessors_of(nodes) - 1];
     return (last["byteOffset"].get<std::size_t>() + last["byteLength"].get<std::size_t>() + 3) / 4 *
            4;
   };
@@ -67,8 +74,8 @@ Result<Motion> read_motion(const std::string& path) {
   keep(json["meshes"], nodes);
   keep(json["materials"], nodes);
   const std::size_t end = end_of(nodes);
-  keep(json["accessors"], kOfMotion + 2 * nodes);
-  keep(json["bufferViews"], kOfMotion + 2 * nodes);
+  keep(json["accessors"], accessors_of(nodes));
+  keep(json["bufferViews"], accessors_of(nodes));
   json["buffers"][0]["byteLength"] = end;
   if (bytes.size() < kHead + size + kChunk + end) return not_readable(path);
   std::string head = json.dump();
@@ -133,7 +140,8 @@ bool can_show() { return !embedded("three.js").empty(); }
 std::string view_style() { return embedded("view.css"); }
 
 Result<std::string> view_html(const View& view) {
-  const auto motion = read_motion(view.motion);
+  auto motion = read_motion(view.map.empty() ? view.motion : view.map);
+  if (motion && !motion->left_out.empty()) motion = read_motion(view.motion);
   if (!motion) return motion.error();
   if (motion->glb.empty()) {
     return "<p>This page has no 3D view, because the part has too many triangles. Other viewers "

@@ -10,6 +10,7 @@ namespace forcelayer::study {
 
 struct View {
   std::string motion;  // GLB file of voxcheck --report animation
+  std::string map;     // of --report map, if any: shown instead where all of it fits a page
   std::string curve;   // CSV file of voxcheck
   // Moments that have a button, the worst one first: name, words, along_m, t_s, value_m (the
   // distance) and, where it is known, point_m.

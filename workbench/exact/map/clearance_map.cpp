@@ -135,6 +135,7 @@ void color_by_clearance(MovingScene& moving, const Surface& scene, const Surface
   }
 
   // Nothing is changed before all is known.
+  if (clearance.is_exact()) scale.within_m = 0;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     moving.nodes[near[m]] = std::move(meshes[m].node);
   }

@@ -15,7 +15,8 @@ namespace forcelayer::exact {
 struct MapScale {
   double required_m = 0;
   double reach_m = 0;   // a vertex that is as far or farther has this clearance
-  double within_m = 0;  // no clearance is too small by more, deviations and rounding apart
+  double within_m = 0;  // no clearance is too small by more, deviations and rounding apart;
+                        // color_by_clearance() sets it to 0 where they are exact
   double margin_m = 0;  // deviations and rounding, which are taken off
   double edge_m = 0;    // no edge is longer where the clearance is less than `reach_m`
 };

@@ -33,6 +33,9 @@ class VertexClearance {
   // The same of a place of the scene (world) from the part.
   double of_scene_m(const glm::dvec3& place_m, double reach_m, double within_m);
 
+  // Whether the path does not turn: no answer is then too small, but for rounding.
+  bool is_exact() const { return !stops_.empty(); }
+
  private:
   struct Side;  // the surface that a place comes near to
   // A part of the path. It is cut in two where one place needs it, and stays cut for all.

@@ -32,11 +32,13 @@
   });
 
   let move, mark, along_m = 0, part, world, playing = 0;
+  let map = null;       // what the colors of a clearance map mean: asset.extras of the file
   let section = null;  // {axis: 'x', at_m}: in the axes of the assembly
   const all = [];
 
   function start(gltf, nodes) {
     scene.add(gltf.scene);
+    map = (gltf.asset.extras || {}).clearance_map;
     world = nodes[0];
     part = nodes[1];
     const triangles = nodes.reduce((sum, node) => sum + (node.isMesh ? node.geometry.index.count / 3 : 0), 0);
@@ -55,7 +57,8 @@
         const edges = new THREE.EdgesGeometry(node.geometry, 25);
         node.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x333333})));
       }
-      all.push({node, name, is_plain: color === kOther, box: list(node, name, color)});
+      all.push({node, name, color, is_plain: color === kOther, is_mapped: map && color_vertices(node.geometry),
+                box: list(node, name, color)});
     });
     const mixer = new THREE.AnimationMixer(part);
     const action = mixer.clipAction(gltf.animations[0]);
@@ -78,6 +81,35 @@
     resize();
     fit();
     follow_link();
+  }
+
+  // Gives each vertex the color of its clearance. Whether one is on the scale.
+  function color_vertices(geometry) {
+    const clearance = geometry.attributes._clearance_m, rgb = [];
+    const colors = map.colors.map((step) => new THREE.Color(step.srgb)), beyond = new THREE.Color(map.beyond);
+    let is_mapped = false;
+    for (let n = 0; n < geometry.attributes.position.count; ++n) {
+      const at = clearance ? clearance.getX(n) / map.reach_m * (colors.length - 1) : Infinity;
+      const step = Math.floor(at + 1e-5);  // of 32-bit floats
+      const is_on = step < colors.length - 1;
+      is_mapped = is_mapped || is_on;
+      (is_on ? colors[step].clone().lerp(colors[step + 1], Math.max(0, at - step)) : beyond).toArray(rgb, 3 * n);
+    }
+    geometry.setAttribute('color', new THREE.Float32BufferAttribute(rgb, 3));
+    return is_mapped;
+  }
+
+  // Colors by the clearance map, or by object.
+  function color_all() {
+    const by_map = get('map').checked;
+    get('legend').hidden = !by_map;
+    for (const {node, color, is_mapped} of all) {
+      node.material.color.set(by_map ? 0xffffff : color);
+      node.material.vertexColors = by_map ? THREE.VertexColors : THREE.NoColors;
+      node.material.needsUpdate = true;
+      node.userData.stands_out = by_map && is_mapped;
+    }
+    see_through();
   }
 
   function list(node, name, color) {
@@ -104,7 +136,7 @@
   // Objects hide neither the part nor its neighbors: those that the report names are less clear.
   function see_through() {
     for (const {node, is_plain} of all) {
-      const clear = node !== part && !get('solid').checked && !section;
+      const clear = node !== part && !get('solid').checked && !section && !node.userData.stands_out;
       Object.assign(node.material, {transparent: clear, opacity: !clear ? 1 : is_plain ? 0.2 : 0.35, depthWrite: !clear,
                                     side: section ? THREE.FrontSide : THREE.DoubleSide});
       const [inside, lines] = node.children;
@@ -151,6 +183,15 @@
     get('along').oninput = () => go(get('along').value * length_m);
     get('fit').onclick = fit;
     get('solid').onchange = see_through;
+    if (map) {
+      const [bar, words] = get('legend').children, steps = map.colors.map((step) => step.srgb);
+      bar.style.background = 'linear-gradient(to right, ' + steps.join() + ')';
+      const below_m = map.within_m + map.deviations_and_rounding_m;
+      words.textContent = mm(map.reach_m) + '. Gray: more, or ignored.' +
+        (below_m < 1e-6 ? '' : ' Each value may be up to ' + mm(below_m) + ' below the true one, never above.');
+      get('map-choice').hidden = false;
+      get('map').onchange = color_all;
+    }
     get('section').onchange = () => cut(get('section').value);
     get('cut').oninput = () => {
       const {axis} = section, {min, max} = bounds();
@@ -295,8 +336,8 @@
     renderer.render(scene, camera);
   }
 
-  // report.html#worst, report.html#at=12.5 (mm), &section=x:12.5 (mm), or &section=x through the marked point, and
-  // &hide=NAME for each object to hide.
+  // report.html#worst, report.html#at=12.5 (mm), &section=x:12.5 (mm), or &section=x through the marked point,
+  // &hide=NAME for each object to hide, and &map for the colors of the clearance map.
   function follow_link() {
     let at = 0, moment, axis = '', cut_m;  // of the section
     for (const word of location.hash.slice(1).split('&')) {
@@ -305,6 +346,7 @@
       if (key === 'worst') [moment] = data.moments;
       if (key === 'section') [axis, cut_m] = section_of(value);
       if (key === 'hide') show(({name}) => name === value, false);
+      if (key === 'map' && map) get('map').checked = true, color_all();
     }
     go(moment ? moment.along_m : at, moment);
     cut(axis, cut_m);
