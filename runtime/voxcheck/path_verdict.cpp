@@ -355,6 +355,9 @@ std::string hidden_depth_text(const CheckedPath& checked, const ExactSeat& seat)
          command::at_most_text(seat.margin_m) + " is not ruled out, because the meshes have cracks";
 }
 
+// Said of a path that is one pose: of a search whose start is its goal, or of a check of a pose.
+const std::string kStands = "the path does not move the part";
+
 // Said of a path that leaves the seat, and ends before the part is outside of all.
 const std::string kWayOn =
     "the path ends within the box around the other objects, and the way on from there was not "
@@ -577,6 +580,9 @@ command::Verdict verdict_of(const CheckedPath& checked) {
     }
     verdict.unchecked = hidden.seat != nullptr ? hidden_depth_text(checked, *hidden.seat)
                                                : hidden_overlap_text(checked);
+    if (verdict.kind == VerdictKind::kKeepsClearance && verdict.path_m == 0) {
+      verdict.unchecked = kStands;
+    }
     if (verdict.kind == VerdictKind::kLeavesSeat) {
       verdict.unchecked = kWayOn + (verdict.unchecked.empty() ? "" : "; " + verdict.unchecked);
     }

@@ -57,6 +57,10 @@ with open("tip.obj", "w") as file:
     for vertex in (.1, .1, 1.9), (9, 0, 30), (-4, 8, 30), (-4, -8, 30):
         file.write("v %g %g %g\n" % vertex)
     file.writelines("f %d %d %d\n" % face for face in ((1, 3, 2), (1, 4, 3), (1, 2, 4), (2, 3, 4)))
+boxes("chamber", ((-50, -50, -50), (50, 50, -40)), ((-50, -50, 40), (50, 50, 50)), ((-50, -50, -40), (-40, 50, 40)),
+      ((40, -50, -40), (50, 50, 40)), ((-40, -50, -40), (40, -40, 40)), ((-40, 40, -40), (40, 50, 40)))
+scene("chamber", chamber=("chamber", 0))
+path("still", (0, 0, 0, 0))
 path("over", (0, -30, 0, 30), (1, -30, 0, 8), (2, 48, 0, 8), (3, 48, 0, 30))  # 3 mm above the floor, 7 before the wall
 # A cube on a floor, 2.5 mm beside a wall: up, on a way that goes sideways by that much.
 box("stand", (-30, -30, -10), (30, 30, 0))
@@ -297,6 +301,13 @@ import json
 [floor] = json.load(open("pressed.json"))["seat_depths"]
 assert abs(floor["installed_m"] - 0.0004) < 1e-6 and floor["deepest_m"] <= floor["installed_m"] + 1e-6, floor
 END
+  # A part in a closed cavity, which voxels fill: deep in there they name no object.
+  "$bin/voxelize" chamber.json --voxel-size 0.5mm --quiet -o chamber.vox
+  "$bin/pointshell" part.obj --units mm --voxel-size 0.5mm --quiet -o inner.pshell
+  check 0 chamber.vox inner.pshell still.csv --clearance 1mm --seat 0,0,0m --exact chamber.json --part part.obj --part-units mm
+  says '^Is still in its seat: .* stays 35 mm away or more \(measured to chamber, after 0 of 0 mm; 1 mm required\)\.$'
+  check 0 chamber.vox inner.pshell still.csv --clearance 1mm --exact chamber.json --part part.obj --part-units mm
+  says '^Keeps the clearance: stays 35 mm away or more \(measured to chamber, after 0 of 0 mm; 1 mm required\); the path does not move the part\.$'
   # The triangles of another object may lie anywhere: the overlap is certain. Those of the floor hide it.
   for deviates in Wall Floor; do
     python3 - $deviates <<'END'

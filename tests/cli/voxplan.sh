@@ -87,7 +87,7 @@ END
 
 # Bolts hold it; voxels of 1 mm feel their heads.
 plan 6 bolted.vox fine.pshell --clearance 2mm --time 1s -o no.csv --json no.json
-errs '^voxplan: fine.pshell: no path found: a search of [0-9.]+ s moved it by (at most [0-9.]+|less than 0\.001) mm.* \(2 mm of clearance required\); blocked by .*Bolt.*; this does not prove'
+errs '^voxplan: fine.pshell: no path found: a search of [0-9.]+ s moved (no point by more than [0-9.]+|it by less than 0\.001) mm.* \(2 mm of clearance required\); blocked by .*Bolt.*; this does not prove'
 [ ! -e no.csv ] || fail "a path is there"
 python3 -c 'import json; r = json.load(open("no.json")); assert not r["found"] and r["verdict"] == "not clear" and r["kind"] == "no path found" and r["best"]["out_m"] < 0.02, r' || fail "no.json"
 

@@ -91,8 +91,8 @@ std::string straight_text(const StraightWay& way) {
 }
 
 std::string moved_text(double length_m) {
-  return length_m < kAtOnceM ? "by less than 0.001 mm"
-                             : "by at most " + command::at_most_text(length_m);
+  return length_m < kAtOnceM ? "moved it by less than 0.001 mm"
+                             : "moved no point by more than " + command::at_most_text(length_m);
 }
 
 // "straight along x, y and z it gets at most 0.25 mm far (along +z), and a search of 38 s found no
@@ -100,7 +100,7 @@ std::string moved_text(double length_m) {
 std::string not_found_text(const SearchResult& result) {
   const std::string search = text("a search of %.3g s ", result.seconds);
   const std::vector<StraightWay> ways = blocked_ways(result);
-  if (ways.empty()) return search + "moved it " + moved_text(result.out_m);
+  if (ways.empty()) return search + moved_text(result.out_m);
   const StraightWay& farthest = farthest_of(ways);
   const bool is_at_once = farthest.blocked_at_m < kAtOnceM;
   const bool is_moved = result.out_m > farthest.blocked_at_m + kAtOnceM;
@@ -108,7 +108,7 @@ std::string not_found_text(const SearchResult& result) {
          (is_at_once ? "is blocked at once"
                      : "gets at most " + straight_text(farthest) + " far (along " +
                            axis_text(farthest.direction) + ")") +
-         ", and " + search + (is_moved ? "moved it " + moved_text(result.out_m) + " and " : "") +
+         ", and " + search + (is_moved ? moved_text(result.out_m) + " and " : "") +
          "found no other way";
 }
 
@@ -123,6 +123,18 @@ std::vector<std::string> not_found_notes(const Voxmap& scene, const Plan& plan) 
                     ": after " + straight_text(farthest) + ", " +
                     (name.empty() ? "the scene" : name) +
                     (farthest.clearance_m > 0 ? " is nearer than required" : " is in the way"));
+  }
+  constexpr std::size_t kAllWays = 6;
+  const bool is_any = !plan.search.straight.empty();
+  for (std::size_t n = 0; is_any && n < kAllWays; ++n) {
+    glm::dvec3 direction(0);
+    direction[static_cast<int>(n / 2)] = n % 2 == 0 ? 1 : -1;
+    const auto way = std::ranges::find(plan.search.straight, direction, &StraightWay::direction);
+    const bool is_known = way != plan.search.straight.end();
+    if (is_known && (std::isfinite(way->blocked_at_m) || way->clearance_m > 0)) continue;
+    notes.push_back("straight along " + axis_text(direction) +
+                    (is_known ? " nothing was seen in the way, but no proof was found"
+                              : " nothing was looked for, because the time was over"));
   }
   for (const StraightWay& way : plan.search.straight) {
     if (!(way.clearance_m > 0 && std::isfinite(way.clearance_m))) continue;

@@ -246,7 +246,9 @@ Surface only(const Surface& surface, std::span<const std::uint32_t> objects) {
   if (surface.deviations_m.empty()) return chosen;
   chosen.deviation_m = 0;
   for (const std::uint32_t object : objects) {
-    chosen.deviation_m = std::max(chosen.deviation_m, surface.deviations_m[object - 1]);
+    // 0 is no object: voxels name none, deep in a solid.
+    chosen.deviation_m = std::max(
+        chosen.deviation_m, object == 0 ? surface.deviation_m : surface.deviations_m[object - 1]);
   }
   return chosen;
 }
