@@ -16,8 +16,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactNearest, from_s, to_s, clearance_m, near
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactStop, stage, object, settled_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactRule, required_m, ignored)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExactAnswer, clearance_m, margin_m, smallest, violations, seat,
-                                   seated, beyond, beyond_clearance_m, enclosed_by, moments, stop,
-                                   rules, warnings)
+                                   seated, beyond, beyond_clearance_m, enclosed_by,
+                                   ends_beyond_scene, moments, stop, rules, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenMoment, time_s, min_m, max_m, seated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProvenStretch, from_s, to_s, proven_m, too_near, seated)
 

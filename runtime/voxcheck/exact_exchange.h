@@ -151,6 +151,9 @@ struct ExactAnswer {
   double beyond_clearance_m = 0;  // and what it is at least
   // The object with a closed surface all around the part where the path begins; at most one.
   std::vector<std::uint32_t> enclosed_by;
+  // Whether the path ends where the part is beyond the whole scene, along an axis of the world or
+  // in the direction in which the path ends.
+  bool ends_beyond_scene = false;
   std::uint64_t moments = 0;     // at which a distance was measured
   std::vector<ExactStop> stop;   // at most one
   std::vector<ExactRule> rules;  // [objects] of the scene

@@ -380,8 +380,9 @@ std::string hidden_overlap_text(const CheckedPath& checked) {
          " is not ruled out, because triangles stand for curved surfaces";
 }
 
-// Whether the part ends, in part, within the box around the scene's surfaces.
+// Whether the part ends, in part, within the box around the scene's surfaces, and not beyond them.
 bool ends_in_scene_box(const CheckedPath& checked) {
+  if (checked.exact != nullptr) return !checked.exact->ends_beyond_scene;
   const auto& h = checked.scene.header();
   const PshellView& shell = checked.part.view();
   const Pose end = checked.path.world_from_center({checked.path.poses() - 1, 0});

@@ -82,6 +82,31 @@ bool is_inside(const Voxmap& voxmap, const Pshell& shell, const Pose& world_from
   return false;
 }
 
+// ExactAnswer::ends_beyond_scene.
+bool ends_beyond(const clearance::CenterPath& path, const Surface& scene, const Surface& part) {
+  const Pose end = path.world_from_center({path.poses() - 1, 0});
+  std::vector<glm::dvec3> directions;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) directions.emplace_back(0)[axis] = sign;
+  }
+  for (std::size_t pose = path.poses() - 1; pose-- > 0;) {
+    const glm::dvec3 way_m = end.position_m - path.world_from_center({pose, 0}).position_m;
+    if (glm::length(way_m) == 0) continue;
+    directions.push_back(glm::normalize(way_m));
+    break;
+  }
+  return std::ranges::any_of(directions, [&](const glm::dvec3& direction) {
+    double of_scene_m = -INFINITY, of_part_m = INFINITY;
+    for (const glm::dvec3& v : scene.vertices_m) {
+      of_scene_m = std::max(of_scene_m, glm::dot(direction, v));
+    }
+    for (const glm::dvec3& v : part.vertices_m) {
+      of_part_m = std::min(of_part_m, glm::dot(direction, end.position_m + end.orientation * v));
+    }
+    return of_part_m >= of_scene_m;
+  });
+}
+
 class ExactCheck {
  public:
   ExactCheck(const ExactRequest& request, const Voxmap& voxmap, const Pshell& shell,
@@ -107,11 +132,13 @@ class ExactCheck {
         seat_(of_seat_, part),
         path_(rows, center_m_, radius_m(part)),
         walk_(path_, everything_, seated_, rounding_m_),
-        leaving_(path_, seat_, seat_, rounding_m_) {}
+        leaving_(path_, seat_, seat_, rounding_m_),
+        ends_beyond_scene_(ends_beyond(path_, scene, part)) {}
 
   Result<ExactAnswer> answer() {
     ExactAnswer answer;
     answer.margin_m = margin_m_;
+    answer.ends_beyond_scene = ends_beyond_scene_;
     answer.beyond.exact_m = voxcheck::kNothingM;
     const Watch watch([this] { return may_go_on(); });
     try {
@@ -890,6 +917,7 @@ class ExactCheck {
   MeshPair seat_;
   clearance::CenterPath path_;
   ExactWalk walk_, leaving_;  // by all objects that count; by those of the seat
+  bool ends_beyond_scene_;
   std::vector<voxcheck::ProvenStretch> stretches_;          // of the request, seats by the meshes
   std::vector<std::array<double, 2>> seated_stretches_;     // from, to
   std::map<std::uint32_t, Box> boxes_;                      // of the objects; empty until asked for
